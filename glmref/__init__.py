@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .audit import CheckFailed, assert_tableau, check
     from .catalogue.lookup import load, names
-    from .engine.outcome import Solution
+    from .engine.outcome import Interrupted, Solution
     from .engine.solve import solve
     from .errors import DataError, ExactnessError, GlmrefError, UsageError
     from .exchange.export import export
@@ -44,7 +44,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "audit": ("CheckFailed", "assert_tableau", "check"),
     "catalogue.lookup": ("load", "names"),
-    "engine.outcome": ("Solution",),
+    "engine.outcome": ("Interrupted", "Solution"),
     "engine.solve": ("solve",),
     "errors": ("DataError", "ExactnessError", "GlmrefError", "UsageError"),
     "exchange.export": ("export",),
@@ -88,6 +88,7 @@ __all__ = [
     "Finding",
     "FinishingMethod",
     "GlmrefError",
+    "Interrupted",
     "PairStartingMethod",
     "PartitionedGLM",
     "Problem",

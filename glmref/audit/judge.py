@@ -12,11 +12,8 @@ from typing import Any
 from ..errors import BudgetError, GlmrefError
 from ..exact import Exact
 from ..prove.kernel import Reach
-from ..system.budget import limited
-from .nearest_method import Library
-from .orders import LARGEST, further, reach
-from .table import Table
-from .wrong_entry import (
+from ..prove.schemes import LARGEST, further, reach
+from ..prove.wrong_entry import (
     Trial,
     abscissa,
     beside_weights,
@@ -29,6 +26,9 @@ from .wrong_entry import (
     mirrored,
     vector,
 )
+from ..system.budget import limited
+from .nearest_method import Library
+from .table import Table
 
 #: Seconds of processor time for one table.
 SECONDS = 120.0

@@ -1,4 +1,4 @@
-"""Tables in plain JSON and CSV, with the keys of :mod:`~.check`."""
+"""Tables in plain JSON and CSV, in the plain dialect of :mod:`glmref.catalogue.plain`."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from ..catalogue.strict_json import unique
+from ..catalogue.claims import EMBEDDED_ORDER, ORDER, PlainClaims
+from ..catalogue.keys import BLOCKS
+from ..catalogue.reader import load_document
+from ..catalogue.strict_json import Double, unique
 from ..errors import DataError, GlmrefError
 from ..exact import Exact
-from ..exact.expression import parse
-from .check import KEYS
-from .numbers import Double, rational_text
-from .table import Rows, Table
-from .values import Number, Unread, literal
+from ..prove.wrong_entry import entry_of, tableau
+from .table import Table
+from .values import Number, Unread
+
+#: One of these makes an object a table.
+_KEYS = frozenset().union(*BLOCKS.values(), ["order", "digits"])
 
 
 def from_json(text: str) -> Iterator[Table]:
@@ -37,7 +41,7 @@ def from_json(text: str) -> Iterator[Table]:
         where = getattr(error, "lineno", 1)
         yield Table("", where, unread=f"the file is no JSON ({str(error).splitlines()[0]})")
         return
-    if isinstance(document, dict) and not document.keys() & KEYS - {"name"}:
+    if isinstance(document, dict) and not document.keys() & _KEYS:
         given = [{"name": name, **x} if isinstance(x, dict) else x for name, x in document.items()]
     else:
         given = document if isinstance(document, list) else [document]
@@ -105,103 +109,46 @@ def _table(document: Any, name: str, line: int) -> Table:
             raise Unread("an object with A and b is expected")
         return _read(document, name, line)
     except (Unread, GlmrefError) as error:
-        return Table(name, line, unread=str(error))
+        said = str(error).removeprefix("tableau: ")
+        return Table(name, line, unread=said)
 
 
 def _read(document: Mapping[str, Any], name: str, line: int) -> Table:
-    unknown = [x for x in document if x not in KEYS]
-    if unknown:
-        raise Unread(f"the key {unknown[0]!r} is not known")
+    """Read a document in the plain dialect; its decimals are taken as they are written."""
+    method = load_document({k: x for k, x in document.items() if k != "digits"}, where="tableau")
     for key in ("dense", "w_order"):
         if key in document:
             raise Unread(f"the key {key!r} is read by `glmref check` only")
-    table = Table(name, line, order=_whole(document.get("order")))
-    if "parts" in document:
-        parts = document["parts"]
-        if not (isinstance(parts, list) and parts and all(isinstance(x, dict) for x in parts)):
-            raise Unread("`parts` must be a list of methods with A and b")
-        table.kind = "additive"
-    elif "alpha" in document or "gamma" in document:
-        table.kind, parts = "rosenbrock", [{**document, "A": document.get("alpha")}]
-    else:
-        table.kind, parts = "nystrom" if "b_prime" in document else "rk", [document]
-    s = 0
-    for k, part in enumerate(parts):
-        b = _vector(part, "b", s)
-        s = len(b)
-        table.A.append(_square(part, "A", s))
-        table.b.append(b)
-        c = part if "c" in part else document
-        table.c.append(_vector(c, "c", s) if "c" in c else None)
-        if table.kind == "additive" and "order" in part:
-            raise Unread(f"the order of part {k + 1} is read by `glmref check` only")
-    if table.kind == "rosenbrock":
-        table.A.append(_square(document, "gamma", s))
-    if table.kind == "nystrom":
-        table.b.append(_vector(document, "b_prime", s))
-        if "A_prime" in document:
-            table.A.append(_square(document, "A_prime", s))
-        if table.c == [None]:
-            raise Unread("a Nystrom method needs c")
-        if "embedded" in document:
-            raise Unread("embedded rows of a Nystrom method are read by `glmref check` only")
-    _embedded(document.get("embedded"), table)
+    claims = method.claims
+    assert isinstance(claims, PlainClaims)
+    if any(x.claim == "part" for x in claims.said):
+        raise Unread("the order of a part is read by `glmref check` only")
+    orders = {(x.claim, x.number): x.order for x in claims.said}
+    found = tableau(method, orders.get((ORDER.key, 0)), claims.times)
+    if found is None:
+        kind = (method.document or {}).get("class")
+        raise Unread(f"a table of class {kind!r} is read by `glmref check` only")
+    if found.kind == "nystrom" and method.embedded:
+        raise Unread("embedded rows of a Nystrom method are read by `glmref check` only")
+    table = Table(name, line, found.kind, _numbers(found.A), _numbers(found.b), _numbers(found.c),
+                  found.order)  # fmt: skip
+    s = len(table.b[0])
+    for k, row in enumerate(method.embedded, 1):
+        weights = _numbers([entry_of(_exact(x)) for x in row.weights[0][:s]])
+        if row.difference:
+            table.errors.append(weights)
+            weights = [p.of(p.value - q.value, q) for p, q in zip(table.b[0], weights, strict=True)]
+        table.rows.append((f"embedded[{k}]", weights, orders.get((EMBEDDED_ORDER.key, k))))
     return table
 
 
-def _embedded(given: Any, table: Table) -> None:
-    if given is None:
-        return
-    if not isinstance(given, list) or (len(given) == 2 and isinstance(given[1], int)):
-        given = [given]
-    s = len(table.b[0])
-    for k, x in enumerate(given, 1):
-        if isinstance(x, list) and len(x) == 2 and isinstance(x[0], list):
-            x = {"b": x[0], "order": x[1]}
-        if not isinstance(x, dict) or ("b" in x) == ("error" in x):
-            raise Unread(f"embedded[{k}] needs either b or error, and an order")
-        row = _vector(x, "b" if "b" in x else "error", s)
-        if "error" in x:
-            table.errors.append(row)
-            row = [p.of(p.value - q.value, q) for p, q in zip(table.b[0], row, strict=True)]
-        table.rows.append((f"embedded[{k}]", row, _whole(x.get("order"))))
-
-
-def _whole(x: Any) -> int | None:
-    if x is not None and (not isinstance(x, int) or isinstance(x, bool) or not 1 <= x <= 100):
-        raise Unread(f"an order must be a whole number from 1 to 100, got {str(x)[:40]!r}")
+def _exact(x: Any) -> Exact:
+    if not isinstance(x, Exact):
+        raise Unread("an entry is no exact number")
     return x
 
 
-def _vector(document: Mapping[str, Any], key: str, s: int = 0) -> list[Number]:
-    given = document.get(key)
-    if not isinstance(given, list) or not given:
-        raise Unread(f"`{key}` must be a list of numbers")
-    row = [_number(x, key) for x in given]
-    if s and len(row) != s:
-        raise Unread(f"`{key}` has {len(row)} entries, and {s} are expected")
-    return row
-
-
-def _square(document: Mapping[str, Any], key: str, s: int) -> Rows:
-    given = document.get(key)
-    if not isinstance(given, list) or len(given) != s:
-        raise Unread(f"`{key}` must have {s} rows, as b has {s} entries")
-    return [_vector({key: row}, key, s) for row in given]
-
-
-def _number(x: Any, key: str) -> Number:
-    """An entry: a number as it is written, or an expression in a string."""
-    if isinstance(x, Double):
-        return literal(x.text)
-    if isinstance(x, int) and not isinstance(x, bool):
-        return Number(Exact(x))
-    if not isinstance(x, str):
-        raise Unread(f"`{key}` holds {str(x)[:40]!r}, which is no number")
-    try:
-        return literal(x.strip())
-    except Unread:
-        value = parse(rational_text(x))
-    if not isinstance(value, Exact):
-        raise Unread(f"`{key}` holds {x[:40]!r}, which is no exact number")
-    return Number(value)
+def _numbers(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_numbers(x) for x in value]
+    return value and Number(value.value, value.places)

@@ -16,10 +16,9 @@ from typing import Any
 
 from ..errors import ExactnessError
 from ..exact import Exact
+from ..exact.decimals import is_rounded
 from ..system.budget import spend
 
-#: A decimal with at most this many digits after the point means what it says.
-SHORT = 11
 _NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?")
 _MOST_DIGITS = 2000  # of a number as it is written
 _MOST_SIZE = 40_000  # digits of what is computed from numbers, as estimated
@@ -71,7 +70,7 @@ def literal(text: str) -> Number:
     mantissa, _, power = text.lower().partition("e")
     places = max(0, len(mantissa.partition(".")[2]) - int(power or 0))
     size = len(mantissa) + abs(int(power or 0))
-    exact = "." not in text or places <= SHORT
+    exact = "." not in text or not is_rounded(places)
     return Number(Exact(Fraction(text)), None if exact else places, size)
 
 

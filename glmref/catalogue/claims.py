@@ -516,3 +516,33 @@ def stated_orders(claims: Mapping[str, Any]) -> dict[str, int]:
     found = {name: order for name, (order, _) in claims.get(ORDER_TO_DIGITS.key, {}).items()}
     found |= claims.get(EMBEDDED_ORDER.key, {})
     return found if ORDER.key not in claims else {**found, SOLUTION: claims[ORDER.key]}
+
+
+@dataclass(frozen=True)
+class Said:
+    """One thing that the owner of a tableau says of it."""
+
+    #: The key of the claim, or ``part`` for the order of a part.
+    claim: str
+    #: At least; of a difference 0.
+    order: int
+    #: Number of the row or of the part, from 1.
+    number: int = 0
+
+
+class PlainClaims(dict[str, Any]):
+    """Claims of a plain document.
+
+    Attributes
+    ----------
+    said : tuple of Said
+        The orders, each the least that the method has.
+    name : str
+        What the owner calls the method.
+    times : tuple or None
+        Of an additive method where each part is evaluated in time, as it is given.
+    """
+
+    said: tuple[Said, ...] = ()
+    name: str = ""
+    times: tuple[Any, ...] | None = None

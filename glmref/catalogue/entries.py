@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ..errors import DataError, ExactnessError
-from ..exact import Scalar
+from ..exact import Ball, Exact, Scalar
 from ..exact.expression import Weight, parse, rational, weigh
 from ..exact.linalg import Matrix, Vector
 from ..system.budget import spend
@@ -102,7 +102,9 @@ class Entries:
                 )
 
     def scalar(self, text: object, where: str) -> Scalar:
-        """Read one entry."""
+        """Read one entry; one that is a number already is of a document made in Python."""
+        if isinstance(text, Exact | Ball):
+            return text
         if not isinstance(text, str):
             raise self.error(
                 f"`{where}` must be a string such as '1/2', got {shown(text)}; quote the number"

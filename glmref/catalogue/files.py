@@ -6,11 +6,15 @@ import os
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from ..errors import DataError, UsageError, did_you_mean
-from .strict_json import read_json, shown
+from ..system.files import read_text
+from .keys import is_plain
+from .strict_json import MAX_BYTES, Double, parse_json, read_json, shown
+from .strict_toml import loads
 
+EXAMPLE = 'write {"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}'
 FOLDERS = ("methods", "broken")
 
 
@@ -108,6 +112,8 @@ def _kind(path: Path) -> str:
         return "file"
     if path.is_dir():
         return "a folder"
+    if path.is_fifo():
+        return "a named pipe"
     return "not a regular file" if path.exists() else "no file"
 
 
@@ -116,9 +122,40 @@ def _reason(error: OSError | ValueError) -> str:
 
 
 def document(name: str | Path) -> dict[str, Any]:
-    """Return the JSON document of a method file, checked for syntax only."""
+    """Return the document of a method file, checked for syntax only.
+
+    A file of the format is strict JSON; one in the plain dialect may be TOML and have floats.
+    """
     path = path_of(name)
-    value = read_json(path)
+    if path.suffix == ".toml":
+        return plain_document(read_text(path, MAX_BYTES), path.name)
+    value = parse_json(read_text(path, MAX_BYTES), path.name, Double)
     if not isinstance(value, dict):
         raise DataError(f"{path.name}: a method file must hold one JSON object, got {shown(value)}")
+    return value if is_plain(value) else cast("dict[str, Any]", read_json(path))
+
+
+def plain_document(text: str, where: str) -> dict[str, Any]:
+    """Return the document in a text of JSON or TOML, whatever its dialect.
+
+    Raises
+    ------
+    DataError
+        For a text that is neither, or holds no object.
+    """
+    text = text.removeprefix("\ufeff")  # a mark that some shells and editors write first
+    if not text.strip():
+        raise DataError(f"{where} is empty; {EXAMPLE}")
+    if text.lstrip()[:1] in "{[" and not where.endswith(".toml"):
+        value = parse_json(text, where, Double)
+    else:
+        try:
+            value = loads(text, parse_float=Double)
+        except (ValueError, RecursionError) as error:
+            said = str(error).splitlines()[0] if str(error) else "brackets nested too deep"
+            raise DataError(
+                f"{where} is neither a JSON object nor TOML ({said}); {EXAMPLE}"
+            ) from None
+    if not isinstance(value, dict):
+        raise DataError(f"{where} must hold one object with A and b")
     return value

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from .claims import CLAIMS
+from .claims import CLAIMS, PlainClaims
 from .strict_json import shown
 
 FORMAT = "glmref-method-1"
@@ -72,6 +72,16 @@ def bare(doc: Mapping[str, Any]) -> bool:
     return doc.get("claims", {}) == {} and "broken" not in doc
 
 
+def is_plain(document: Mapping[str, Any]) -> bool:
+    """Return whether a document is in the plain dialect."""
+    return "format" not in document and "broken" not in document
+
+
+def name_of(text: str) -> str:
+    """Return the name of a method that is made of the name of its file, or of any text."""
+    return re.sub(r"[^a-z0-9.-]+", "-", text.lower()).lstrip(".-")[:100]
+
+
 def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
     """Fill in what a tableau without claims may leave out.
 
@@ -88,9 +98,13 @@ def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
         The document with ``format``, ``name``, ``class``, ``claims`` and ``source``. ``class`` is
         still missing where the keys do not tell it.
     """
-    stem = re.sub(r"[^a-z0-9.-]+", "-", where.removesuffix(".json").lower()).lstrip(".-")
     form = FORMATS[bool(doc.keys() & SECOND or str(doc.get("class")) in SECOND)]
-    given = {"format": form, "name": stem[:100] or "unnamed", "claims": {}, "source": {}}
+    given = {
+        "format": form,
+        "name": name_of(where.removesuffix(".json")) or "unnamed",
+        "claims": {},
+        "source": {},
+    }
     kind = class_of_keys(doc)
     if kind:
         given["class"] = kind
@@ -161,7 +175,7 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
     equations = enclosure.get("equations", [])
     if not isinstance(equations, list) or not all(isinstance(x, str) for x in equations):
         return f"`enclosure.equations` must be a list of strings, got {shown(equations)}"
-    if bare(doc) and doc["source"] == {}:
+    if doc["source"] == {} and (bare(doc) or isinstance(doc["claims"], PlainClaims)):
         return ""
     return _fault_of_broken(doc) or _fault_of_source(doc["source"])
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BudgetError, DataError, UsageError
+from ..exact.linalg import row_sums
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.budget import READING, limited
 from .files import data_root, document, is_broken, names, path_of
@@ -38,7 +39,17 @@ def load(name: str | Path) -> GLM | PartitionedGLM | AdditiveGLM:
     DataError
         For a file that is not what it must be.
     """
-    return read_method(path_of(name))[1]
+    path = path_of(name)
+    method = read_method(path)[1]
+    times = getattr(method.claims, "times", None)
+    for n, c in enumerate(times or (), 1):
+        sums = row_sums(method.components[n - 1].A)
+        if c is not None and any((x - y).is_zero() is False for x, y in zip(sums, c, strict=True)):
+            raise DataError(
+                f"{path.name}: `parts[{n}].c` is not A 1; `glmref check` judges its order, other "
+                f"commands take additive methods with c = A 1"
+            )
+    return method
 
 
 def method_of(given: Any) -> GLM | PartitionedGLM | AdditiveGLM:

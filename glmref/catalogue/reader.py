@@ -30,7 +30,7 @@ from ..method import (
 from ..method.additive import MAX_PARTS
 from ..method.embedded import EmbeddedRow
 from ..method.preconsistency import output
-from .claims import SIZE, SOLUTION
+from .claims import SIZE, SOLUTION, PlainClaims
 from .entries import Entries
 from .files import document, names
 from .keys import (
@@ -45,25 +45,32 @@ from .keys import (
     bare,
     completed,
     fault_of_texts,
+    is_plain,
     needed_keys,
     of_second,
     without_meaning,
 )
+from .plain import normalised
 from .strict_json import shown
 
 
 def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
     """Turn a method document into a method, checking everything on the way.
 
-    A document without claims may be a bare tableau: ``format``, ``name``, ``class`` and ``source``
-    may be missing, and the class is told from the keys.
+    A document without ``format`` is in the plain dialect (:mod:`.plain`). One that makes no claims
+    may leave out ``name``, ``class`` and ``source``; the class is told from the keys.
 
     Raises
     ------
     DataError
         For anything that is not as the format asks.
     """
-    if isinstance(doc, Mapping) and bare(doc):
+    if isinstance(doc, Mapping) and is_plain(doc):
+        try:
+            doc, _ = normalised(doc, where)
+        except DataError as error:
+            raise DataError(f"{where}: {error}") from None
+    elif isinstance(doc, Mapping) and bare(doc):
         doc = completed(doc, where)
     return _Reader(doc, where).method()
 
@@ -498,7 +505,14 @@ class _Reader(Entries):
                 kinds = {bool: "true or false", list: "a list of strings", dict: "orders by name"}
                 kind = kinds.get(wanted, "a string")
                 raise self.error(f"the claim {key!r} must be {kind}, got {shown(value)}")
-        return {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
+        found = {key: self._claimed(value, f"claims.{key}") for key, value in claims.items()}
+        if not isinstance(claims, PlainClaims):
+            return found
+        plain = PlainClaims(found)
+        plain.said, plain.name = claims.said, claims.name
+        if claims.times is not None:
+            plain.times = tuple(x and self.vector(x, "c") for x in claims.times)
+        return plain
 
     def _claimed(self, value: Any, where: str) -> Any:
         """Attach their values to the expressions of a claim."""

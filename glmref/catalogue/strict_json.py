@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,18 @@ _WIDEST = 200  # letters of a list or an object that is written on one line
 # a string without its closing quote counts as one too: else its search would be quadratic
 _STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 _BRACKET = re.compile(r"[\[\]{}]")
+
+
+class Double(float):
+    """A number with a point from JSON or TOML, which remembers how it was written."""
+
+    text: str
+
+    def __new__(cls, text: str) -> Double:
+        """Read the text as Python does."""
+        self = super().__new__(cls, text)
+        self.text = text
+        return self
 
 
 def write_json(path: Path, document: object) -> None:
@@ -64,8 +76,21 @@ def read_json(path: Path) -> Any:
     DataError
         Naming the file, the place and the remedy.
     """
-    name = path.name
-    text = read_text(path, MAX_BYTES)
+    return parse_json(read_text(path, MAX_BYTES), path.name)
+
+
+def parse_json(text: str, name: str, parse_float: Callable[[str], Any] | None = None) -> Any:
+    """Parse JSON as :func:`read_json` does.
+
+    Parameters
+    ----------
+    text : str
+        The document.
+    name : str
+        What it is called in messages.
+    parse_float : callable, optional
+        Makes a value of a number with a point; without it such a number is refused.
+    """
     if text.startswith("\ufeff"):
         raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")
     if _too_deep(text):
@@ -73,7 +98,8 @@ def read_json(path: Path) -> Any:
     try:
         return json.loads(
             text,
-            parse_float=lambda x: _refuse(name, f"the number {shown(x)[1:-1]} is a float", x),
+            parse_float=parse_float
+            or (lambda x: _refuse(name, f"the number {shown(x)[1:-1]} is a float", x)),
             parse_constant=lambda x: _refuse(name, f"{x} is not a number JSON allows", "0"),
             parse_int=lambda x: _integer(name, x),
             object_pairs_hook=lambda pairs: unique(pairs, f"{name}: "),

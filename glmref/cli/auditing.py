@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
 from ..catalogue import canonical
-from ..errors import BudgetError, DataError, UsageError
-from ..findings import Verdict
-from ..views.tables import counted, json_text, one_line, plain
-from .output import FAILED, HOLDS, INTERNAL, Word, complain, format_option, on_option, say
+from ..errors import BudgetError, UsageError
+from ..findings import Finding, Verdict
+from ..views.tables import counted, findings_json, one_line, plain
+from .output import (
+    FAILED,
+    HOLDS,
+    INTERNAL,
+    Word,
+    complain,
+    complete_method,
+    format_option,
+    on_option,
+    say,
+)
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
@@ -22,12 +32,9 @@ READ = (
     *("principia", "gsl", "odeint"),
 )
 
-_EXAMPLE = 'write {"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}'
-_MOST_TEXT = 20_000_000  # characters of a document
-
 
 @click.command(short_help="Check a plain tableau: JSON or TOML from a file or a pipe.")
-@click.argument("file", metavar="FILE|-")
+@click.argument("file", metavar="NAME|FILE|-", shell_complete=complete_method)
 @click.option(
     "--order",
     type=click.IntRange(1, 100),
@@ -36,42 +43,30 @@ _MOST_TEXT = 20_000_000  # characters of a document
 )
 @click.option(
     "--digits",
-    type=click.IntRange(1, 300),
+    type=click.IntRange(1, 150),
     metavar="N",
     help="Digits after the point to which its decimals are known; default: its key.",
 )
 @format_option(("table", "json"))
 def check(file: str, order: int | None, digits: int | None, form: str) -> int:
-    """Check a tableau against its claimed orders.
+    """Check a tableau against its claimed orders, as `glmref verify` does, in words.
 
     FILE holds {"A": .., "b": .., "order": ..} in JSON or TOML, - stands for the standard input; the
-    documentation lists the other keys (c, embedded, parts, b_prime, alpha, gamma, dense). A number
-    with a point is the binary fraction that a program takes it for; "1/10" is exact.
+    documentation lists the other keys (c, embedded, parts, b_prime, alpha, gamma, dense, ..). A
+    decimal of up to 11 digits is exact; with more it is a rounded number, known to its digits.
     """
-    from ..audit.check import examine, sentence
-    from ..findings import Finding
-    from ..system.budget import PROVING, limited
-    from ..system.process import Say, apart
+    from ..audit.check import sentence
 
-    document = _document(file)
-    document |= {
+    more = {
         key: value for key, value in (("order", order), ("digits", digits)) if value is not None
     }
-
-    def program(tell: Say) -> None:
-        with limited(PROVING):
-            tell([x.as_json() for x in examine(document)], None)
-
     try:
-        said = apart(program, PROVING)
-        if not said.messages:
-            raise said.error(PROVING)
+        findings = _findings(file, more)
     except BudgetError as error:
         complain(f"{file}: {error}, and nothing was decided")
         return INTERNAL
-    findings = [Finding.from_json(x) for x in said.messages[0]]
     if form == "json":
-        say(json_text([x.as_json() for x in findings]))
+        say(findings_json(findings))
     else:
         for x in findings:
             say(one_line(sentence(x), limit=2000))
@@ -81,54 +76,47 @@ def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     return INTERNAL if Verdict.OPEN in verdicts else HOLDS
 
 
-def _text(file: str) -> str:
-    try:
-        if file == "-":
-            return sys.stdin.read(_MOST_TEXT + 1)
-        # a pipe of the shell has no name; one that has may have no writer, and opening it waits
-        if Path(os.path.realpath(file)).is_fifo():
-            raise UsageError(f"{file} is a named pipe; give a file, or - for the standard input")
-        with Path(file).open(encoding="utf-8") as source:
-            return source.read(_MOST_TEXT + 1)
-    except UnicodeDecodeError:
-        raise UsageError(f"{file} is not UTF-8 text, which a tableau is") from None
-    except OSError as error:
-        raise UsageError(f"{file} cannot be read ({error.strerror})") from None
+def _stream(file: str) -> TextIO | None:
+    """Return the standard input or a pipe of the shell, ``None`` for a file, or what is none.
+
+    A pipe of the shell has no name; one that has may have no writer, and opening it waits.
+    """
+    if file == "-":
+        return sys.stdin
+    path = Path(file)
+    if path.is_file() or path.is_dir() or not path.exists() or path.resolve().is_fifo():
+        return None
+    return path.open(encoding="utf-8", errors="replace")
 
 
-def _parsed(text: str) -> Any:
-    """JSON, or TOML where it is none; what begins as an object of JSON is meant as one."""
-    import json
+def _findings(file: str, more: Mapping[str, Any]) -> list[Finding]:
+    """Findings about a file or a pipe, decided in a process of its own."""
+    from ..audit.check import examine
+    from ..catalogue.files import document, plain_document
+    from ..catalogue.keys import is_plain
+    from ..catalogue.strict_json import MAX_BYTES
+    from ..prove.verifier import verify_file
+    from ..system.budget import PROVING, limited
+    from ..system.process import Say, apart
 
-    from ..audit.numbers import Double
-    from ..catalogue.strict_json import unique
-    from ..catalogue.strict_toml import loads
+    name = "the standard input" if file == "-" else Path(file).name
+    stream = _stream(file)
+    given = document(file) if stream is None else plain_document(stream.read(MAX_BYTES + 1), name)
+    plain = is_plain(given)
+    if more and not plain:
+        raise UsageError(f"--{next(iter(more))} is for a plain tableau, and {name} has a format")
+    if not plain and stream is not None:
+        raise UsageError("a method file is read by its name; the standard input is for a tableau")
 
-    try:
-        return json.loads(text, parse_float=Double, object_pairs_hook=unique)
-    except ValueError:
-        if text.lstrip().startswith("{"):
-            raise
-    return loads(text, parse_float=Double)
+    def program(tell: Say) -> None:
+        with limited(PROVING):
+            found = examine({**given, **more}, name) if plain else verify_file(file)
+            tell([x.as_json() for x in found], None)
 
-
-def _document(file: str) -> dict[str, Any]:
-    text = _text(file).removeprefix("\ufeff")  # a mark that some shells and editors write first
-    where = "the standard input" if file == "-" else file
-    if not text.strip():
-        raise DataError(f"{where} is empty; {_EXAMPLE}")
-    if len(text) > _MOST_TEXT:
-        raise DataError(f"{where} has more than {_MOST_TEXT} characters, which no tableau has")
-    try:
-        document = _parsed(text)
-    except (ValueError, RecursionError) as error:
-        shown = str(error).splitlines()[0] if str(error) else "brackets nested too deep"
-        raise DataError(
-            f"{where} is neither a JSON object nor TOML ({shown}); {_EXAMPLE}"
-        ) from None
-    if not isinstance(document, dict):
-        raise DataError(f"{where} must hold one object with A and b")
-    return document
+    said = apart(program, PROVING)
+    if not said.messages:
+        raise said.error(PROVING)
+    return [Finding.from_json(x) for x in said.messages[0]]
 
 
 @click.command(short_help="Check all tableaux in the sources of a code.")

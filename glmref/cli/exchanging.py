@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,6 +20,18 @@ TARGETS = (
 )
 READ = ("json", "csv", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl")
 
+
+class _Target(Word):
+    """A target by any of its names, in capitals or not."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the target."""
+        from ..exchange.export import ALIASES
+
+        word = str(value).lower()
+        return super().convert(ALIASES.get(word, word), param, ctx)
+
+
 _output = click.option(
     "--output",
     type=click.Path(path_type=Path),
@@ -29,7 +42,7 @@ _output = click.option(
 
 @click.command(short_help="Write a method as source code or as another package's table.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
-@click.option("--to", "target", type=Word(TARGETS), required=True, help="What to write.")
+@click.option("--to", "target", type=_Target(TARGETS), required=True, help="What to write.")
 @click.option(
     "--digits",
     type=click.IntRange(1, 150),

@@ -87,9 +87,12 @@ def _decided(
             say(f.as_json(), None)
 
     said = apart(program, READING)
-    found = {row["claim"]: Finding.from_json(row) for row in said.messages}
+    found: dict[str, Finding] = {}
+    for row in said.messages:  # in the order in which they were decided
+        found.pop(row["claim"], None)
+        found[row["claim"]] = Finding.from_json(row)
     if not said.ended:
-        return [*found.values()]
+        return [x for x in found.values() if not _pending(x)]
     if not found:
         raise unread(path, said)
     error = said.error(seconds)

@@ -232,7 +232,7 @@ def _compiled_around(
             given = plain(function)
             jitted = hasattr(given, "py_func")
             own[f"own_{name}"] = given if jitted else numba.njit(error_model="numpy")(given)
-        with saying(f"compiling {names or 'a kernel'} ..."):
+        with saying(f"compiling {names or 'a kernel'} with numba, which takes seconds, once ..."):
             kept = None if key is None else _kept_around(signature, called + source, fuse, own, key)
             if kept is not None:
                 return Built(kept["kernel"], "numba", functions={k: kept[k] for k in functions})

@@ -48,6 +48,7 @@ class Inspection:
     engine: Stepper
     notices: list[str] = field(default_factory=list)  #: Sentences for the solution.
     seen: list[_Seen] = field(default_factory=list)
+    interrupted: bool = False  #: Whether Ctrl-C came during the calls after the run.
 
     def afterwards(self, t: Any, y: np.ndarray) -> list[str]:
         """Call every function again at the start, and twice at the end (t, y) of the run.
@@ -62,6 +63,7 @@ class Inspection:
             for one in self.seen:
                 found += [x for x in self._again(one, t, y) if x not in found]
         except KeyboardInterrupt:  # the run itself is over, and its solution is good
+            self.interrupted = True
             found.append("the calls of the functions after the run were interrupted")
         return found
 

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
-from typing import Any
+from io import BytesIO
+from pathlib import Path
+from typing import Any, ClassVar
+from zipfile import BadZipFile
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..problems.user import FunctionFailed, NoValue
+from ..system.arguments import place, shown
+from ..system.files import write_bytes
 from ..system.shown import Drawing, Shown, above
 
 LARGEST_EXPONENT = 65536
@@ -19,6 +25,20 @@ LARGEST_EXPONENT = 65536
 
 class StartFailed(UsageError):
     """A start or finish whose equations could not be solved, or whose values are not finite."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a run.
+
+    Attributes
+    ----------
+    solution : Solution or EnsembleSolution
+        What was computed before; its outcome is ``cancelled``.
+    """
+
+    def __init__(self, solution: Any) -> None:
+        super().__init__(getattr(solution, "message", "interrupted"))
+        self.solution = solution
 
 
 class Outcome(StrEnum):
@@ -114,6 +134,11 @@ class Solution(Shown):
         Sentences worth knowing, such as a fallback that was taken.
     renewals : int
         How often the values were made anew, see ``renew`` of :func:`glmref.solve`.
+    names : tuple[str, ...]
+        (d,) names of the components, such as ``q`` and ``p`` where H names them.
+    origin : Any
+        Problem and method, from which :meth:`at` and plots of the energy compute; ``None`` of a
+        solution that was loaded from a file or comes from another process.
     """
 
     t: np.ndarray
@@ -137,6 +162,104 @@ class Solution(Shown):
     kernel: str
     notices: tuple[str, ...] = ()
     renewals: int = 0
+    names: tuple[str, ...] = ()
+    origin: Any = field(default=None, compare=False)
+
+    _ARRAYS: ClassVar = ("t", "y", "values", "history")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the functions of the problem behind: they need not be of a kind that can go."""
+        return {**self.__dict__, "origin": None}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return the values (m,) of a component, or (m, n) of the list of components of a name.
+
+        Raises
+        ------
+        UsageError
+            Where no component has the name.
+        """
+        if name in self.names:
+            return self.y[:, self.names.index(name)]
+        of_list = [k for k, x in enumerate(self.names) if x.partition("[")[0] == name]
+        if not of_list:
+            near = did_you_mean(name, self.names, "; ")
+            known = shown(", ".join(self.names), str, 120)
+            raise UsageError(f"no component is called {shown(name)}; they are {known}{near}")
+        return self.y[:, of_list]
+
+    def at(self, t: Any) -> np.ndarray:
+        """Return the solution between the rows that were kept.
+
+        From the last row before t the method takes shorter steps, so that the result has the
+        accuracy of the run. Every time costs a short run: for thousands of times keep more rows.
+
+        Parameters
+        ----------
+        t : float or Sequence[float]
+            Times (m,) within the run, or one.
+
+        Returns
+        -------
+        np.ndarray
+            (m, d), or (d,) for one time.
+
+        Raises
+        ------
+        UsageError
+            For a time outside of the rows, and for a solution without its problem.
+        """
+        return above("engine.between", "at")(self, t)
+
+    def save(self, path: str | Path) -> Path:
+        """Write all arrays and facts to an ``.npz`` file, which :meth:`load` and numpy read.
+
+        Raises
+        ------
+        UsageError
+            For another ending, numbers of mpmath, and where the file cannot be written.
+        """
+        file = place("path", path)
+        if file.suffix != ".npz":
+            name = shown(file.stem, str)
+            raise UsageError(f"a solution is written as .npz; give a name such as {name}.npz")
+        if self.y.dtype == object:
+            raise UsageError("numbers of mpmath are not written; save the texts of solution.y")
+        arrays = {k: x for k in self._ARRAYS if (x := getattr(self, k)) is not None}
+        facts = {
+            x.name: getattr(self, x.name)
+            for x in fields(self)
+            if x.name not in (*self._ARRAYS, "origin")
+        }
+        content = BytesIO()
+        np.savez(content, facts=np.array(json.dumps(facts)), **arrays)
+        write_bytes(file, content.getvalue())
+        return file
+
+    @classmethod
+    def load(cls, path: str | Path) -> Solution:
+        """Read what :meth:`save` wrote; the functions of the problem are not in the file.
+
+        Raises
+        ------
+        UsageError
+            Where the file is missing, or something else.
+        """
+        file = place("path", path)
+        try:
+            with np.load(file, allow_pickle=False) as found:
+                facts = json.loads(str(found["facts"]))
+                arrays = {k: found[k] for k in cls._ARRAYS if k in found}
+            facts["outcome"] = Outcome(facts["outcome"])
+            for key in ("notices", "names"):
+                facts[key] = tuple(facts[key])
+            return cls(**{"history": None, **arrays, **facts})
+        except OSError as error:
+            raise UsageError(f"{shown(str(file), str)} cannot be read: {error.strerror}") from None
+        except (ValueError, KeyError, TypeError, BadZipFile):
+            raise UsageError(
+                f"{shown(str(file), str)} is no solution; give a file that Solution.save wrote"
+            ) from None
 
     def __repr__(self) -> str:
         return (
@@ -145,13 +268,19 @@ class Solution(Shown):
             f"t = {self.t[-1] if len(self.t) else float('nan'):g}>"
         )
 
-    def plot(self, components: Sequence[int] | None = None) -> Drawing:
-        """Draw the components of the solution against time.
+    def plot(self, kind: str = "time", *, components: Sequence[int | str] | None = None) -> Drawing:
+        """Draw the solution.
 
         Parameters
         ----------
-        components : Sequence[int] or None
-            Numbers of the components, from 0; the first six by default.
+        kind : str
+            ``"time"``, the components against time; ``"energy"``, the relative error of the
+            Hamiltonian against time; ``"phase"``, p over q of each coordinate; ``"orbit"``, the
+            path of each body in the plane of its first two coordinates. All but the first are
+            drawn by matplotlib (the extra ``plots``).
+        components : Sequence[int or str] or None
+            Names or numbers of the components, from 0; of a plot against time the first six by
+            default, of an orbit two.
 
         Returns
         -------
@@ -161,9 +290,10 @@ class Solution(Shown):
         Raises
         ------
         UsageError
-            Where fewer than two rows were kept: say ``every`` or ``times``.
+            Where fewer than two rows were kept: say ``every`` or ``times``; where matplotlib is
+            missing; where the problem has no Hamiltonian or no such coordinates.
         """
-        return above("views.plot", "plot")(self, components=components)
+        return above("views.plot", "plot_solution")(self, kind, components)
 
     @property
     def completed(self) -> bool:

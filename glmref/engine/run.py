@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, raised
+from ..problems.user import FunctionFailed, UserFunction, raised
 from .kept import expressed
 from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
@@ -58,6 +58,8 @@ class Run:
         self.marks: list[int] = []
         self.values, self.done = start.values, 0
         self.outcome, self.detail = Outcome.COMPLETED, ""
+        #: Whether Ctrl-C ended the run, and not `cancel`.
+        self.interrupted = False
         self.counts = [0, 0, 0, 0]
         self.seconds = self.build_seconds = 0.0
         self.start_evaluations, self.finish_evaluations = start.evaluations, 0
@@ -182,7 +184,7 @@ class Run:
                 if self._renews(self.done):
                     self.values = self._renewal(self.done, self.values)
         except KeyboardInterrupt:
-            self.outcome = Outcome.CANCELLED
+            self.outcome, self.interrupted = Outcome.CANCELLED, True
         except (ArithmeticError, ValueError) as error:
             # a right-hand side of plain Python numbers raises where an array would hold a NaN
             self.outcome, self.detail = Outcome.NOT_FINITE, f" ({error})"
@@ -252,7 +254,7 @@ class Run:
                 if self._renews(mark):
                     state = self._renewed(kernel, state)
         except KeyboardInterrupt:
-            self.outcome = Outcome.CANCELLED
+            self.outcome, self.interrupted = Outcome.CANCELLED, True
         except RenewalFailed as error:
             self._not_renewed(error)
         self.done, self.values = state.step, kernel.values(state)
@@ -262,9 +264,25 @@ class Run:
         self._back_to_finite_values(kernel, t0)
         if every and self.done == self.plan.steps and self.done % every:
             self._keep(self.done, self.values)
+        if self.outcome is Outcome.NOT_FINITE and state.trouble is None:
+            state.trouble = self._exception()
         if state.trouble is not None:
             failed = self.outcome is Outcome.FUNCTION_FAILED
             self.detail = f": {state.trouble}" if failed else f" ({state.trouble})"
+
+    def _exception(self) -> Exception | None:
+        """Return what a user's function raises in the step that has no finite values.
+
+        A compiled function divides by zero without a word; the same step in Python raises.
+        """
+        if not isinstance(self.problem.f, UserFunction):
+            return None
+        t = float(self.problem.t_span[0]) + self.done * self.h
+        try:
+            self.reference.step(t, self.values, self.h)
+        except (ArithmeticError, ValueError) as error:
+            return error
+        return None
 
     def _back_to_finite_values(self, kernel: Kernel, t0: float) -> None:
         """Give up steps whose values are finite in the basis of the kernel only.
@@ -404,6 +422,7 @@ class Run:
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
                 return self._unfinished(*outcome_of(error), t, y, row)
             except KeyboardInterrupt:
+                self.interrupted = True
                 return self._unfinished(Outcome.CANCELLED, "", t, y, row)
             if not all_finite(y[row]):
                 return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)

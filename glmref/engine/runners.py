@@ -23,7 +23,7 @@ from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remember
 from .lanes import LANE_ARGUMENTS, LaneSource, in_vectors, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT, written_out
-from .outcome import KERNEL_OUTCOMES, Outcome
+from .outcome import KERNEL_OUTCOMES, Interrupted, Outcome
 from .plan import check_arithmetic
 from .solver_choice import choose_solver
 
@@ -178,7 +178,7 @@ class Runner:
         self.load(values)
         begin, rows, done = time.perf_counter(), [], 0
         found = (values, np.zeros(len(values), dtype=int), np.zeros(len(values), dtype=int), 0)
-        times = []
+        times, interrupted = [], False
         try:
             for n in plan.rows:
                 self.advance(done, n)
@@ -189,7 +189,7 @@ class Runner:
                 rows.append(self.engine.solution(found[0]).copy())
                 times.append(n)
         except KeyboardInterrupt:
-            self.cancelled = True
+            self.cancelled = interrupted = True
         if not rows or self.cancelled:
             rows.append(self.engine.solution(found[0]).copy())
             times.append(int(found[2].min()))
@@ -198,12 +198,15 @@ class Runner:
         outcomes = np.array([KERNEL_OUTCOMES[int(code)] for code in codes], dtype=object)
         if self.cancelled:
             outcomes[(codes == 0) & (steps < plan.steps)] = Outcome.CANCELLED
-        return EnsembleSolution(
+        found = EnsembleSolution(
             t=self.t0 + self.h * np.array(times, dtype=float), y=np.stack(rows), outcomes=outcomes,
             steps=steps, values=last, evaluations=evaluations + spent, seconds=seconds,
             build_seconds=self.build_seconds, width=self.width, threads=self.threads,
             kernel=self.description, notices=tuple(self.notices),
         )  # fmt: skip
+        if interrupted:
+            raise Interrupted(found)
+        return found
 
 
 class Lanes(Runner):

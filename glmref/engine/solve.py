@@ -14,10 +14,11 @@ from ..method import Method
 from ..problems.model import Problem
 from ..system.arguments import flag, one_of, shown, whole
 from .clocks import solved_form, without_clocks
+from .foreign import refuse_foreign, shown_progress
 from .function_checks import inspected
 from .kept import stepper_of
 from .kernel import SOLVERS
-from .outcome import Solution, StartFailed, all_finite
+from .outcome import Interrupted, Solution, StartFailed, all_finite
 from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
 from .reference import Stepper, stepper
 from .run import Run
@@ -49,7 +50,8 @@ def solve(
     engine: str = "compiled",
     arithmetic: str = "strict", form: str = "auto", solver: str = "auto", history: bool = False,
     digits: int | None = None, step_limit: int | None = None,
-    cancel: Callable[[], bool] | None = None, progress: Callable[[int, int], None] | None = None,
+    cancel: Callable[[], bool] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None, **elsewhere: Any,
 ) -> Solution:  # fmt: skip
     """Integrate a problem with a method at constant step size.
 
@@ -94,19 +96,26 @@ def solve(
         Take at most so many steps.
     cancel : Callable[[], bool] or None
         Called about every 50 ms; ``True`` ends the run.
-    progress : Callable[[int, int], None] or None
-        Called as ``progress(steps done, steps in all)``.
+    progress : Callable[[int, int], None] or bool or None
+        Called as ``progress(steps done, steps in all)``; ``True`` shows the part that is done on a
+        line of the terminal.
+    **elsewhere : Any
+        Arguments of other solvers, such as ``rtol``: refused with what to give instead.
 
     Returns
     -------
     Solution
-        A :class:`Solution`; its ``outcome`` says how the run ended. Ctrl-C ends a run as cancelled.
+        A :class:`Solution`; its ``outcome`` says how the run ended.
 
     Raises
     ------
     UsageError
         One sentence on an argument that does not fit.
+    Interrupted
+        On Ctrl-C: a KeyboardInterrupt whose ``solution`` has what was computed before.
     """
+    for name in elsewhere:
+        refuse_foreign(name)
     given_problem, chosen = resolved(problem, method)
     problem = solved_form(given_problem, chosen)
     one_of("engine", engine, ENGINES)
@@ -115,6 +124,8 @@ def solve(
         if engine != "reference":
             raise UsageError("`digits` goes with engine='reference' only")
     check_callable("cancel", cancel)
+    if progress is True or progress is False:
+        progress = shown_progress if progress else None
     check_callable("progress", progress)
     check_arithmetic(arithmetic)
     one_of("form", form, ("auto", *FORMS))
@@ -160,4 +171,8 @@ def solve(
             at_end = (solution.t[-1], solution.y[-1]) if len(solution.t) else (t0, y0)
             notices = seen.afterwards(*at_end)
             solution = replace(solution, notices=(*solution.notices, *notices))
-        return without_clocks(solution, given_problem)
+        solution = without_clocks(solution, given_problem)
+        solution = replace(solution, names=given_problem.labels, origin=(given_problem, chosen))
+        if run.interrupted or seen.interrupted:
+            raise Interrupted(solution)
+        return solution

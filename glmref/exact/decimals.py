@@ -8,6 +8,8 @@ from fractions import Fraction
 #: A decimal with at most this many digits after the point means what it says. One with more is
 #: rounded: a table is printed with 12 digits or more because its numbers do not end.
 SHORT = 11
+#: Digits of the longest rounded decimals; what is longer was written to be exact.
+MOST = 150
 
 
 def is_rounded(places: int) -> bool:
@@ -44,4 +46,5 @@ def rounded_places(value: Fraction) -> int | None:
         while rest % prime == 0:
             rest //= prime
             places[prime] += 1
-    return max(places.values()) if rest == 1 and is_rounded(places[5]) else None
+    most = max(places.values())
+    return most if rest == 1 and is_rounded(places[5]) and most <= MOST else None

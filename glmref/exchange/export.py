@@ -24,6 +24,8 @@ TARGETS = (
     *LANGUAGES,
     *("latex", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl", "json", "csv"),
 )
+#: Other usual names of targets; capitals do not matter.
+ALIASES = {"cpp": "c++", "cxx": "c++", "f90": "fortran"}
 
 
 def export(
@@ -36,8 +38,9 @@ def export(
     method : GLM or PartitionedGLM or AdditiveGLM or str or Path
         A method, its name, or the path of its file.
     to : str
-        One of :data:`TARGETS`. The languages give a stepper without dependencies, with start and
-        finish; pairs are stepped on separable systems q' = dq(p), p' = dp(q).
+        One of :data:`TARGETS`, in capitals or not, or of :data:`ALIASES`. The languages give a
+        stepper without dependencies, with start and finish; pairs are stepped on separable systems
+        q' = dq(p), p' = dp(q).
     digits : int or None
         Significant digits of decimals (in JSON and CSV digits after the point). By default steppers
         have the shortest decimals that give the nearest doubles, tables 34 digits where a number is
@@ -50,6 +53,8 @@ def export(
     DataError
         For a file that is not what it must be.
     """
+    if isinstance(to, str):
+        to = ALIASES.get(to.lower(), to.lower())
     if not isinstance(to, str) or to not in TARGETS:
         near = get_close_matches(shown(to, str), TARGETS, n=1)
         hint = f"did you mean {near[0]}?" if near else f"one of {', '.join(TARGETS)}"

@@ -2,8 +2,9 @@
 
 Each reader finds the array literals of its format and the order that the table states. Entries are
 expressions of numbers, + - * /, parentheses and square roots, rewritten in the grammar of
-:mod:`glmref.exact.expression` and computed exactly. A decimal of up to :data:`SHORT` digits means
-what it says (0.25 is 1/4); a longer one is a rounded number, known to its last digit but one.
+:mod:`glmref.exact.expression` and computed exactly. A decimal of up to 11 digits means what it says
+(0.25 is 1/4); a longer one is a rounded number, known to its last digit but one: see
+:mod:`glmref.exact.decimals`.
 """
 
 from __future__ import annotations
@@ -26,11 +27,10 @@ from ..catalogue.reader import load_document
 from ..catalogue.strict_json import MAX_BYTES, shown, unique
 from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
+from ..exact.decimals import is_rounded, known_digits
 from ..exact.expression import MAX_LENGTH, parse, to_text
 from ..system.budget import PROVING, limited, spend
 
-#: Digits after the point of a decimal that is meant exactly.
-SHORT = 9
 _MOST_PLACES = 150
 _MOST_POWER = 400  # of 10 in a number, and digits after its point
 _MOST_BLOCK = MAX_SIZE**2  # entries of a block
@@ -138,7 +138,7 @@ def _normal(text: str) -> tuple[str, list[int]]:
             if len(mantissa) > 1000 or size > _MOST_POWER or _places(number) > _MOST_POWER:
                 raise DataError(f"the number {token[:40]!r} has more digits than are read")
             value, places = Fraction(number), _places(number)
-            if places <= SHORT:
+            if not is_rounded(places):
                 out.append(f"({value})" if value.denominator > 1 else str(value))
             else:
                 rounded.append(min(places, _MOST_PLACES))
@@ -285,7 +285,7 @@ class _Writer:
                              for i, row in enumerate(rows)]  # fmt: skip
         places = [p for rows in normal.values() for row in rows for _, some in row for p in some]
         if places and self.digits is None:
-            self.digits = max(1, min(places) - 1)
+            self.digits = known_digits(places)
         written: dict[str, list[list[str]]] = {}
         for block, rows in normal.items():
             written[block] = []
@@ -308,7 +308,7 @@ class _Writer:
         power = re.search(r"[0-9][eE][-+]?[0-9]", text)
         if not power and (self.found.digits is not None or self.form in ("json", "csv")):
             rounded = [_places(x) for x in _DECIMAL.findall(text)]
-            if not any(p > SHORT for p in rounded) and self.found.digits is None:
+            if not any(map(is_rounded, rounded)) and self.found.digits is None:
                 return _normal_or_same(text)
             return text, rounded
         try:

@@ -14,6 +14,9 @@ from ..exact.decimals import known_digits, rounded_places
 _KEPT = frozenset(["name", "claims", "source", "document", "starting", "finishing", "multistep"])
 
 
+_SMALL = 10_000  # denominators of fractions that a rounded number may stand for
+
+
 def _entries(value: Any) -> Iterator[Exact]:
     if isinstance(value, Exact):
         yield value
@@ -43,6 +46,22 @@ def _places(x: Exact) -> int:
     return 0 if value is None else rounded_places(value) or 0
 
 
+def digits_of(method: Any) -> int | None:
+    """Return the digits after the point to which the decimals of a method are known, if rounded."""
+    return known_digits(map(_places, _entries(method)))
+
+
+def meant(method: Any) -> tuple[str, str] | None:
+    """Return the first rounded decimal that is near a short fraction, and the fraction."""
+    for x in _entries(method):
+        value = x.as_fraction() if _places(x) else None
+        if value is not None:
+            near = value.limit_denominator(_SMALL)
+            if near != value and abs(near - value) <= abs(value) / 10**14:
+                return f"{float(value)!r}", str(near)
+    return None
+
+
 def within_digits(method: Any) -> Any:
     """Return the method with a ball for each rounded decimal, or ``None`` where there is none.
 
@@ -53,7 +72,7 @@ def within_digits(method: Any) -> Any:
     method : Method
         With exact coefficients.
     """
-    digits = known_digits(map(_places, _entries(method)))
+    digits = digits_of(method)
     if digits is None:
         return None
 

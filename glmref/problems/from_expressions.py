@@ -31,6 +31,8 @@ from .sums import FLAT, Layout, hamiltonian_parts
 LONGEST = 5_000
 #: Components that a system without sums may have; sites of one whose start is given by formulas.
 MOST_NAMED, MOST_SITES = 100, 100_000
+#: Components beyond which those of lists have no names: there would be millions of texts.
+MOST_LABELS = 1000
 
 Start = Mapping[str, Any] | Sequence[Any]
 
@@ -103,6 +105,7 @@ def hamiltonian_entries(
             raise UsageError("`H` is nested too deep; write sums over i in range(n)") from None
     return {
         **entries, "y0": names.start(y0), "parameters": scalars, "canonical": True,
+        "names": names.listed(),
         **names.watched(invariants, observables, scalars), **_rest(name, source, t0, t_end, time),
     }  # fmt: skip
 
@@ -156,7 +159,7 @@ def equation_entries(
     whole = Formula(outputs, variables=("t", "y"), parameters=scalars)
     names.check_formula(whole, "f")
     return {
-        "f": shared(whole), "y0": names.start(y0), "parameters": scalars,
+        "f": shared(whole), "y0": names.start(y0), "names": names.of_y, "parameters": scalars,
         **names.watched(invariants, observables, scalars), **_rest(name, source, t0, t_end, time),
     }  # fmt: skip
 
@@ -312,6 +315,13 @@ class _Names:
     def indexed(self) -> bool:
         """Whether components are numbered: only then are there sums over them."""
         return not self.of_y and bool(self.half)
+
+    def listed(self) -> tuple[str, ...]:
+        """Names of all components; those of lists are numbered."""
+        if self.of_y or 2 * self.half > MOST_LABELS:
+            return self.of_y
+        halves, sites = (self.layout.q, self.layout.p), range(self.half // len(self.layout.q))
+        return tuple(f"{x}[{i}]" for half in halves for i in sites for x in half)
 
     @classmethod
     def of_vector(cls, y0: Start) -> _Names:

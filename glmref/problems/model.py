@@ -14,7 +14,7 @@ from ..errors import UsageError
 from ..system.arguments import flag, number, shown
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, to_number
-from .from_expressions import equation_entries, hamiltonian_entries
+from .from_expressions import MOST_LABELS, equation_entries, hamiltonian_entries
 from .loops import Loops, QuadraticForm, join
 from .precision import on_context
 from .reference import Reference, references_of
@@ -63,6 +63,9 @@ class Problem:
         Name -> ``O(y)``, functions worth watching that are not conserved exactly.
     canonical : bool
         Whether f = J grad H in the coordinates y = (q, p).
+    names : Sequence[str]
+        (d,) what the components are called; by default q and p of separable and of Hamiltonian
+        systems, y of others, see :attr:`labels`.
     bodies : int
         How many bodies' positions q lists one after another, each with as many components.
     clocked : Mapping[str, Any]
@@ -99,6 +102,7 @@ class Problem:
     invariants: Mapping[str, Any] = field(default_factory=dict)
     observables: Mapping[str, Any] = field(default_factory=dict)
     canonical: bool = False
+    names: Sequence[str] = ()
     bodies: int = 1
     clocked: Mapping[str, Any] = field(default_factory=dict)
     exact: Any = None
@@ -223,6 +227,8 @@ class Problem:
             beyond = [i for i in function.indices if not 0 <= i < size]
             if beyond:
                 raise UsageError(f"`{key}` uses component {beyond[0]}, but there are {size}")
+        if len(self.names) not in (0, d) or isinstance(self.names, str):
+            raise UsageError(f"`names` must be {d} names, got {shown(self.names)}")
         n = self.bodies
         if not isinstance(n, int) or (n != 1 and (n < 1 or d % (2 * n) or self.dp is None)):
             raise UsageError(f"`bodies` must divide the components of q, got {shown(n)}")
@@ -273,6 +279,21 @@ class Problem:
     def dimension(self) -> int:
         """Number d of components."""
         return len(self.y0)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names (d,) of the components, none of large systems.
+
+        Those given, else q and p, numbered where several, or y.
+        """
+        d, half = self.dimension, self.dimension // 2
+        if self.names or d > MOST_LABELS:
+            return tuple(self.names)
+        if d % 2 or not (self.canonical or self.separable):
+            return tuple(f"y[{k}]" for k in range(d))
+        if half == 1:
+            return ("q", "p")
+        return tuple(f"{x}[{k}]" for x in "qp" for k in range(half))
 
     @property
     def separable(self) -> bool:
@@ -400,6 +421,10 @@ def _initial_value(entries: Any, parameters: Mapping[str, Number], context: Any)
 
 
 def _initial_entry(i: int, x: Any, parameters: Mapping[str, Number], context: Any) -> Any:
+    if isinstance(x, complex | np.complexfloating):
+        raise UsageError(
+            f"`y0[{i}]` is complex; states are real: make real and imaginary parts components"
+        )
     if not isinstance(x, str):
         return to_number(exact_number(x, f"y0[{i}]"), context)
     return Formula((x,), parameters=parameters, shape=()).on(context)(0, ())

@@ -48,6 +48,7 @@ from .finders import proposal_for
 from .kernel import SMALL, Kernel
 from .ranges import Range
 from .verifier import budget_of, facts_for, nobody
+from .wrong_entry import suspected
 
 if TYPE_CHECKING:
     from ..system.process import Say
@@ -98,6 +99,9 @@ class Analysis(Shown):
         Order of the dense output.
     order_w : int or None
         Of a Rosenbrock method, the order with any matrix in the place of the Jacobian.
+    wrong_entry : str or None
+        The row whose sum is not c, and the entry of A or b that is wrong with what it should be, as
+        far as the c and the order of the file tell.
     quadrature_constant : float or None
         C in the local error C h^(p+1) y^(p+1) when y' = g(t) is integrated.
     stability : dict[str, Any]
@@ -153,6 +157,7 @@ class Analysis(Shown):
     order_dense: int | None = None
     order_w: int | None = None
     order_to_digits: str | None = None
+    wrong_entry: str | None = None
     stability_parts: dict[str, dict[str, Any]] | None = None
     undecided: dict[str, str] | None = None
 
@@ -176,7 +181,7 @@ class Analysis(Shown):
 #: What only methods have that it applies to.
 _OF_SOME = (
     *("order_parts", "order_embedded", "order_dense", "order_w", "order_to_digits"),
-    *("g_symplectic", "symmetric", "stability_parts", "undecided"),
+    *("wrong_entry", "g_symplectic", "symmetric", "stability_parts", "undecided"),
 )
 
 
@@ -382,11 +387,13 @@ def _shared(q: _Questions) -> dict[str, Any]:
         ),
         "error_constants": constants,
         "parasitism_free": None if q.facts.method.additive else q.truth(PARASITISM_FREE.key),
-        "proof": Proof(q.ask("order", lambda f: str(f.nominal.proof), str(q.facts.proof))),
+        "proof": Proof(q.ask("proof", lambda f: str(f.nominal.proof), str(q.facts.proof))),
         "consistency_witness": "; ".join(dict.fromkeys(misses)),
         "error_norm": norm,
         "order_embedded": q.ask("order-embedded", lambda f: _row_orders(f.nominal.kernel)),
-        "order_to_digits": q.ask("order", lambda f: _size_to(f, order.value)),
+        "wrong_entry": q.ask("wrong entry", lambda f: suspected(f.method, order.value), "", SEARCH)
+        or None,
+        "order_to_digits": q.ask("order-to-digits", lambda f: _size_to(f, order.value)),
     }
 
 
@@ -445,6 +452,8 @@ def _open(order: Range) -> str:
 
 #: The share of the budget that one question may take is one in so many.
 SHARES = 4
+#: Seconds of processor time for the entry that is wrong.
+SEARCH = 5.0
 #: Seconds of processor time for each question of stability.
 STABILITY = 2.0
 #: A step of the staircase is a jump of the residuals by this factor.

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..catalogue.claims import CLAIMS, FINISHING_ORDER, STARTING_ORDER
+from ..catalogue.claims import (
+    CLAIMS,
+    FINISHING_ORDER,
+    NYSTROM_ORDER,
+    ORDER,
+    STARTING_ORDER,
+    PlainClaims,
+)
 from ..catalogue.lookup import is_shipped, method_of, path_of, read_method
 from ..errors import (
     BudgetError,
@@ -23,6 +31,8 @@ from ..system.budget import PROVING, limited
 from .facts import Facts, facts_of
 from .implications import implied_by
 from .kernel import Judgement, refuted
+from .plain_orders import ORDERS, order_findings
+from .wrong_entry import suspected
 
 
 def nobody(*said: object) -> None:
@@ -72,15 +82,18 @@ def verify(
     if isinstance(method, str | Path):
         return verify_file(method, only=only, budget=budget, tell=tell)
     method = method_of(method)
-    if not method.claims:
+    if not _says_anything(method):
         raise DataError(
             f"the method {method.name or '(unnamed)'!r} carries no claims to verify; "
             f"load it from a file, or use analyze() to see what it is"
         )
     asked = {key: x for key, x in claims_of(method).items() if not only or key in only}
-    if not asked:
-        return []
     found: list[Finding] = []
+    if isinstance(method.claims, PlainClaims):
+        found += _plain_orders(method, only, budget, tell)
+        asked = {key: x for key, x in asked.items() if key not in ORDERS}
+    if not asked:
+        return found
     facts: Facts | None = None
     spent = ""
     for claim, declared in asked.items():
@@ -92,7 +105,7 @@ def verify(
                 continue
             try:
                 facts = facts or facts_for(method)
-                found.append(_check(facts, claim, declared))
+                found.append(_with_correction(method, _check(facts, claim, declared)))
             except BudgetError as error:
                 spent = no_more(error)
                 found.append(undecided(method, claim, declared, spent))
@@ -104,9 +117,34 @@ def verify(
     return found
 
 
+def _plain_orders(
+    method: Method, only: Collection[str], budget: float | None, tell: Callable[[Finding], None]
+) -> list[Finding]:
+    """Judge what a plain document says of orders: see :mod:`.plain_orders`."""
+    claims = method.claims
+    assert isinstance(claims, PlainClaims)
+    said = [x for x in claims.said if not only or x.claim in only]
+    for x in said:
+        tell(undecided(method, x.claim, x.order, ""))
+    try:
+        with limited(budget):
+            found = order_findings(method)
+    except BudgetError as error:
+        return [undecided(method, x.claim, x.order, no_more(error)) for x in said]
+    if only:
+        found = [x for x in found if x.claim in only]
+    for x in found:
+        tell(x)
+    return found
+
+
 def no_more(error: BudgetError) -> str:
     """Say that a budget is spent, and what may help."""
     return f"{error}; a larger --budget may decide it"
+
+
+def _says_anything(method: Method) -> bool:
+    return bool(method.claims) or bool(getattr(method.claims, "said", ()))
 
 
 def undecided(method: Method, claim: str, declared: object, reason: str) -> Finding:
@@ -170,6 +208,15 @@ def facts_for(method: Method) -> Facts:
         When the file asks for a proof and it cannot be given.
     """
     return facts_of(method, implied=implied_by(method.document, method))
+
+
+def _with_correction(method: Method, found: Finding) -> Finding:
+    """Add the entry that is wrong to a finding that an order is not reached."""
+    if found.verdict is not Verdict.FAILS or found.claim not in (ORDER.key, NYSTROM_ORDER.key):
+        return found
+    least = found.value if isinstance(found.value, int) else 0
+    said = suspected(method, least) if isinstance(found.declared, int) else ""
+    return replace(found, witness="; ".join(x for x in (found.witness, said) if x))
 
 
 def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
@@ -237,7 +284,7 @@ def verify_file(
     broken = doc.get("broken")
     if broken is not None and only and broken["claim"] not in only:
         return []
-    if not method.claims:
+    if not _says_anything(method):
         raise DataError(
             f"{path.name}: there is nothing to verify, since the file makes no claims; "
             f"`glmref analyze {path.name}` says what the method is"

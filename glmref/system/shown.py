@@ -25,7 +25,8 @@ DARK = (
 #: What records ask of the subpackages above: module and function.
 ABOVE = (
     ("report.notebook", "html"),
-    ("views.plot", "plot"),
+    ("views.plot", "plot_solution"),
+    ("engine.between", "at"),
     ("exchange.export", "save"),
 )
 

@@ -13,6 +13,7 @@ _TITLES = {
     "order_nystrom": "order on second-order systems",
     "order_embedded": "order of row",
     "order_w": "order with any Jacobian (W-order)",
+    "wrong_entry": "what is wrong",
     "order_dense": "order of the dense output",
     "principal": "principal part",
     "order_witness": "why not higher",

@@ -40,6 +40,16 @@ def plain_texts(figure: Any) -> None:
         text.set_text(_CONTROL.sub("?", text.get_text()))
 
 
+def svg_text(figure: Any) -> str:
+    """Return a figure as the text of an SVG document, the same every time."""
+    plain_texts(figure)
+    content = BytesIO()
+    with import_module("matplotlib").rc_context({"svg.hashsalt": "glmref"}):
+        figure.savefig(content, format="svg", metadata={"Date": None})
+    text = content.getvalue().decode("utf-8")
+    return text[text.index("<svg") :]
+
+
 def save_figure(figure: Any, path: Path) -> None:
     """Write a figure as PNG, and as PDF beside it; both come out the same every time.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +11,11 @@ from ..catalogue.lookup import method_of
 from ..engine.outcome import Solution
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
-from ..system.arguments import listed, whole
+from ..system.arguments import listed, one_of, whole
 from ..system.shown import Drawing
 from .axes import COLORS, Axes, document, round_ticks, text
 from .chart import DASHES, place_labels
+from .figures import blank_figure, svg_text
 from .portrait import portrait
 
 _MOST = 6  # components drawn where none are named
@@ -47,20 +48,145 @@ def plot(
     """
     if not isinstance(what, Solution):
         return Drawing(portrait(method_of(what)))
-    times, rows = np.asarray(what.t, dtype=float), np.asarray(what.y, dtype=float)
-    if len(times) < 2:
+    return plot_solution(what, "time", components)
+
+
+def plot_solution(
+    solution: Solution, kind: str, components: Sequence[int | str] | None = None
+) -> Drawing:
+    """See :meth:`.Solution.plot`."""
+    one_of("kind", kind, ("time", *KINDS))
+    if len(solution.t) < 2:
         raise UsageError(
             "there is one point to draw; keep more of the run with solve(.., every=k) or times=.."
         )
-    d = rows.shape[1]
-    given = range(min(d, _MOST)) if components is None else listed("components", components)
-    chosen = [whole("components", k, 0, d - 1) for k in given]
+    if kind == "time":
+        return _over_time(solution, components)
+    lines, axes = KINDS[kind](solution, components)
+    return _by_matplotlib(solution, lines, axes, equal=kind == "orbit")
+
+
+def _numbers(solution: Solution, components: Sequence[int | str]) -> list[int]:
+    """Numbers of components that are given by name or number."""
+    d, names = solution.y.shape[1], solution.names
+    what = "a list of names or numbers"
+    chosen = [
+        names.index(k) if isinstance(k, str) and k in names else whole("components", k, 0, d - 1)
+        for k in listed("components", components, what)
+    ]
     if not chosen:
         raise UsageError("`components` must name one at least")
-    kept = np.unique(np.linspace(0, len(times) - 1, _POINTS).astype(int))
-    lines = {f"y[{k}]": rows[kept, k] for k in chosen}
-    title = f"{what.problem}, {what.method}, h = {what.h:g}"
-    return Drawing(_lines(times[kept], lines, title))
+    return chosen
+
+
+def _thinned(solution: Solution) -> np.ndarray:
+    return np.unique(np.linspace(0, len(solution.t) - 1, _POINTS).astype(int))
+
+
+def _over_time(solution: Solution, components: Sequence[int | str] | None) -> Drawing:
+    times, rows = np.asarray(solution.t, dtype=float), np.asarray(solution.y, dtype=float)
+    d = rows.shape[1]
+    names = _names(solution)
+    given = range(min(d, _MOST)) if components is None else components
+    kept = _thinned(solution)
+    lines = {names[k]: rows[kept, k] for k in _numbers(solution, given)}
+    return Drawing(_lines(times[kept], lines, _title(solution)))
+
+
+def _title(solution: Solution) -> str:
+    return f"{solution.problem}, {solution.method}, h = {solution.h:g}"
+
+
+_Lines = tuple[dict[str, tuple[np.ndarray, np.ndarray]], tuple[str, str]]
+
+
+def _energy(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
+    """Relative error of the Hamiltonian; absolute where the energy at the start is 0."""
+    problem = None if solution.origin is None else solution.origin[0]
+    if problem is None or problem.hamiltonian is None:
+        raise UsageError("the energy is drawn of a solution whose problem gives its Hamiltonian")
+    kept = _thinned(solution)
+    energy = np.array([float(problem.hamiltonian(y)) for y in solution.y[kept]])
+    first = float(problem.hamiltonian(np.asarray(problem.y0)))
+    label = "(H - H(0)) / |H(0)|" if first else "H - H(0)"
+    error = (energy - first) / (abs(first) or 1.0)
+    return {"energy": (np.asarray(solution.t, dtype=float)[kept], error)}, ("t", label)
+
+
+def _phase(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
+    """Every p over its q."""
+    d = solution.y.shape[1]
+    problem = None if solution.origin is None else solution.origin[0]
+    paired = d % 2 == 0 and (
+        problem is None or problem.canonical or problem.separable or bool(problem.names)
+    )
+    if not paired:
+        raise UsageError("the phase plane is drawn of states (q, p); name two `components` of an "
+                         "orbit")  # fmt: skip
+    half, kept, names = d // 2, _thinned(solution), _names(solution)
+    given = range(min(half, _MOST)) if components is None else _numbers(solution, components)
+    rows = np.asarray(solution.y, dtype=float)[kept]
+    pairs = [k % half for k in given]
+    lines = {f"{names[k]}, {names[half + k]}": (rows[:, k], rows[:, half + k]) for k in pairs}
+    one = len(pairs) == 1
+    return lines, (names[pairs[0]] if one else "q", names[half + pairs[0]] if one else "p")
+
+
+def _orbit(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
+    """Paths of bodies in the plane of their first two coordinates, or of two components."""
+    kept, names = _thinned(solution), _names(solution)
+    rows = np.asarray(solution.y, dtype=float)[kept]
+    if components is not None:
+        chosen = _numbers(solution, components)
+        if len(chosen) != 2:
+            raise UsageError(f"`components` of an orbit must be two, got {len(chosen)}")
+        a, b = chosen
+        return {f"{names[a]}, {names[b]}": (rows[:, a], rows[:, b])}, (names[a], names[b])
+    half = rows.shape[1] // 2
+    problem = None if solution.origin is None else solution.origin[0]
+    bodies = getattr(problem, "bodies", 1)
+    each = half // bodies
+    if rows.shape[1] % 2 or each < 2:
+        raise UsageError("an orbit needs two coordinates; name two `components`")
+    lines = {
+        f"{names[a]}, {names[a + 1]}": (rows[:, a], rows[:, a + 1]) for a in range(0, half, each)
+    }
+    return lines, (names[0], names[1])
+
+
+def _names(solution: Solution) -> tuple[str, ...]:
+    return solution.names or tuple(f"y[{k}]" for k in range(solution.y.shape[1]))
+
+
+#: What :meth:`.Solution.plot` draws besides components against time.
+KINDS: Mapping[str, Callable[[Solution, Sequence[int | str] | None], _Lines]] = {
+    "energy": _energy,
+    "phase": _phase,
+    "orbit": _orbit,
+}
+
+
+def _by_matplotlib(
+    solution: Solution,
+    lines: Mapping[str, tuple[np.ndarray, np.ndarray]],
+    labels: tuple[str, str],
+    *,
+    equal: bool,
+) -> Drawing:
+    figure = blank_figure(6, 4)
+    if figure is None:
+        raise UsageError("this picture is drawn by matplotlib: pip install 'glmref[plots]'")
+    axes = figure.subplots()
+    for name, (x, y) in lines.items():
+        axes.plot(x, y, linewidth=1, label=name)
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
+    axes.set_title(_title(solution), fontsize="medium")
+    if equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    if len(lines) > 1:
+        axes.legend(fontsize="small")
+    return Drawing(svg_text(figure))
 
 
 def _lines(times: np.ndarray, lines: Mapping[str, np.ndarray], title: str) -> str:

@@ -108,7 +108,7 @@ def _checked(draw: random.Random) -> tuple[str, Iterable[str]]:
         wrong.append(f"says {said[:300]!r} in {len(said)} characters")
     if code == 2:
         return "refused", wrong
-    found = json.loads(out.getvalue())
+    found = json.loads(out.getvalue())["findings"]
     with contextlib.suppress(ValueError):
         wrong += _false(json.loads(content), found)
     return "+".join(sorted({x["verdict"] for x in found})), wrong

@@ -598,9 +598,9 @@ def test_arrays_of_gsl_and_odeint() -> None:
 
 
 def test_orders_beyond_twelve_are_looked_at_within_a_budget() -> None:
-    from glmref.audit.orders import reach, runge_kutta
     from glmref.errors import BudgetError
     from glmref.exact import Exact
+    from glmref.prove.schemes import reach, runge_kutta
     from glmref.system.budget import limited
 
     midpoint = runge_kutta(((Exact(1) / 2,),), (Exact(1),))

@@ -94,14 +94,15 @@ def test_it_is_solved_with(tmp_path: Path) -> None:
     ("changes", "words"),
     [
         ({"d": ["0", "1"]}, "the key 'd' is unknown for class 'rk'"),
-        ({"b": None}, "the key `class` is missing; it is one of glm,"),
-        ({"b": None, "B": "x"}, "and not from A, B"),
+        ({"b": None}, "the key 'b' is missing; a tableau with 'A' needs A, b"),
+        ({"b": None, "A": None, "B": "x"}, "and not from B"),
         ({"A": [["0", "x"], ["1", "0"]]}, "`A[1][2]`: the name 'x' is not known"),
         ({"A": [["0", "0", "0"], ["1", "0", "0"]]}, "mine.json: "),
         ({"format": "glmref-method-3"}, "`format` must be 'glmref-method-1' or 'glmref-method-2'"),
         ({"source": {"where": "page 1"}}, "`source.citation` must be a non-empty string"),
-        ({"claims": {"order": 2}}, "or 'glmref-method-2', got null"),
-        ({"claims": []}, "`format` must be"),
+        ({"claims": {"order": 2}, "order": 3}, "`order` is 3 and `claims.order` 2; keep one"),
+        ({"claims": {"ordre": 2}}, "the claim 'ordre' is unknown"),
+        ({"claims": []}, "`claims` must be an object of claims, got []"),
     ],
 )
 def test_what_is_wrong_with_it_is_one_sentence(

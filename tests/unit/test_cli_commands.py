@@ -342,10 +342,12 @@ def test_what_does_not_apply_to_an_imex_method_is_not_listed(run: Run) -> None:
     assert record["stability_parts"]["2"]["L"] is True and "symmetric" not in record
 
 
-def test_a_method_file_given_to_check_is_named_as_one(run: Run) -> None:
+def test_check_of_a_method_file_is_what_verify_finds(run: Run) -> None:
     path = str(data_root() / "methods" / "glm" / "dimsim-2-type-1.json")
-    said = "glmref: this is a method file; `glmref verify FILE` recomputes its claims\n"
-    assert run("check", path) == (2, "", said)
+    code, out, _ = run("check", path, "--format", "json")
+    assert (code, json.loads(run("verify", path, "--format", "json")[1])) == (0, json.loads(out))
+    code, _, err = run("check", path, "--order", "2")
+    assert code == 2 and err.startswith("glmref: --order is for a plain tableau")
 
 
 def test_a_refused_export_names_the_formats_that_hold_the_method(run: Run) -> None:

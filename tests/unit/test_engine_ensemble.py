@@ -12,7 +12,7 @@ import pytest
 from glmref import Problem, UsageError, load, problem, solve
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
-from glmref.engine.outcome import Outcome
+from glmref.engine.outcome import Interrupted, Outcome
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
 from glmref.problems.loops import Loops
@@ -350,7 +350,9 @@ def test_ctrl_c_keeps_the_rows_that_were_read(width):
 
     y0 = initial(of, 2)
     options = {"h": 0.05, "every": 2, "width": width, "threads": 1}
-    found = solve_ensemble(of, "rk4", y0, steps=6, cancel=cancel, **options)
+    with pytest.raises(Interrupted) as caught:
+        solve_ensemble(of, "rk4", y0, steps=6, cancel=cancel, **options)
+    found = caught.value.solution
     whole = solve_ensemble(of, "rk4", y0, steps=6, **options)
     assert set(found.outcomes) == {Outcome.CANCELLED} and not found.completed
     rows = len(found.t)

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from glmref import Problem, UsageError, solve
+from glmref import Interrupted, Problem, UsageError, solve
 from glmref.engine import function_checks
 from glmref.engine.outcome import Outcome
 from glmref.problems.user import FunctionFailed, UserFunction
@@ -580,7 +580,9 @@ def test_an_interrupt_after_the_last_step_loses_no_solution(engine):
     good = solve(own, "rk4", h=0.1, steps=5, engine=engine)
     for last in (1, 2, 3):  # of the calls after the run
         left[0] = 10**6 - left[0] - last + 1
-        found = solve(own, "rk4", h=0.1, steps=5, engine=engine)
+        with pytest.raises(Interrupted) as caught:
+            solve(own, "rk4", h=0.1, steps=5, engine=engine)
+        found = caught.value.solution
         assert found.completed and np.array_equal(found.values, good.values)
         assert found.notices[-1:] == ("the calls of the functions after the run were interrupted",)
         left[0] = 10**6

@@ -197,7 +197,7 @@ def test_html_escapes_what_a_file_says() -> None:
 def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
     solution = glmref.solve("kepler", "rk4", h=0.1, steps=20, every=1)
     drawn = solution.plot(components=[0, 3])
-    assert drawn.count("<polyline") == 2 and ">y[3]<" in drawn
+    assert drawn.count("<polyline") == 2 and ">p[1]<" in drawn
     path = drawn.save(tmp_path / "run.svg")
     saved = path.read_text(encoding="utf-8")  # with a style for the dark mode of the desktop
     assert saved.replace(DARK, "") == drawn and "prefers-color-scheme: dark" in saved

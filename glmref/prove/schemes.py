@@ -35,13 +35,14 @@ from typing import Any
 from ..errors import BudgetError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, row_sums
+from ..method import PartitionedGLM
 from ..method.component import Palette
 from ..method.nystrom import nystrom as as_pair
-from ..prove import kernel
-from ..prove.kernel import Reach
 from ..system.budget import limited, spend
 from ..theory.coefficients import is_zero
 from ..theory.trees import Tree, is_nystrom
+from . import kernel
+from .kernel import Reach
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Largest order that is looked at, by the number of colours.
@@ -177,22 +178,22 @@ def runge_kutta(
 def additive(
     parts: Sequence[tuple[Matrix, Vector]], c: Sequence[Sequence[Scalar] | None] = ()
 ) -> Scheme:
-    """Scheme of parts (A, b) on shared stages; colours are ``a``, ``b``, .. in their order.
+    """Scheme of parts (A, b) on shared stages; colours are ``1``, ``2``, .. in their order.
 
     With c given, the time that part k sees is that of ``c[k]``; it is a colour of its own where it
     differs from A 1.
     """
-    names = "abcdefgh"[: len(parts)]
+    names = "123456789"[: len(parts)]
     blocks = dict(zip(names, parts, strict=True))
     times: dict[str, str] = {}
     for name, (A, _), given in zip(
         names, parts, [*c, *[None] * (len(parts) - len(c))], strict=True
     ):
         if given is not None and not _sums_to(A, given):
-            time = name.upper()
+            time = "abcdefghi"[int(name) - 1]
             times[name] = time
             blocks[time] = (_with_sums(given), _first(len(given)))
-    palette = {x: names + times.get(x, "") for x in names} | dict.fromkeys(times.values(), "")
+    palette = dict.fromkeys(times.values(), "") | {x: times.get(x, "") + names for x in names}
     return Scheme(palette, blocks, names)
 
 
@@ -251,12 +252,24 @@ def nystrom(
     roots : str
         ``"f"`` for the conditions of the position, ``"k"`` for those of the velocity.
     """
-    pair = as_pair(A, b, b_prime, c, A_prime)
+    made = as_pair(A, b, b_prime, c, A_prime)
+    return pair(made, [x.B[0] for x in made.components], roots, nystrom=True)
+
+
+def pair(method: PartitionedGLM, weights: Sequence[Vector], roots: str, *, nystrom: bool) -> Scheme:
+    """Scheme of a pair that carries one value of each component, with other weights.
+
+    With ``nystrom`` only the trees of second-order systems count.
+    """
+    blocks = {x.colour: (x.A, b) for x, b in zip(method.components, weights, strict=True)}
     return Scheme(
-        {"f": "k", "k": "f" if pair.separable else "fk"},
-        {x.colour: (x.A, x.B[0]) for x in pair.components},
+        {
+            "f": "k" if method.separable or nystrom else "fk",
+            "k": "f" if method.separable else "fk",
+        },
+        blocks,
         roots,
-        is_nystrom,
+        is_nystrom if nystrom else None,
     )
 
 

@@ -9,23 +9,67 @@ it is subtracted, an abscissa that is not the sum of its row, a weight of the es
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol
 
+from ..catalogue.claims import NYSTROM_ORDER, ORDER
+from ..catalogue.entries import Entries
 from ..errors import BudgetError, DataError
 from ..exact import Ball, Exact, Scalar
-from ..exact.linalg import Matrix, Vector
+from ..exact.decimals import SHORT, rounded_places
+from ..exact.linalg import Matrix, Vector, row_sums
 from ..system.budget import limited
-from . import orders
-from .orders import Scheme, reach
-from .table import Table
-from .values import SHORT, Number
+from . import schemes
+from .digits import rounded_up
+from .schemes import Scheme, reach
 
 #: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
 #: all, in tables of decimals and of fractions.
 FINE, COARSE, EXACT = 2e-14, 1e-8, 1e-10
+#: Entries beyond this are not those of a method with one slip, and its powers leave doubles.
+_LARGE = 1e20
+#: A gap or a residual of trees through order 8 that says that c is A 1 but for rounding.
+ROUNDING = 1e-9
 #: Seconds of processor time for the search of a wrong entry.
 SEARCH = 20.0
+
+
+class Number(Protocol):
+    """An entry: an exact number, and its digits after the point where it is a rounded decimal."""
+
+    value: Exact
+    places: int | None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An entry of a method."""
+
+    value: Exact
+    places: int | None = None
+
+
+class Table(Protocol):
+    """A tableau as :mod:`glmref.audit` and :func:`tableau` give it: blocks by part."""
+
+    kind: str
+    A: Any
+    b: Any
+    c: Any
+    order: int | None
+
+
+@dataclass
+class Tableau:
+    """The tableau of a method, its blocks as in :class:`glmref.audit.table.Table`."""
+
+    kind: str
+    A: list[list[list[Entry]]]
+    b: list[list[Entry]]
+    c: list[list[Entry] | None]
+    order: int | None = None
+
 
 _Numbers = Sequence[Sequence[Number]]
 _Slot = tuple[str, list[Any], int, int | None]
@@ -95,21 +139,21 @@ class Trial:
         A = [tuple(map(tuple, M)) for M in self.A]
         b = [tuple(x) for x in (self.b if weights is None else weights)]
         if self.kind == "additive":
-            return orders.additive(list(zip(A, b, strict=True)), self.c)
+            return schemes.additive(list(zip(A, b, strict=True)), self.c)
         if self.kind == "rosenbrock":
-            return orders.rosenbrock(A[0], A[1], b[0])
+            return schemes.rosenbrock(A[0], A[1], b[0])
         if self.kind == "nystrom":
             c = self.c[0]
             if c is None:
                 raise DataError("a Nystrom method needs c")
-            return orders.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
+            return schemes.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
         if self.kind == "glm":
-            return orders.general_linear(A[0], b)
+            return schemes.general_linear(A[0], b)
         if self.kind == "splitting":
-            return orders.splitting(
+            return schemes.splitting(
                 b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
             )
-        return orders.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
+        return schemes.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
 
     def slots(self) -> Iterator[tuple[str, list[Any], int]]:
         """Entries that may be wrong: how they are called, where they are, and their index."""
@@ -139,6 +183,137 @@ def _pairs(method: Trial) -> Iterator[tuple[str, list[Any], int, int]]:
             for k in range(j):
                 if complex(row[j]) != 0 and complex(row[k]) != 0:
                     yield f"a[{i + 1}][{k + 1}], a[{i + 1}][{j + 1}]", row, j, k
+
+
+def entry_of(x: Exact) -> Entry:
+    """Return an entry with the digits that it has after the point, if it is a rounded decimal."""
+    return Entry(x, rounded_places(x.as_fraction() or Fraction(0)))
+
+
+def tableau(method: Any, order: int | None = None, times: Sequence[Any] | None = None) -> Any:
+    """Return the tableau of a method that carries one value, ``None`` for others.
+
+    Parameters
+    ----------
+    method : Method
+        With exact coefficients.
+    order : int, optional
+        What is declared.
+    times : sequence, optional
+        Of an additive method where its parts are evaluated.
+    """
+
+    def row(values: Any) -> list[Entry]:
+        return [entry_of(x) for x in values]
+
+    def rows(matrix: Any) -> list[list[Entry]]:
+        return [row(x) for x in matrix]
+
+    if not method.is_exact or not method.is_one_step:
+        return None
+    if method.rosenbrock:
+        return Tableau(
+            "rosenbrock", [rows(method.alpha), rows(method.gamma)], [row(method.b)], [None], order
+        )
+    components = method.components
+    A, b = [rows(c.A) for c in components], [row(c.B[0]) for c in components]
+    if method.additive:
+        c = [None if x is None else row(x) for x in times or [None] * len(A)]
+        return Tableau("additive", A, b, c, order)
+    document = method.document or {}
+    if document.get("class") == "nystrom":
+        reader = Entries(document, method.name)
+        reader.read_constants()
+        A = [rows(reader.matrix(document[x], x)) for x in ("A", "A_prime") if x in document]
+        b = [row(reader.vector(document[x], x)) for x in ("b", "b_prime")]
+        return Tableau("nystrom", A, b, [row(reader.vector(document["c"], "c"))], order)
+    if len(components) > 1:
+        return None
+    c = method.abscissae_given
+    return Tableau("rk", A, b, [None if c is None else row(c)], order)
+
+
+def suspected(method: Any, found: int) -> str:
+    """Say what is wrong with the coefficients of a method, as far as its file tells.
+
+    The row whose sum is not c, and the entry that gives the order that the file claims, or, where
+    it claims none, the highest order.
+
+    Parameters
+    ----------
+    method : Method
+        As it was read.
+    found : int
+        Its order.
+    """
+    document, claims = method.document or {}, method.claims
+    if "broken" in document or not method.is_exact:
+        return ""
+    c = getattr(method, "abscissae_given", None)
+    said = "" if c is None else row_apart(method.A, c)
+    declared = claims.get(NYSTROM_ORDER.key, claims.get(ORDER.key))
+    orders = [declared] if declared is not None else list(range(8, found, -1)) if said else []
+    entry = next((x for n in orders if n > found and (x := corrected(method, n))), "")
+    return "; ".join(x for x in (said, entry) if x)
+
+
+def corrected(method: Any, declared: int, times: Sequence[Any] | None = None) -> str:
+    """Say which entry of a method is wrong and what it should be, ``""`` where none explains it.
+
+    Parameters
+    ----------
+    method : Method
+        Whose order is less than ``declared``.
+    declared : int
+        The order that it should have.
+    times : sequence, optional
+        See :func:`tableau`.
+    """
+    table = tableau(method, declared, times)
+    entries = [x.value for part in (table.A if table else ()) for row in part for x in row]
+    entries += [x.value for row in (table.b if table else ()) for x in row]
+    if table is None or any(x.magnitude() > _LARGE for x in entries):
+        return ""
+    trial = Trial(table)
+    found = at_row(trial, declared) or correction(trial, declared)
+    return ", or ".join(f"{x['entry']} is {x['is']} and should be {x['should be']}" for x in found)
+
+
+def row_apart(A: Matrix, c: Vector) -> str:
+    """Say which row of A does not sum to c, ``""`` where all do; the order says what counts."""
+    sums = row_sums(A)
+    gaps = [abs(complex(x - y)) for x, y in zip(sums, c, strict=True)]
+    worst = max(range(len(gaps)), key=gaps.__getitem__)
+    if gaps[worst] == 0:
+        return ""
+    if gaps[worst] < ROUNDING:
+        size = rounded_up(Fraction(repr(gaps[worst])))
+        return f"row {worst + 1} of A sums to c[{worst + 1}] to {size}"
+    return (
+        f"row {worst + 1} of A sums to {complex(sums[worst]).real:.12g} and c[{worst + 1}] is "
+        f"{complex(c[worst]).real:.12g}: the order is that on y' = f(t, y)"
+    )
+
+
+def at_row(method: Trial, declared: int) -> list[dict[str, str]]:
+    """Return the one entry of the row whose sum is not c that gives the declared order."""
+    k, part = method.gap_row, method.gap_part
+    given = method.c[part] if method.kind in ("rk", "additive") and method.c else None
+    if given is None or method.gap < COARSE or declared > 8:
+        return []
+    row, found = method.A[part][k], []
+    for j, x in enumerate(row):
+        if complex(x) == 0:
+            continue
+        row[j] = x + given[k] - sum(row, Exact(0))
+        got = reach(method.scheme(), declared, stop=0.5 * method.scale)
+        if len(got.sizes) >= declared and got.size(declared) <= method.coarse:
+            name = "a_implicit" if part else "a"
+            found.append(
+                {"entry": f"{name}[{k + 1}][{j + 1}]", "is": _short(x), "should be": _short(row[j])}
+            )
+        row[j] = x
+    return found if len(found) == 1 else []
 
 
 def correction(method: Trial, declared: int) -> list[dict[str, str]]:
