@@ -24,7 +24,7 @@ def main(arguments: list[str]) -> None:
     records = []
     for line in sys.stdin:
         row = json.loads(line)
-        row = {k: v for k, v in row.items() if v not in (None, [], "")}
+        row = {k: v for k, v in row.items() if k != "format" and v not in (None, [], "")}
         row.pop("nearest", None) if not row.get("nearest", {}).get("entries") else None
         if isinstance(row.get("residual"), float):
             row["residual"] = f"{row['residual']:.1e}"

@@ -80,7 +80,7 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     record |= {"declared": declared, "found": found.to(coarse)}
     if declared is None:
         record["status"] = "found"
-        record["residual"] = float(f"{found.size(record['found']):.2g}")
+        record["residual"] = float(f"{found.size(record['found'] or 1):.2g}")
         status = "found"
     else:
         looked = min(declared, len(found.sizes))
@@ -154,6 +154,9 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         status = "unread"
         first = record.pop("correction")[0]
         remarks.append(f"{first['entry']} has no name in the code, and may be {first['should be']}")
+    if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
+        status = "wrong"
+        remarks.append("the order is 0: the weights do not sum to 1")
     record["status"] = status
     record["remarks"] = remarks
 

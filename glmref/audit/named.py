@@ -56,6 +56,10 @@ _NAMED = re.compile(
 )
 
 
+#: A number that gets a value, whether the statement ends or not.
+_ASSIGNED = re.compile(r"(?<![\w.\]])(?:\w+::)?([abcde]|dc)(\d+(?:_\d+)?)\s*=(?!=)")
+
+
 def constants(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
     """The table of a C++ file whose coefficients have a name each.
 
@@ -89,6 +93,10 @@ def _of_constants(text: str) -> Table:
         if isinstance(number, Number):
             scope[key] = number
             found.setdefault(letters, {})[digits] = number
+    ends = {m.start(1) for m in _NAMED.finditer(text)}
+    lost = next((m for m in _ASSIGNED.finditer(text) if m.start(1) not in ends), None)
+    if lost is not None:
+        raise Unread(f"the value of {lost[1]}{lost[2]} has no end: a `;` is missing")
     if found.keys() & {"gam", "gamma"}:
         raise Unread("a Rosenbrock method whose entries have names of their own")
     letter = "a" if "21" in found.get("a", {}) else "b"

@@ -20,6 +20,8 @@ from .readers import FORMATS, SUFFIXES, declared_orders, read
 from .table import Table
 
 FORMAT = "glmref-audit-1"
+#: Of one line of the output.
+LINE = "glmref-audited-table-1"
 #: A file without any of these holds no table of the format.
 _MARKS: Mapping[str, str] = {
     "json": r'"(?:A|alpha|parts)"',

@@ -16,6 +16,7 @@ from ..errors import DataError, did_you_mean
 from ..exact import Scalar
 from ..exact.expression import parse
 from ..system.arguments import listed, whole
+from ..system.arguments import shown as printable
 from .claims import (
     ABSCISSAE,
     DENSE_ORDER,
@@ -154,7 +155,7 @@ class _Plain:
 
     def _finish(self, kind: str, found: dict[str, Any], claims: PlainClaims) -> None:
         """Add what a document of the format has besides."""
-        text = str(self.given.get("name", ""))[:1000]
+        text = printable(self.given.get("name", ""), str, 1000)
         stem = self.where.removesuffix(".json").removesuffix(".toml")
         for name in (text, stem):
             slug = name_of(name)

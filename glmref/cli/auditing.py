@@ -14,6 +14,7 @@ from ..errors import BudgetError, UsageError
 from ..findings import Finding, Verdict
 from ..views.tables import counted, findings_json, one_line, plain
 from .output import (
+    BAD_INPUT,
     FAILED,
     HOLDS,
     INTERNAL,
@@ -130,14 +131,16 @@ def _findings(file: str, more: Mapping[str, Any]) -> list[Finding]:
 )
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
+@click.option("--strict", is_flag=True, help="Exit with 1 when a table is unread, too.")
 @on_option
-def audit(source: Path, form: str, every: bool, fast: bool, on: str | None) -> int:
+def audit(source: Path, form: str, every: bool, fast: bool, strict: bool, on: str | None) -> int:
     """Check every tableau in a file or checkout: one line of JSON each, then a count.
 
     Nothing in the sources is executed. A table that is not understood is listed as unread, with its
-    line, and the audit goes on. Exit code 1 when a table is wrong.
+    line, and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
     """
     from ..audit.judge import summary
+    from ..audit.sources import LINE
     from ..audit.sources import audit as examine
     from ..compute import executor
 
@@ -146,8 +149,16 @@ def audit(source: Path, form: str, every: bool, fast: bool, on: str | None) -> i
         for record in examine(source, form, search=not fast, on=where):
             records.append(record)
             if every or record["status"] not in ("right", "found", "digits"):
-                say(canonical.one_line(plain(record)))
+                say(canonical.one_line({"format": LINE, **plain(record)}))
     counts = summary(records)
     tables = counted(len(records), "table")
     complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
-    return FAILED if counts.get("wrong") else HOLDS
+    unread = counts.get("unread", 0)
+    if unread == len(records):
+        what = "is understood" if records else "is found"
+        complain(
+            f"no table {what} in {source} read as {form}; name another --format, or write the "
+            f"table as JSON (docs/check.md)"
+        )
+        return FAILED if strict and records else BAD_INPUT
+    return FAILED if counts.get("wrong") or (strict and unread) else HOLDS

@@ -6,20 +6,29 @@ Coefficients of known members are in :mod:`glmref.method.classical`: ``runge_kut
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from ..errors import DataError
 from ..exact import Exact, exact
 from ..exact.linalg import Matrix, Vector, dot
 from ..system.arguments import one_of
+from .embedded import EmbeddedRow
 from .entries import Entries, Rows, as_matrix, as_vector
 from .glm import GLM, PartitionedGLM
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
 
-def runge_kutta(A: Rows, b: Entries, name: str = "") -> GLM:
+def runge_kutta(A: Rows, b: Entries, name: str = "", *, embedded: Any = None) -> GLM:
     """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
+
+    Parameters
+    ----------
+    A, b : Rows and Entries
+        (s, s) and (s,).
+    embedded : Entries or mapping or sequence, optional
+        Weights (s,) of a further solution, which estimates errors; or several by their names.
 
     Raises
     ------
@@ -31,7 +40,14 @@ def runge_kutta(A: Rows, b: Entries, name: str = "") -> GLM:
     """
     A, b = as_matrix(A, "A"), as_vector(b, "b")
     _check_length("b", b, len(A))
-    return GLM(A=A, U=((_ONE,),) * len(A), B=(b,), V=((_ONE,),), name=name)
+    rows = {} if embedded is None else embedded
+    rows = rows if isinstance(rows, Mapping) else {"embedded": rows}
+    return GLM(
+        A=A, U=((_ONE,),) * len(A), B=(b,), V=((_ONE,),), name=name,
+        embedded=tuple(
+            EmbeddedRow(str(k), (as_vector(row, f"embedded {k}"),)) for k, row in rows.items()
+        ),
+    )  # fmt: skip
 
 
 def _check_length(letter: str, values: Sequence[object], size: int) -> None:
@@ -51,10 +67,25 @@ def _multistep(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
         )
     lead = alpha[-1]
     if lead.is_zero() is not False:
-        raise DataError(f"`alpha[{len(alpha)}]` must not be zero: it multiplies the new value")
+        raise DataError(
+            f"`alpha[{len(alpha)}]` must not be zero: it multiplies the new value, and alpha[1] "
+            f"the oldest"
+        )
     if all(x.is_zero() is True for x in beta):
         raise DataError("`beta` must have an entry other than zero")
+    if not _is_consistent(alpha, beta) and _is_consistent(alpha[::-1], beta[::-1]):
+        raise DataError(
+            "`alpha` and `beta` are consistent in reversed order only: alpha[1] and beta[1] belong "
+            "to the oldest value, the last entries to the new one; turn both round"
+        )
     return tuple(x / lead for x in alpha), tuple(x / lead for x in beta)
+
+
+def _is_consistent(alpha: Vector, beta: Vector) -> bool:
+    """Return whether rho(1) = 0 and rho'(1) = sigma(1) for certain."""
+    slope = sum((m * x for m, x in enumerate(alpha)), _ZERO)
+    gaps = (sum(alpha, _ZERO), slope - sum(beta, _ZERO))
+    return all(x.is_zero() is True for x in gaps)
 
 
 def _first_nonzero(values: Vector) -> int:

@@ -365,7 +365,7 @@ def test_rosenbrock_methods_in_the_transformed_form() -> None:
     ros2 = judged(KPP, "kpp")["Ros2"]
     assert (ros2["kind"], ros2["declared"], ros2["found"]) == ("rosenbrock", 2, 2)
     broken = judged(KPP.replace("(-2.0_dp)/g", "(-3.0_dp)/g"), "kpp")["Ros2"]
-    assert broken["found"] == 0 and broken["status"] == "question"
+    assert broken["found"] == 0 and broken["status"] == "wrong"
 
 
 def test_an_unread_table_has_no_verdict() -> None:
@@ -381,6 +381,26 @@ def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: A
     rows = [json.loads(x) for x in out.out.splitlines()]
     assert {(x["path"], x["status"]) for x in rows} >= {("bad.py", "unread"), ("good.py", "wrong")}
     assert "1 wrong" in out.err
+
+
+def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
+    tmp_path: Path, capsys: Any
+) -> None:
+    """Plain C arrays, which no reader takes; and one table that is read beside one that is not."""
+    (tmp_path / "rk.c").write_text("double A[2][2] = {{0, 0}, {1, 0}};\ndouble b[2] = {.5, .5};\n")
+    assert main(["audit", str(tmp_path / "rk.c"), "--format", "openmodelica"]) == 2
+    out = capsys.readouterr()
+    assert out.out == "" and "no table is found in" in out.err and "--format" in out.err
+    path = tmp_path / "two.json"
+    path.write_text('[{"A": [[0]], "b": [1], "order": 1}, {"A": [[0]], "b": [1, 2]}]')
+    assert main(["audit", str(path), "--format", "json", "--fast"]) == 0
+    (row,) = [json.loads(x) for x in capsys.readouterr().out.splitlines()]
+    assert (row["format"], row["status"]) == ("glmref-audited-table-1", "unread")
+    assert main(["audit", str(path), "--format", "json", "--strict", "--fast"]) == 1
+    path = tmp_path / "one.json"
+    path.write_text('{"A": [[0]], "b": [1, 2]}')
+    assert main(["audit", str(path), "--format", "json"]) == 2
+    assert "no table is understood in" in capsys.readouterr().err
 
 
 def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
@@ -734,6 +754,13 @@ def test_numbers_with_names_of_their_own() -> None:
     assert (heun["found"], heun["stages"], heun["status"]) == (2, 2, "found")
     spoilt = judged(NAMED.replace("e2 = -0.5", "e2 = 0.5"), "constants")["Heun"]
     assert spoilt["status"] == "wrong" and "sum to 1" in spoilt["remarks"][0]
+    for lost in ("b2 = 1.0 - Heun::b1,", "e1 = 1.0 - 0.5,"):  # a statement without its end
+        spoilt = judged(NAMED.replace(lost, lost[:-1]), "constants")["Heun"]
+        assert spoilt["status"] == "unread" and "a `;` is missing" in spoilt["remarks"][0]
+    heavy = judged(NAMED.replace("b1 = 0.5", "b1 = 0.5 + 1./9.").replace("1.0 - Heun::b1", "0.5"),
+                   "constants")["Heun"]  # fmt: skip
+    assert (heavy["found"], heavy["status"]) == (0, "wrong")
+    assert "the order is 0: the weights do not sum to 1" in heavy["remarks"]
     (table,) = read(NAMED_B, "constants", declared_orders(NAMED_B))
     pair = judge(table)
     assert (pair["declared"], pair["found"], pair["stages"]) == (2, 3, 4)

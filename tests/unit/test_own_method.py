@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -301,3 +302,27 @@ def test_a_method_that_is_not_zero_stable_is_run_with_a_notice() -> None:
     (notice,) = glmref.solve("kepler", unstable, h=0.01, steps=10).notices
     assert "not zero-stable" in notice and "size 5," in notice
     assert glmref.solve("kepler", "ab-4", h=0.01, steps=10).notices == ()
+
+
+def test_an_embedded_row_is_given_to_a_runge_kutta_method() -> None:
+    A = np.array([[0, 0], [1.0, 0]])
+    for given in ((1, 0), np.array([1.0, 0]), {"euler": ["1", "0"]}):
+        method = glmref.from_rk(A, [0.5, 0.5], embedded=given)
+        (name,) = glmref.analyze(method).order_embedded or {}
+        assert glmref.analyze(method).order_embedded == {name: 1}
+        assert name == ("euler" if isinstance(given, dict) else "embedded")
+    with pytest.raises(DataError, match="must have s = 2"):
+        glmref.from_rk(A, [0.5, 0.5], embedded=[1])
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta"),
+    [(["1", "-4/3", "1/3"], ["2/3", 0, 0]), ([1, "-18/11", "9/11", "-2/11"], ["6/11", 0, 0, 0])],
+)
+def test_descending_coefficients_of_a_multistep_method_are_refused(alpha: Any, beta: Any) -> None:
+    """BDF with two and three steps as many books print them: once silently of order 0."""
+    with pytest.raises(DataError, match="in reversed order only"):
+        glmref.from_lmm(alpha, beta)
+    assert glmref.analyze(glmref.from_lmm(alpha[::-1], beta[::-1])).order == len(alpha) - 1
+    with pytest.raises(DataError, match="multiplies the new value, and alpha"):
+        glmref.from_lmm([1, -1, 0], [0, "3/2", "-1/2"])
