@@ -29,6 +29,7 @@ import numpy as np
 from campaigns.driver import Case, arguments, fingerprint, renew
 from campaigns.pages import write
 from campaigns.partitioned.long_runs import LOST, ONE_VALUE, UNITS, three_digits
+from glmref.catalogue.advice import ADVICE, SHORT
 from glmref.catalogue.claims import G_SYMPLECTIC, NYSTROM_ORDER, ORDER, SYMMETRIC
 from glmref.catalogue.lookup import data_root, load, names
 from glmref.engine.solve import solve
@@ -201,8 +202,25 @@ HEAD = {
 
 FILE = data_root() / "measurements" / "long-survey.json"
 PAGE = Path(__file__).parents[1] / "docs" / "choose.md"
+
+
+def advice() -> str:
+    """Return the table of what to take."""
+    lines = ["| your problem | take | why |", "|---|---|---|"]
+    for one in ADVICE:
+        take = [
+            f"`{x}`" + (f" (up to {SHORT:,} steps)" if one.limited(x) else "") for x in one.take
+        ]
+        why = "; ".join(filter(None, (one.why, one.more)))
+        lines.append(f"| {one.need} | {', '.join(take)} | {why} |")
+    return "\n".join(lines)
+
+
 #: Name of a table of the page -> what writes it.
-TABLES = {"long-survey": lambda: table(json.loads(FILE.read_text(encoding="utf-8"))["rows"])}
+TABLES = {
+    "advice": advice,
+    "long-survey": lambda: table(json.loads(FILE.read_text(encoding="utf-8"))["rows"]),
+}
 
 
 def main(path: Path, steps: int = STEPS, methods: Sequence[str] | None = None) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from ..catalogue.advice import ADVICE, SHORT, Advice
 from ..catalogue.claims import (
     FINISHING_ORDER,
     G_SYMPLECTIC,
@@ -47,37 +48,6 @@ _CLASSES = {
     "rosenbrock": "Rosenbrock",
 }  # fmt: skip
 
-#: What is needed, what to take, and why: the table of docs/choose.md in short.
-NEEDS: tuple[tuple[str, tuple[str, ...], str], ...] = (
-    (
-        "second order, q'' = g(q)",
-        ("blanes-moan-rkn-6-14", "kahan-li-8", "pair-rkn-6-8b"),
-        "no stage equation to solve; the pair for up to 100,000 steps",
-    ),
-    (
-        "separable p' = -V'(q), q' = T'(p)",
-        ("blanes-moan-6", "kahan-li-8", "pair-6-8"),
-        "explicit; the pair for up to 100,000 steps",
-    ),
-    (
-        "Hamiltonian, not separable",
-        ("gauss-5", "gauss-7"),
-        "symplectic, of high order, the fastest measured here on Kepler's problem",
-    ),
-    (
-        "Hamiltonian, large, stages by Newton's method",
-        ("gauss-3", "gauss-4"),
-        "symplectic, the stages solved one by one",
-    ),
-    ("quadratic invariants", ("gauss-2", "gauss-3"), "conserved exactly in the solution itself"),
-    ("stiff and dissipative", ("radau-iia-3", "tr-bdf2"), "L-stable; no symplectic method is"),
-    (
-        "not stiff, short time, no invariant",
-        ("dormand-prince-5", "rk4"),
-        "explicit; in an adaptive code where there is one",
-    ),
-)
-
 _COLUMNS = (
     Column("method", "method"),
     Column("class", "class"),
@@ -110,8 +80,8 @@ def overview(site: Site, results: Results, names: Sequence[str], *, catalogue: b
         for x, doc in sorted(results.measurements.items())
     ]
     needs = [
-        (need, [site.link(f"method-{x}", x) for x in take if x in names], why)
-        for need, take, why in NEEDS
+        (one.need, [_taken(site, one, x) for x in one.take if x in names], one.why)
+        for one in ADVICE
     ]
     body = render(
         "index.html",
@@ -124,6 +94,12 @@ def overview(site: Site, results: Results, names: Sequence[str], *, catalogue: b
         proved=_proved(results, names) if catalogue else None,
     )
     return Page("index", "Methods and proofs" if catalogue else "Results", body, "overview")
+
+
+def _taken(site: Site, advice: Advice, name: str) -> str:
+    """Return the link to a method that is recommended, with the steps up to which it is."""
+    link = site.link(f"method-{name}", name)
+    return link + f" (up to {SHORT:,} steps)" if advice.limited(name) else link
 
 
 def _proved(results: Results, names: Sequence[str]) -> Mapping[str, Any]:

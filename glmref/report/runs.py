@@ -62,6 +62,7 @@ COLUMNS: tuple[tuple[Column, Callable[[Record], Any]], ...] = (
     (Column("energy_error", "error of the energy, relative"), _at("energy_error")),
     (Column("invariant_drift", "drift of invariants"), _drift(_INVARIANTS)),
     (Column("form_drift", "drift of the form G"), _drift(("form",))),
+    (Column("limit", "stable to h"), _at("limit")),
     (Column("lost", "lost at t"), _at("lost")),
     (Column("predicted", "mu f' says t"), _at("predicted")),
     (Column("largest", "largest rest"), _at("largest")),
@@ -106,7 +107,8 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
         bars = " Bars span the quartiles of the run times." if few else ""
         work = Figure(
             table.id, costs, errors, f"error against cost, {title}",
-            f"Runs of one method are joined in the order of the file.{bars}{far}", bars=few,
+            f"Runs of one method are joined in the order of the file.{bars}{_failures(run)}{far}",
+            bars=few,
         )  # fmt: skip
     used = dict.fromkeys(method_of(x) for x in run.records)
     curves, paths = _curves(run, title, far), orbits(run, title, far)
@@ -137,6 +139,16 @@ def about(run: RunFile) -> tuple[str, str, str]:
         return scene.title, scene.question, scene.answer.error
     found = {key: str(run.about.get(key, "")) for key in ("title", "question", "judged")}
     return found["title"] or run.name, found["question"], found["judged"]
+
+
+def _failures(run: RunFile) -> str:
+    """Say what crosses and dotted lines are, where the records have some."""
+    if not any(is_number(x.get("limit")) for x in run.records):
+        return ""
+    return (
+        " Against h, crosses at the top are runs that failed, and a dotted line is the step size "
+        "up to which the tableau predicts stability along the solution."
+    )
 
 
 def _horizon(run: RunFile) -> str:

@@ -207,7 +207,12 @@
       const ay = axis(rows.map((row) => Number(row[ky])), this.head(ky).linear, (height - 72) * 1.5);
       const left = Math.max(62, 10 + longest(ay));
       const box = { left, top: 26, wide: width - left - 12, high: height - 72 };
-      const ax = axis(rows.map((row) => Number(row[kx])), this.head(kx).linear, box.wide);
+      // what failed has a step size and no error; up to a limit the tableau predicts stability
+      const failed = kx !== "h" && kx !== "steps" ? [] : this.rows.filter((row) => "outcome" in row &&
+        row.outcome !== "completed" && this.usable(row, kx) && !this.hidden.has(row[this.figure.dataset.series]));
+      const limits = new Map(kx === "h" ? this.rows.filter((row) => Number(row.limit) > 0 &&
+        !this.hidden.has(row[this.figure.dataset.series])).map((row) => [row[this.figure.dataset.series], Number(row.limit)]) : []);
+      const ax = axis([...rows, ...failed].map((row) => Number(row[kx])).concat([...limits.values()]), this.head(kx).linear, box.wide);
       this.size(width, height);
       this.grid(box, ax, ay);
       fit(make("text", { x: box.left + box.wide / 2, y: height - 10, "text-anchor": "middle", class: "x-title" }, svg,
@@ -229,6 +234,16 @@
           if (!quick || n === mine.length - 1) mark(group, look, { transform: `translate(${p.u.toFixed(1)} ${p.v.toFixed(1)})` });
         });
         this.points.push(...mine);
+      });
+      this.names.forEach((name, k) => {
+        const color = this.looks[k].color, group = make("g", { "data-failed": name }, svg);
+        if (limits.has(name)) make("path", { class: `line limit c${color}`, "stroke-dasharray": "1.5 4",
+          d: `M${(box.left + ax.at(limits.get(name)) * box.wide).toFixed(1)} ${box.top}v${box.high}` }, group);
+        failed.filter((row) => row[this.figure.dataset.series] === name).forEach((row) => {
+          const p = { row, k, u: box.left + ax.at(Number(row[kx])) * box.wide, v: box.top + 8 + 7 * (k % 8) };
+          mark(group, { color, shape: 5 }, { transform: `translate(${p.u.toFixed(1)} ${p.v})` });
+          this.points.push(p);
+        });
       });
     }
     near(event) {

@@ -18,7 +18,18 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.claims import NYSTROM_ORDER, SYMPLECTIC, stated_orders
+from ..catalogue.advice import (
+    BOUNDED,
+    DRIFTS,
+    GROWS,
+    LOST,
+    MEANINGS,
+    RECORDED,
+    UNKNOWN,
+    candidates,
+    long_runs,
+)
+from ..catalogue.claims import NYSTROM_ORDER, stated_orders
 from ..catalogue.lookup import document, is_broken, load, names
 from ..engine.starting_values import renewal_of
 from ..errors import GlmrefError, UsageError
@@ -37,31 +48,12 @@ from .answers import duration, seconds_at
 if TYPE_CHECKING:
     from ..measure.work_precision import Work
 
-#: Methods that are tried where none are named, by the kind of the problem.
-CANDIDATES = {
-    "second order": (
-        *("stormer-verlet", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14", "kahan-li-8"),
-        *("gauss-4", "gauss-5", "gauss-7", "pair-rkn-6-8b", "multistep-rkn-8", "multistep-rkn-10"),
-    ),
-    "separable": (
-        *("stormer-verlet", "blanes-moan-4", "blanes-moan-6", "kahan-li-8", "gauss-4"),
-        *("gauss-5", "gauss-7", "pair-6-8", "multistep-8"),
-    ),
-    "Hamiltonian": ("gauss-2", "gauss-3", "gauss-4", "gauss-5", "gauss-7", "s5i1-w3"),
-    "general": (
-        *("rk4", "dormand-prince-5", "cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
-    ),
-}
 _WORDS = {
     "second order": "Hamiltonian with quadratic kinetic energy",
     "separable": "separable Hamiltonian",
     "Hamiltonian": "Hamiltonian, not separable",
     "general": "not Hamiltonian",
 }
-
-#: How a method carries on over long runs, by what its file says.
-LOST, GROWS, BOUNDED, DRIFTS, UNKNOWN = "lost", "grows", "bounded", "drifts", "not recorded"
-RECORDED = "recorded as bounded"
 
 #: Runs of one method at the most, and the factor by which the number of steps grows between two.
 MOST_RUNS = 9
@@ -178,7 +170,20 @@ class Comparison:
         ]
         missed = [one for one in self.candidates if not one.reached]
         lines += [f"{one.method}: {one.message}" for one in missed]
+        lines += ["", *self._legend()]
         return "\n".join([*lines, "", f"take {self.recommended or 'none of these'}: {self.reason}"])
+
+    def _legend(self) -> list[str]:
+        """Return what the words of the last column mean, as far as they occur."""
+        met = dict.fromkeys(one.long_runs for one in self.candidates)
+        told = [f"{word}: {MEANINGS[word]}" for word in met if word in MEANINGS]
+        renewed = sorted({one.renew for one in self.candidates if one.renew})
+        told += [
+            f"renew={steps}: the values carried are computed from the solution again after every "
+            f"{steps:,} steps, glmref.solve(..., renew={steps}); see docs/choose.md"
+            for steps in renewed
+        ]
+        return told
 
     @property
     def series(self) -> tuple[Series, ...]:
@@ -229,7 +234,7 @@ class Comparison:
 
 
 def kind_of(problem: Problem) -> str:
-    """Which candidates fit a problem: a key of :data:`CANDIDATES`."""
+    """Which candidates fit a problem: a ``kind`` of :data:`..catalogue.advice.ADVICE`."""
     split = problem if problem.separable else problem.extended
     if split is not None and split.second_order:
         return "second order"
@@ -251,7 +256,7 @@ def compare(
     problem : Problem, str or Path
         A problem, the name of a shipped one, or a TOML file with one.
     methods : sequence, optional
-        Methods by name, file or as objects; by default those of :data:`CANDIDATES`.
+        Methods by name, file or as objects; by default those of :mod:`glmref.catalogue.advice`.
     tolerance : float
         Relative error to reach.
     t_end : float, optional
@@ -275,7 +280,7 @@ def compare(
     if end == begin:
         raise UsageError(f"`t_end` must be another time than {begin:g}, got {end!r}")
     kind = kind_of(subject)
-    chosen = list(_methods(CANDIDATES[kind])) if own is None else own
+    chosen = list(_methods(candidates(kind))) if own is None else own
     deadline = perf_counter() + budget
     error, reference = _judge(subject, end, tolerance)
     found = []
@@ -371,7 +376,7 @@ class _Search:
              "seconds": {"median": w.seconds.median}, "h": w.h} for w in good
         ]  # fmt: skip
         reached = [w for w in good if (_error(w, self.error) or 0.0) <= self.tolerance]
-        label = _label(self.method, notes)
+        label = long_runs(self.method, notes)
         if kind == "general" and label in (DRIFTS, UNKNOWN):
             label = "-"  # there is no energy to drift
         if not reached:
@@ -432,20 +437,6 @@ class _Search:
         )  # fmt: skip
         self.works.append(work)
         return work
-
-
-def _label(method: Any, notes: Sequence[str]) -> str:
-    """How a method does on long runs: what its file records, else what its structure says."""
-    said = " ".join(notes)
-    if "lost" in said:
-        return LOST
-    if "grow" in said:
-        return GROWS
-    if "stays bounded" in said:
-        return RECORDED
-    if method.claims.get(SYMPLECTIC.key) is True:
-        return BOUNDED
-    return DRIFTS if method.is_one_step else UNKNOWN
 
 
 def _recommended(

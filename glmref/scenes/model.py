@@ -20,6 +20,7 @@ FORMAT = "glmref-scene-1"
 ASK: Mapping[str, str] = {
     "state": "error of the last state, against a closed form or a reference",
     "energy": "largest error of the Hamiltonian over 64 samples",
+    "limit": "step size up to which the tableau predicts stability along the solution",
     "invariants": "drift of the conserved quantities and of their G-forms",
     "parasitic": "when the values beyond the solution outgrow it, and when mu f' says so",
     "orbit": "at most 400 points of the path in a plane",

@@ -184,7 +184,7 @@ def task_of(
 
 
 def _peer_task(scene: Scene, peer: str, tolerance: float) -> dict[str, Any]:
-    ask = [question for question in _asked(scene) if question != "orbit"]
+    ask = [question for question in _asked(scene) if question not in ("orbit", "limit")]
     return {**_common(scene), "ask": ask, "kind": "peer", "peer": peer, "tolerance": tolerance}
 
 

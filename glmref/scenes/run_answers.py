@@ -9,7 +9,7 @@ import math
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeGuard
 
 from .labels import grouped, listed, method_of, name_of
 from .model import Scene
@@ -84,7 +84,26 @@ def accurate(scene: Scene, records: Sequence[Record]) -> str:
     if missed:
         worse = sorted(missed, key=lambda name: missed[name])
         parts.append(f"not by {listed([f'{name} ({missed[name]:.1e})' for name in worse])}")
-    return "; ".join(parts + _others(other))
+    return "; ".join(parts + _others(other) + _failures(scene, records))
+
+
+def _failures(scene: Scene, records: Sequence[Record]) -> list[str]:
+    """Methods that failed at large steps only: the smallest such h, and the one predicted."""
+    told = []
+    for name, group in grouped(records).items() if "limit" in scene.ask else ():
+        good = [r["task"]["h"] for r in group if r["outcome"] == "completed" and "h" in r["task"]]
+        bad = [r["task"]["h"] for r in group if r["outcome"] != "completed" and "h" in r["task"]]
+        above = [h for h in bad if good and h > min(good)]
+        if above:
+            limit = group[0].get("limit")
+            said = f", predicted from {limit:.2g}" if is_step(limit) else ""
+            told.append(f"{name} (h = {min(above):.2g}{said})")
+    return [f"fails at larger steps, down to: {listed(told, most=12)}"] if told else []
+
+
+def is_step(limit: Any) -> TypeGuard[float]:
+    """Return whether a record's limit is a step size: ``"none"`` says that there is no limit."""
+    return isinstance(limit, float)
 
 
 def _cost(record: Record) -> int:
@@ -105,7 +124,8 @@ def order(scene: Scene, records: Sequence[Record]) -> str:
         points = [
             (math.log(abs(r["h"])), math.log(r["state_error"]))
             for r in group
-            if r["outcome"] == "completed" and r.get("state_error")
+            # an error as large as the state belongs to a run that is lost
+            if r["outcome"] == "completed" and 0 < (r.get("state_error") or 0) < LOST
         ]
         slopes = [(y2 - y1) / (x2 - x1) for (x1, y1), (x2, y2) in pairwise(points) if x1 != x2]
         if slopes:

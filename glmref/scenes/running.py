@@ -20,6 +20,7 @@ from ..engine.outcome import StartFailed
 from ..errors import GlmrefError
 from ..measure.attempt import FUNCTION_FAILED, check_function, given_by_user
 from ..measure.law import fit_law, samples_of
+from ..measure.limits import stable_step
 from ..measure.longtime import along, energy_deviation, follow, g_form, watch
 from ..measure.orbit import orbit
 from ..measure.parasitic import (
@@ -192,6 +193,10 @@ def _method(task: Mapping[str, Any]) -> dict[str, Any]:
     record = (_long if SAMPLED & questions else _short)(task, method, subject)
     if "orbit" in questions:
         record |= _orbit(task, method, subject, record)
+    if "limit" in questions:
+        limit = stable_step(subject, method, t_end=task["t_end"])
+        if limit is not None:
+            record["limit"] = "none" if math.isinf(limit) else limit
     return record
 
 
@@ -222,7 +227,7 @@ def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]
         method,
         h=task["h"],
         steps=task["steps"],
-        ask=[q for q in task["ask"] if q != "orbit"],
+        ask=[q for q in task["ask"] if q in ("state", "energy")],
         repeats=task["repeats"],
         budget=task["budget"],
         start=task["start"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +13,11 @@ from .answers import duration
 from .labels import grouped, method_of
 from .model import Scene
 from .planning import SAMPLED
+from .run_answers import is_step
 
 Record = Mapping[str, Any]
+#: Errors below half a unit in the last place are drawn there: less is chance.
+UNIT = 2.0**-54
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,8 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
         found.append("state error")
     if "energy" in scene.ask:
         found.append("energy error")
+    if "limit" in scene.ask:
+        found.append("stable to")
     if "invariants" in scene.ask:
         found += ["invariants", "G-form"]
     if "parasitic" in scene.ask:
@@ -77,7 +83,7 @@ def _cell(column: str, record: Record, *, raw: bool) -> Any:
         return duration(value)
     if isinstance(value, int):
         return f"{value}"
-    plain = ("h", "lost at", "predicted", "exponent")
+    plain = ("h", "lost at", "predicted", "exponent", "stable to")
     return f"{value:.6g}" if column in plain else f"{value:.2e}"
 
 
@@ -99,6 +105,7 @@ def _value(column: str, record: Record) -> Any:
         "lost at": "lost",
         "largest rest": "largest",
         "start": "start_evaluations",
+        "stable to": "limit",
     }
     return record.get(keys.get(column, column))
 
@@ -132,15 +139,15 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
         return []
     error = asked[0]
     label = f"relative error in the {error}"
+    costs = [
+        ("", "seconds", "seconds"),
+        ("-evaluations", "right-hand-side evaluations", "evaluations"),
+    ]
+    if "limit" in scene.ask:
+        costs.append(("-h", "step size h", "h"))
     return [
-        Chart("", scene.title, "seconds", label, _lines(groups, error, "seconds")),
-        Chart(
-            "-evaluations",
-            scene.title,
-            "right-hand-side evaluations",
-            label,
-            _lines(groups, error, "evaluations"),
-        ),
+        Chart(suffix, scene.title, words, label, _lines(groups, error, cost))
+        for suffix, words, cost in costs
     ]
 
 
@@ -161,17 +168,43 @@ def _cloud(record: Record) -> Cloud:
 
 
 def _lines(groups: Mapping[str, Sequence[Record]], error: str, cost: str) -> tuple[Series, ...]:
+    """Return one line for each method, with its failures and its predicted limit where known."""
     lines = []
     for name, group in groups.items():
-        points, notes = [], []
+        if cost == "h" and not any("h" in record["task"] for record in group):
+            continue  # a peer chooses its steps
+        points, notes, failures = [], [], []
         for record in group:
-            value, spent = record.get(f"{error}_error"), record.get(cost)
-            if cost == "seconds" and spent:
-                spent = spent["median"]
-            if value is None or spent is None or record["outcome"] != "completed":
+            value, spent = record.get(f"{error}_error"), _spent(record, group, cost)
+            h = f"h = {record['task']['h']:.4g}" if "h" in record["task"] else ""
+            if spent is None:
                 continue
-            points.append((float(spent), float(value)))
-            notes.append(f"h = {record['h']:.4g}" if "h" in record else "")
+            if record["outcome"] != "completed":
+                failures.append((spent, ", ".join(filter(None, (h, str(record["outcome"]))))))
+            elif value is not None:
+                points.append((float(spent), max(float(value), UNIT)))
+                notes.append(h)
         # joined in the order of the step sizes: sorted by a time that is noisy, lines would cross
-        lines.append(Series(name, tuple(points), tuple(notes)))
+        limit = group[0].get("limit")
+        ends = _at_step(limit, group, cost) if is_step(limit) else None
+        lines.append(Series(name, tuple(points), tuple(notes), tuple(failures), ends))
     return tuple(lines)
+
+
+def _spent(record: Record, group: Sequence[Record], cost: str) -> float | None:
+    """Return what a run cost; of one that failed what it would have cost, as far as others show."""
+    if cost == "h" or (record["outcome"] != "completed" and "h" in record["task"]):
+        h = record["task"].get("h")
+        return None if h is None else _at_step(h, group, cost)
+    spent = record.get(cost)
+    return spent["median"] if cost == "seconds" and spent else spent
+
+
+def _at_step(h: float, group: Sequence[Record], cost: str) -> float | None:
+    """Return what a run of a method costs at a step size: per step as its completed runs do."""
+    if cost == "h":
+        return h
+    done = [r for r in group if r["outcome"] == "completed" and r.get("steps") and r.get(cost)]
+    each = [(r[cost]["median"] if cost == "seconds" else r[cost]) / r["steps"] for r in done]
+    length = next((r["task"]["t_end"] for r in group), 0.0)
+    return statistics.median(each) * length / h if each else None

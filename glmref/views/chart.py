@@ -36,6 +36,17 @@ class Series:
     name: str  #: Shown beside the line.
     points: tuple[Point, ...]  #: (x, y) in the order in which they are joined.
     notes: tuple[str, ...] = ()  #: One text per point for the reader who points at it, or none.
+    #: Runs that failed, (x, what is to be said): crosses at the upper end of the chart.
+    failures: tuple[tuple[float, str], ...] = ()
+    limit: float | None = (
+        None  #: An x at which a dotted vertical line stands, such as a prediction.
+    )
+
+    @property
+    def across(self) -> tuple[float, ...]:
+        """Return all x that stand on a logarithmic axis."""
+        xs = (*(x for x, *_ in self.drawn), *(x for x, _ in self.failures), self.limit or 0.0)
+        return tuple(x for x in xs if 0 < x < math.inf)
 
     @property
     def drawn(self) -> tuple[tuple[float, float, str], ...]:
@@ -91,8 +102,8 @@ def svg(
 
     Series without a point that can be drawn are named in a line below the chart.
     """
-    shown = [one for one in series if one.drawn]
-    empty = [one.name for one in series if not one.drawn]
+    shown = [one for one in series if one.drawn or one.across]
+    empty = [one.name for one in series if not one.drawn and not one.across]
     longest = max((len(one.name) for one in shown), default=0)
     margin = 30 + _CHARACTER * longest
     height = max(height, round(110 + _SPACING * len(shown)))
@@ -110,6 +121,13 @@ def svg(
         labels = (x_label, y_label)
         parts += axes.frame(log_ticks(*axes.x), log_ticks(*axes.y), labels, aside=54)
         parts += _lines(axes, shown)
+    told = ["crosses at the top: runs that failed"] * any(one.failures for one in shown)
+    told += ["dotted: the step size to which stability is predicted"] * any(
+        one.limit for one in shown
+    )
+    if told:
+        listed.append("; ".join(told))
+        height += 16
     for k, line in enumerate(reversed(listed)):
         parts.append(label(70, height - 8 - 16 * k, line, fill="#555"))
     return document(title, width, height, parts)
@@ -117,7 +135,8 @@ def svg(
 
 def _limits(shown: Sequence[Series]) -> tuple[Point, Point]:
     """Decades that hold all points."""
-    xs, ys, _ = zip(*(point for one in shown for point in one.drawn), strict=True)
+    xs = [x for one in shown for x in one.across]
+    ys = [y for one in shown for _, y, _ in one.drawn] or [1.0]
     return decades(xs), decades(ys)
 
 
@@ -128,6 +147,10 @@ def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
         color = COLORS[number % len(COLORS)]
         dash = DASHES[(number // len(COLORS)) % len(DASHES)]
         points = [(*axes.at(math.log10(x), math.log10(y)), x, y, n) for x, y, n in one.drawn]
+        parts += _failed(axes, one, color, number)
+        if not points:
+            ends.append((axes.right, axes.top + 6, color))
+            continue
         path = axes.line((math.log10(x), math.log10(y)) for x, y, _ in one.drawn)
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
         parts.append(
@@ -154,6 +177,24 @@ def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
             f'stroke-opacity="0.7"/>'
             f"{label(x, row + 4, one.name)}"
         )
+    return parts
+
+
+def _failed(axes: Axes, one: Series, color: str, number: int) -> list[str]:
+    """Crosses of runs that failed, in a row for each series, and the line of the limit."""
+    parts, v = [], axes.top + 8 + 7 * (number % 8)
+    if one.limit is not None and 0 < one.limit < math.inf:
+        u = axes.at(math.log10(one.limit), 0)[0]
+        said = escape(f"{one.name}: stability is predicted up to {one.limit:.4g}")
+        parts.append(
+            f'<path d="M{u:.1f} {axes.top:.1f}V{axes.bottom:.1f}" stroke="{color}" fill="none" '
+            f'stroke-width="1.6" stroke-dasharray="1.5 4"><title>{said}</title></path>'
+        )
+    for x, why in one.failures:
+        if 0 < x < math.inf:
+            u = axes.at(math.log10(x), 0)[0]
+            said = escape(f"{one.name}: {why}")
+            parts.append(f"<g>{_marker('cross', u, v, color)}<title>{said}</title></g>")
     return parts
 
 
@@ -255,12 +296,20 @@ def write_figures(
             linewidth=1.3,
             linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
         )
+    for number, one in enumerate(one for one in series if one.drawn or one.across):
+        color = COLORS[number % len(COLORS)]
+        if one.limit is not None:
+            axes.axvline(one.limit, color=color, linestyle=":", linewidth=1.2)
+        at = [x for x, _ in one.failures]
+        axes.plot(
+            at, [0.98 - 0.02 * (number % 8)] * len(at), "x", color=color, markersize=5,
+            transform=axes.get_xaxis_transform(), label="" if one.drawn else f"{one.name} (fails)",
+        )  # fmt: skip
     axes.set(title=title, xlabel=x_label, ylabel=y_label)
     axes.minorticks_off()
-    points = [(x, y) for one in series for x, y, _ in one.drawn]
     for axis, values in (
-        (axes.xaxis, [x for x, _ in points]),
-        (axes.yaxis, [y for _, y in points]),
+        (axes.xaxis, [x for one in series for x in one.across]),
+        (axes.yaxis, [y for one in series for _, y, _ in one.drawn]),
     ):
         at, texts = log_ticks(*decades(values)) if values else ((), ())
         axis.set_ticks([10**log for log in at], labels=texts)

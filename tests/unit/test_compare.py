@@ -7,11 +7,12 @@ import pytest
 
 import glmref
 from glmref import Problem, UsageError
-from glmref.catalogue.lookup import document
+from glmref.catalogue.advice import ADVICE, long_runs
+from glmref.catalogue.lookup import data_root, document
 from glmref.cli import main
 from glmref.problems import problem
 from glmref.scenes import comparing
-from glmref.scenes.comparing import CANDIDATES, Candidate, compare, kind_of
+from glmref.scenes.comparing import Candidate, Comparison, compare, kind_of
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +54,49 @@ def test_a_method_that_is_lost_is_never_recommended_however_fast():
     assert name == "kept" and "ten million steps" in reason and "need" not in reason
 
 
-def test_shipped_candidates_exist_and_those_that_grow_are_labelled():
-    for names in CANDIDATES.values():
-        for name in names:
-            said = " ".join(document(name).get("notes", []))
-            label = comparing._label(glmref.load(name), document(name).get("notes", []))
+def test_advice_names_methods_and_those_that_grow_are_labelled():
+    for one in ADVICE:
+        for name in (*one.take, *one.compared):
+            notes = document(name).get("notes", [])
+            said, label = " ".join(notes), long_runs(glmref.load(name), notes)
             assert (label in ("lost", "grows")) == ("grow" in said or "lost" in said)
             assert label != "recorded as bounded" or "stays bounded" in said
+            assert one.limited(name) == (label in ("lost", "grows"))
+        assert not one.limited(one.take[0])  # the first choice has no limit
+    kinds = [one.kind for one in ADVICE if one.kind]
+    assert sorted(kinds) == sorted({*kinds}) == sorted(comparing._WORDS)
+
+
+def test_first_choices_stayed_bounded_in_the_records_of_long_runs():
+    """Ten million steps on eight orbits at three step sizes: pairs alone grew or were lost."""
+    rows = json.loads((data_root() / "measurements" / "long-survey.json").read_text("utf-8"))[
+        "rows"
+    ]
+    far = {x["method"] for x in rows if x["steps"] >= 10_000_000}
+    for one in ADVICE[:2]:
+        for name in one.take:
+            assert name in far
+            bad = [
+                run
+                for x in rows
+                if x["method"] == name and x["steps"] >= 10_000_000
+                for run in x["runs"]
+                if run["verdict"] in ("grows", "lost") and not run["renew"]
+            ]
+            assert bool(bad) == one.limited(name), name
+
+
+def test_the_words_of_the_table_are_explained():
+    fast = Candidate("fast", 6, "grows", h=0.1, steps=10, error=1e-10, seconds=0.5, evaluations=9)
+    kept = replace(fast, method="kept", long_runs="recorded as bounded", renew=10_000)
+    table = Comparison(
+        "p", "k", 1.0, 1e-9, "state", "exact", (fast, kept), "kept", "it does"
+    ).table()  # fmt: skip
+    assert (
+        "grows: the energy error grows" in table and "recorded as bounded: not symplectic" in table
+    )
+    assert "renew=10000: the values carried are computed from the solution again" in table
+    assert "lost:" not in table
 
 
 @pytest.mark.parametrize(

@@ -599,16 +599,18 @@ def test_an_own_method_gets_a_page_with_its_tableau_findings_and_portrait(tmp_pa
 
 @pytest.mark.slow
 def test_the_first_page_answers_which_method_and_what_is_proved() -> None:
+    from glmref.catalogue.advice import ADVICE
     from glmref.catalogue.lookup import data_root
     from glmref.report import read
     from glmref.report.markup import Site
-    from glmref.report.methods import NEEDS, overview
+    from glmref.report.methods import overview
 
     names = glmref.names()
-    assert all(set(take) <= set(names) for _, take, _ in NEEDS)
-    assert not any("broken" in str(x) for x in NEEDS)
+    assert all(set(one.take) <= set(names) for one in ADVICE)
     found = read([data_root() / "measurements" / "verification.json"])
     body = str(overview(Site(), found, names, catalogue=True).body)
+    assert all(f"<td>{one.why}" in unescape(body) for one in ADVICE)
+    assert "pair-rkn-6-8b</a> (up to 100,000 steps)" in body
     assert "Which method for which need" in body and "What is proved here" in body
     claims = sum(len(rows) for name, rows in found.findings.items() if name in names)
     assert f"{len(names)} methods make {claims} claims" in body

@@ -1,0 +1,141 @@
+"""Which method to take for which kind of problem: one list for `compare`, report and choose.md.
+
+The order is that of the measurements behind docs/choose.md and docs/multivalue.md: the fewest
+evaluations at equal error first, among methods whose runs of ten million steps stayed bounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..method import Method
+from .claims import SYMPLECTIC
+from .lookup import document, load
+
+#: How a method carries on over long runs, by what its file says.
+LOST, GROWS, BOUNDED, DRIFTS, UNKNOWN = "lost", "grows", "bounded", "drifts", "not recorded"
+RECORDED = "recorded as bounded"
+#: What these words mean.
+MEANINGS = {
+    BOUNDED: "symplectic with one value, so that no parasitic part can grow",
+    RECORDED: "not symplectic; the energy error stayed bounded over the ten million steps that the "
+    "file records",
+    GROWS: "the energy error grows within ten million steps, by the file of the method",
+    LOST: "the orbit is lost within ten million steps, by the file of the method",
+    DRIFTS: "not symplectic: the energy error grows with time",
+    UNKNOWN: "the file records no long run",
+}
+#: Steps up to which a method is recommended whose long runs grow or are lost.
+SHORT = 100_000
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to take for one kind of problem."""
+
+    need: str  #: The problem, in words.
+    take: tuple[str, ...]  #: Methods, the first choice first.
+    why: str  #: In one clause.
+    kind: str = ""  #: What `compare` calls it, ``""`` where it cannot tell.
+    compared: tuple[str, ...] = ()  #: Further methods that `compare` measures.
+    more: str = ""  #: What docs/choose.md adds, in Markdown.
+
+    def limited(self, name: str) -> bool:
+        """Return whether a method is for short runs only, as its file records."""
+        return long_runs(load(name), document(name).get("notes", [])) in (LOST, GROWS)
+
+
+ADVICE: tuple[Advice, ...] = (
+    Advice(
+        "second order, q'' = g(q)",
+        ("multistep-rkn-8", "blanes-moan-rkn-6-14", "kahan-li-8", "pair-rkn-6-8b"),
+        "no stage equation to solve; the multistep method needs the fewest force evaluations, at "
+        "small constant steps, and is not symplectic; the splittings are",
+        "second order",
+        ("multistep-rkn-10", "stormer-verlet", "blanes-moan-rkn-6-11", "gauss-4", "gauss-5"),
+        "shorter runs, or `renew=10_000`, also take `multistep-rkn-10`, see {doc}`multivalue`; of "
+        "the explicit partitioned general linear methods (called pairs in the file names) also "
+        "`pair-rkn-6-7b`, see {doc}`pairs`: at 1e-9 the best pair needs fewer force evaluations "
+        "than ten splittings on 17 of 19 problems, with cheap forces not always less time; both "
+        "pairs lose Kepler's orbit, or their energy error grows, within ten million steps",
+    ),
+    Advice(
+        "separable p' = -V'(q), q' = T'(p)",
+        ("multistep-8", "blanes-moan-6", "kahan-li-8", "pair-6-8"),
+        "explicit; the multistep method needs the fewest evaluations",
+        "separable",
+        ("stormer-verlet", "blanes-moan-4", "gauss-4", "gauss-5"),
+        "see {doc}`multivalue`; for up to 100,000 steps also `pair-6-9`: at 1e-9 the best general "
+        "pair needs fewer force evaluations than the best general splitting on 15 of 19 problems; "
+        "the `rkn` pairs have order 4 only here",
+    ),
+    Advice(
+        "Hamiltonian, not separable",
+        ("gauss-4", "gauss-5", "gauss-8"),
+        "symplectic, of high order, stages side by side",
+        "Hamiltonian",
+        ("gauss-2", "gauss-3", "s5i1-w3"),
+        "on the double pendulum, which is not separable, `gauss-4` takes 0.42 to 0.80 of the time "
+        "of six G-symplectic methods of order 6 and 8 at an error of 1e-9; the seventh, "
+        "`order8-s5i1-w3`, takes 0.87 of its time, {doc}`order6-measurements`; `gauss-5` to "
+        "`gauss-8` were not measured there; of `gauss-3` to `gauss-6` and `gauss-8` the last "
+        "takes the least time on Kepler's orbit with eccentricity 0.6, {doc}`engine`",
+    ),
+    Advice(
+        "Hamiltonian, large, stages that require Newton's method",
+        ("gauss-3", "gauss-4"),
+        "symplectic; the engine separates the stages",
+        more="`s5i2-w3` and `s5i1-w3` have smaller matrices, but no gain in time at equal error "
+        "was found since; both lose Kepler's orbit within ten million steps, `s5i1-w3` the "
+        "pendulum too",
+    ),
+    Advice(
+        "quadratic invariants (rigid body, angular momentum)",
+        ("gauss-2", "gauss-3"),
+        "conserved exactly in y itself",
+        more="a G-symplectic method conserves them in the form of G only",
+    ),
+    Advice(
+        "stiff and dissipative",
+        ("radau-iia-3", "sdirk-4", "tr-bdf2"),
+        "L-stable; no symplectic method is",
+        more="a symplectic method does not damp stiff transients, see {doc}`scene-results`",
+    ),
+    Advice(
+        "not stiff, short time, no invariant to conserve",
+        ("dormand-prince-5", "rk4"),
+        "explicit; in an adaptive code such as scipy's DOP853 where there is one",
+        "general",
+        ("cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
+        "conservation properties are of no use there",
+    ),
+)
+
+
+def candidates(kind: str) -> tuple[str, ...]:
+    """Return the methods that are measured on a kind of problem, the recommended ones first."""
+    found = next(one for one in ADVICE if one.kind == kind)
+    return (*found.take, *found.compared)
+
+
+def long_runs(method: Method, notes: Sequence[str]) -> str:
+    """Return how a method does on long runs: what its file records, else what its structure says.
+
+    Parameters
+    ----------
+    method : Method
+        The method.
+    notes : sequence of str
+        Notes of its file.
+    """
+    said = " ".join(notes)
+    if "lost" in said:
+        return LOST
+    if "grow" in said:
+        return GROWS
+    if "stays bounded" in said:
+        return RECORDED
+    if method.claims.get(SYMPLECTIC.key) is True:
+        return BOUNDED
+    return DRIFTS if method.is_one_step else UNKNOWN
