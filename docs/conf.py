@@ -36,9 +36,25 @@ PUNCTUATION = re.compile(r"[.,;:!?)]+")
 NUMBER = re.compile(r"(\b\d[\d.]*e-\d+)")
 
 
+#: A prime in MathML is a script, which fonts without a table of mathematics draw tiny, and the same
+#: fonts have no tall brackets: a prime becomes a character, brackets become borders of the table.
+PRIME = re.compile(r"<msup>(<mi>[^<]*</mi>)<mi>(&#x0203[2-4];)</mi></msup>")
+BRACKETS = re.compile(
+    r"<mo>&#x00028;</mo><mtable>((?:(?!<mtable>).)*?</mtable>)<mo>&#x00029;</mo>", re.S
+)
+
+
+def mathml(text: str, display: str = "inline") -> str:
+    """Return a formula in LaTeX as MathML that looks right with every font."""
+    found = PRIME.sub(
+        r'<mrow>\1<mo lspace="0" rspace="0">\2</mo></mrow>', convert(text, display=display)
+    )
+    return BRACKETS.sub(r'<mtable class="matrix">\1', found)
+
+
 def _inline(translator: Any, node: nodes.Element) -> None:
     after = node.get("after", "")
-    formula = f"{convert(node.astext())}{after}"
+    formula = f"{mathml(node.astext())}{after}"
     translator.body.append(f'<span class="formula">{formula}</span>' if after else formula)
     raise nodes.SkipNode
 
@@ -68,7 +84,7 @@ def _unbroken(app: Any, doctree: nodes.document, name: str) -> None:
 
 
 def _display(translator: Any, node: nodes.Element) -> None:
-    translator.body.append(f"<div>{convert(node.astext(), display='block')}</div>")
+    translator.body.append(f"<div>{mathml(node.astext(), 'block')}</div>")
     raise nodes.SkipNode
 
 

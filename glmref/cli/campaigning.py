@@ -16,7 +16,16 @@ from ..catalogue import canonical
 from ..errors import UsageError
 from ..system.files import make_folder
 from ..views.tables import Style, columns, json_text, one_line
-from .output import HOLDS, INTERNAL, Progress, complain, format_option, on_option, say
+from .output import (
+    HOLDS,
+    INTERNAL,
+    Progress,
+    complain,
+    format_option,
+    on_option,
+    said_when_interrupted,
+    say,
+)
 
 if TYPE_CHECKING:
     from ..compute import Done, Executor, Records
@@ -125,10 +134,11 @@ def _carry_out(
             progress.out += 1
             return spent >= wanted.budget
 
-        number = measure(
-            wanted.kind.function, wanted.tasks(), store, where,
-            wanted.limits, record=record, advance=advance, stop=stop,
-        )  # fmt: skip
+        with said_when_interrupted(store, len(wanted), "tasks"):
+            number = measure(
+                wanted.kind.function, wanted.tasks(), store, where,
+                wanted.limits, record=record, advance=advance, stop=stop,
+            )  # fmt: skip
     if spent >= wanted.budget:
         complain(f"the budget of {wanted.budget:g} s is spent; the same command spends another one")
     return number, spent

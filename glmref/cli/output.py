@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
+from contextlib import contextmanager
 from typing import Any
 
 import click
@@ -108,6 +109,16 @@ def confess(error: BaseException) -> None:
     if os.environ.get("GLMREF_DEBUG"):
         traceback.print_exception(error)
     complain(internal_sentence(error))
+
+
+@contextmanager
+def said_when_interrupted(store: Sized, wanted: int, what: str) -> Iterator[None]:
+    """Say on an interruption how much is kept of what was to be measured, and how to go on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        complain(f"{len(store)} of {wanted} {what} are kept; the same command goes on")
+        raise
 
 
 class Progress:

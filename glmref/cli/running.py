@@ -26,6 +26,7 @@ from .output import (
     complete_scene,
     format_option,
     on_option,
+    said_when_interrupted,
     say,
 )
 
@@ -179,7 +180,8 @@ def _carry_out(plan: Plan, output: Path, where: Executor, *, quick: bool) -> dic
         def advance(task: Mapping[str, Any], record: Mapping[str, Any]) -> None:
             progress.advance(_who(record), failed=record["outcome"] in _FAILURES)
 
-        records = scenery.run(plan, store, advance=advance, on=where)
+        with said_when_interrupted(store, len(plan.tasks), "runs"):
+            records = scenery.run(plan, store, advance=advance, on=where)
     missing = progress.done
     notices = [f"{package} is not installed; its runs are left out" for package in plan.absent]
     notices += store.notices

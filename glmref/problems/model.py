@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..system.arguments import flag, number, shown
+from ..system.shown import Shown
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, to_number
 from .from_expressions import MOST_LABELS, equation_entries, hamiltonian_entries
@@ -22,7 +23,7 @@ from .user import UserFunction, plain, raised
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Problem:
+class Problem(Shown):
     """An initial value problem y' = f(t, y), y(t0) = y0; only ``f`` and ``y0`` are required.
 
     Every function may be given as a Python callable or as expressions (a string, or a tuple with

@@ -1,4 +1,4 @@
-"""What a notebook shows: a method as its tableau, an analysis as a table, a solution as a summary.
+"""What a notebook shows: a method as its tableau, a problem as formulas, a solution as a summary.
 
 The HTML stands by itself: its few rules of style are in it, colours are those of the notebook, and
 mathematics is MathML, which browsers show without a script.
@@ -14,9 +14,11 @@ from markupsafe import Markup
 from ..engine.outcome import Solution
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
+from ..problems.model import Problem
 from ..prove.analysis import Analysis
 from ..views.facts import analysis_rows
 from ..views.plot import plot
+from ..views.problem_page import page
 from ..views.show import parts
 from .markup import render
 from .typeset import typeset, typeset_table
@@ -50,6 +52,11 @@ def _(record: GLM | PartitionedGLM | AdditiveGLM) -> str:
         blocks=drawn.blocks,
         legend=[(typeset(k), typeset(x)) for k, x in drawn.legend.items()],
     )
+
+
+@html.register(Problem)
+def _(record: Problem) -> str:
+    return _shown(record.name, rows=page(record)[1:])
 
 
 @html.register(Analysis)

@@ -25,13 +25,18 @@ _REACH = 12.0  # a region that goes on is cut here
 _SAMPLES = 480
 
 
-def _panel(axes: Axes, title: str) -> list[str]:
-    """Border, ticks, and the lines of a title one below the other."""
+def _panel(axes: Axes, title: str, labels: tuple[str, str]) -> list[str]:
+    """Border, ticks, labels of the axes, and the lines of a title one below the other."""
     lines = enumerate(reversed(title.split("\n")))
     return [
         *(text(axes.left, axes.top - 9 - 15 * k, line) for k, line in lines),
         *axes.frame(
-            round_ticks(*axes.x, most=6), round_ticks(*axes.y, most=6), grid=False, size=11
+            round_ticks(*axes.x, most=6),
+            round_ticks(*axes.y, most=6),
+            labels,
+            grid=False,
+            size=11,
+            aside=32,
         ),
     ]
 
@@ -82,7 +87,7 @@ def _region(method: GLM) -> list[str]:
         f'<path d="{path}" fill="{_FILL}" shape-rendering="crispEdges"/>' if path else "",
         box.cross(0, 0),
         box.dots(((z.real, z.imag) for z in edge), _LINE, 2),
-        *_panel(box, "stability region, z = h lambda"),
+        *_panel(box, "stability region, z = h lambda", ("Re z", "Im z")),
     ]
 
 
@@ -113,7 +118,7 @@ def _moduli(
     kept = "throughout" if end >= _REACH else f"up to {end:.4g}"
     # two lines: beside the digits of a bound, one would leave the picture
     title = f"moduli of eigenvalues against {axis}\ngrowth below 1e-7 {kept}"
-    return [*parts, *_panel(axes, title)]
+    return [*parts, *_panel(axes, title, (axis, "|w|"))]
 
 
 def _pieces(xs: np.ndarray, ys: np.ndarray) -> Iterable[list[tuple[float, float]]]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import runpy
 import shlex
 import statistics
 import subprocess
@@ -189,3 +190,16 @@ def test_the_promises_of_the_page_on_security_have_tests() -> None:
             assert f"\ndef {function}(" in (DOCS.parent / path).read_text(encoding="utf-8"), (
                 function
             )
+
+
+def test_primes_and_brackets_do_not_depend_on_a_font_of_mathematics() -> None:
+    pytest.importorskip("latex2mathml")
+    pytest.importorskip("docutils")
+    found = runpy.run_path(str(Path(__file__).parents[2] / "docs" / "conf.py"))["mathml"]
+    prime = found("q'' = y'")
+    assert "<msup>" not in prime and prime.count("<mo lspace=") == 2 and "&#x02033;" in prime
+    matrix = found(r"\begin{pmatrix} 1 & 0 \\ 0 & f(x) \end{pmatrix} (x)")
+    table = matrix[matrix.index("<mtable") : matrix.index("</mtable>")]
+    assert matrix.count('<mtable class="matrix">') == 1 and "f" in table
+    # brackets of functions stay: two inside of the matrix, two behind it
+    assert matrix.count("&#x00028;") == matrix.count("&#x00029;") == 2

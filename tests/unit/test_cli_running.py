@@ -242,3 +242,26 @@ def test_what_is_imported_is_what_the_plan_says(scene):
     )
     said, loaded = json.loads(found.stdout)
     assert said == loaded == ["flint", "llvmlite", "mpmath", "numpy"]
+
+
+def test_an_interruption_says_how_much_is_kept(tmp_path, monkeypatch, capsys):
+    """Ctrl-C in the middle of a scene: what was measured counts, and the rest is named."""
+    from glmref import scenes
+
+    monkeypatch.chdir(tmp_path)
+    run = scenes.run
+
+    def interrupted(plan, store, *, advance, on):
+        def stop(task, record):
+            advance(task, record)
+            if len(store) == 2:
+                raise KeyboardInterrupt
+
+        return run(plan, store, advance=stop, on=on)
+
+    monkeypatch.setattr(scenes, "run", interrupted)
+    assert main(["run", "denormal", "--quick"]) == 130
+    tasks = len(scenes.plan(scenes.load_scene("denormal", quick=True)).tasks)
+    first, last = capsys.readouterr().err.splitlines()
+    assert first == f"glmref: 2 of {tasks} runs are kept; the same command goes on"
+    assert last == "glmref: interrupted"

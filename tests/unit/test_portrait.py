@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import glmref
 from glmref.catalogue.lookup import load
 from glmref.cli import main
 from glmref.system.shown import DARK
@@ -38,8 +39,9 @@ def test_it_is_a_document_without_script_that_names_the_method(name: str) -> Non
     labels = list(root.iter(f"{SVG}text"))
     assert name in [label.text for label in labels]
     for label in labels:
-        assert 0 <= float(label.get("x", "-1")) <= width
-        assert 0 <= float(label.get("y", "-1")) <= height
+        turned = re.match(r"translate\((\S+) (\S+)\)", label.get("transform", ""))
+        x, y = turned.groups() if turned else (label.get("x", "-1"), label.get("y", "-1"))
+        assert 0 <= float(x) <= width and 0 <= float(y) <= height
 
 
 def test_the_interval_on_the_axis_is_that_of_the_method() -> None:
@@ -74,3 +76,16 @@ def test_the_command_writes_the_file(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["show", "rk4", "--plot", str(tmp_path / "it.png")]) == 2
     assert "give a name such as it.svg" in capsys.readouterr().err
     assert main(["show", "rk4", "--plot", str(tmp_path / "no" / "it.svg")]) == 2
+
+
+def test_axes_of_a_portrait_are_labelled() -> None:
+    text = str(glmref.plot("rk4"))
+    assert text.count(">Re z</text>") == 1 and text.count(">Im z</text>") == 2
+    assert ">|w|</text>" in text
+    assert ">h omega</text>" in str(glmref.plot("stormer-verlet"))
+
+
+def test_a_notebook_shows_the_formulas_of_a_problem() -> None:
+    own = glmref.Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": 1, "p": 0}, name="my <pendulum>")
+    shown = own._repr_html_()
+    assert "my &lt;pendulum&gt;" in shown and "-sin(q[0])" in shown and "second order" in shown
