@@ -8,7 +8,7 @@ the standard library is used, so that any script can format data without this pa
 dependencies.
 
 After a change of the data run ``python -m glmref.catalogue.canonical data``: it also lays out the
-certificates of ``hostile/``, with their keys in the order given.
+certificates of ``hostile/``, whose keys keep their order.
 """
 
 from __future__ import annotations

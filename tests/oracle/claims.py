@@ -28,7 +28,7 @@ from .numbers import (
 from .orders import Run, Starting, exact, number, ones_of, stage_order, starting_order, trees
 
 #: Radius of M(z) above 1 that a sample may have, and that refutes.
-STABLE, UNSTABLE = mp.mpf(10) ** -25, mp.mpf(10) ** -15
+STABLE, UNSTABLE = mp.mpf(10) ** -70, mp.mpf(10) ** -15
 
 
 def opinion(document: Mapping[str, Any], claim: str, declared: Any,
@@ -523,7 +523,7 @@ class Oracle:
         found, outside = [], False
         for z, n in clusters(V):
             off = abs(z) - 1
-            if abs(off) < mp.mpf(10) ** -30:
+            if abs(off) < mp.mpf(10) ** -70:
                 null = self._null(V, z)
                 if len(null) < n:
                     return None
