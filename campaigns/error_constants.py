@@ -60,7 +60,7 @@ def _constants(result: OrderResult) -> dict[str, Any]:
         "order": result.order,
         "trees": len(sized),
         "nonzero": len(there),
-        "norm": _short(error_norm(result)),
+        "norm": _short(error_norm(result.residuals)),
         "largest": [
             [tree, _short(complex(x).real if x.is_real() else size)] for size, tree, x in ranked
         ],

@@ -78,8 +78,8 @@ def _errors(method: GLM, order: int) -> dict[str, float | None]:
     own = order_of(method, max_order=order + 1, principal="identity")
     free = order_of(method, max_order=order + 1)
     return {
-        "identity": error_norm(own) if own.order == order else None,
-        "after_conjugation": error_norm(free, conjugate_error(free)),
+        "identity": error_norm(own.residuals) if own.order == order else None,
+        "after_conjugation": error_norm(conjugate_error(free)),
     }
 
 

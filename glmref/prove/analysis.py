@@ -406,8 +406,8 @@ def _size_to(facts: Facts, order: int) -> str | None:
 
 
 def _constants(facts: Facts) -> tuple[dict[str, float], float]:
-    order = facts.nominal.classical_order
-    return {str(t): _real(x) for t, x in order.residuals.items()}, error_norm(order)
+    found = facts.nominal.local_error
+    return {str(t): _real(x) for t, x in found.items()}, error_norm(found)
 
 
 def _row_orders(kernel: Kernel) -> dict[str, int] | None:

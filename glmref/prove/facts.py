@@ -6,11 +6,13 @@ thing twice and none computes what it was not asked for.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cached_property
 from math import factorial
 from typing import TYPE_CHECKING, Any
 
+from ..catalogue.claims import ORDER, ORDER_IDENTITY
 from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
@@ -22,7 +24,7 @@ from ..theory.parasitism import growth
 from ..theory.reduction import reduction
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
-from ..theory.trees import single, tree
+from ..theory.trees import Tree, single, tree
 from .finders import proposal_for
 from .kernel import Judgement, Kernel
 
@@ -141,6 +143,12 @@ class Facts:
         return self.order_identity if same else self.order
 
     @cached_property
+    def local_error(self) -> Mapping[Tree, Scalar]:
+        """Residuals of the trees of order p + 1, p the :attr:`classical_order`."""
+        order, identity = (self.kernel.range(x.key).value for x in (ORDER, ORDER_IDENTITY))
+        return self.kernel.residuals(free=not (self.is_one_step or order == identity))
+
+    @cached_property
     def g_symplecticity(self) -> GSymplecticity:
         """The form G with its diagonals, that of the file or one found."""
         return g_symplectic(self.method)
@@ -179,12 +187,9 @@ class Facts:
         It belongs to the tree with p leaves at the root: symmetry p!, and the exact value minus
         the method's is the negative residual.
         """
-        result = self.classical_order
-        bushy = tree([single()] * result.order)
-        residual = result.residuals.get(bushy)
-        if residual is None:
-            return None
-        return (residual * Fraction(-1, factorial(result.order)),)
+        p = self.kernel.range(ORDER.key).value
+        residual = self.local_error.get(tree([single()] * p))
+        return None if residual is None else (residual * Fraction(-1, factorial(p)),)
 
     @property
     def linear(self) -> Any:

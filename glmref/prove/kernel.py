@@ -60,7 +60,7 @@ from ..theory.coefficients import (
     times,
     weighted,
 )
-from ..theory.order import MANY_STARTS
+from ..theory.order import MANY_STARTS, highest_order
 from ..theory.reduction import observed_rows, reached_rows
 from ..theory.series import Series, compose, shift
 from ..theory.starting_series import (
@@ -457,6 +457,28 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             if beyond is not None:
                 return beyond
         return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
+
+    def residuals(self, *, free: bool) -> dict[Tree, Scalar]:
+        """Return the residuals of all trees one order beyond that of :meth:`order_range`.
+
+        There are none of an order beyond :func:`~glmref.theory.order.highest_order`, or of a
+        method without a starting series.
+        """
+        if self.timed is not self:
+            return self.timed.residuals(free=free)
+        order = self.order_range(free=free).value + 1
+        if order > highest_order(self.palette):
+            return {}
+        series = self.series.get((free, False))
+        try:
+            if series is None or series.along_paths or series.order > order:
+                counts = self._counts(nystrom=False)
+                series = StartingSeries(self._components, self.palette, free=free, counts=counts)
+        except (NotPreconsistent, ExactnessError):
+            return {}
+        while series.order < order:
+            series.advance()
+        return {t: first_nonzero(series.residual(t)) for t in series.level(order)}
 
     def _along_paths(
         self, components: dict[str, Prepared], *, free: bool, nystrom: bool

@@ -15,7 +15,7 @@ from .order import OrderResult
 from .trees import Tree, pruned, trees
 
 
-def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = None) -> float:
+def error_norm(residuals: Mapping[Tree, Scalar]) -> float:
     """Euclidean norm of ``residual / sigma`` over the trees of order p + 1.
 
     The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
@@ -23,13 +23,10 @@ def error_norm(result: OrderResult, residuals: Mapping[Tree, Scalar] | None = No
 
     Parameters
     ----------
-    result : OrderResult
-        An order with its residuals.
-    residuals : Mapping[Tree, Scalar] or None
-        Others of the same order to take instead, for example of :func:`conjugate_error`.
+    residuals : Mapping[Tree, Scalar]
+        Of an :class:`.order.OrderResult`, or of :func:`conjugate_error`.
     """
-    chosen = result.residuals if residuals is None else residuals
-    sizes = [x.magnitude() / t.symmetry for t, x in chosen.items()]
+    sizes = [x.magnitude() / t.symmetry for t, x in residuals.items()]
     return sqrt(sum(x * x for x in sizes))  # a square that is beyond doubles is infinite
 
 
