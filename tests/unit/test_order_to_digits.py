@@ -24,7 +24,7 @@ from glmref.prove.certificate import certificates_of
 from glmref.prove.digits import LARGE, MANY, _Fixed, _Vector, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
-from glmref.theory.trees import Tree, parse_tree, trees
+from glmref.theory.trees import Tree, trees, trees_up_to
 
 KEY = ORDER_TO_DIGITS.key
 #: Heun's method of order 3 with thirds of four digits, and an embedded row of order 2.
@@ -419,14 +419,13 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
         A, b = [entries(largest) for _ in range(s)], entries(largest)
         fixed = _Fixed(kernel_of(A, b).timed, bits)
         weights = _Vector(fixed.scaled([Exact(x) for x in b]), 1)
-        for t in (t for n in range(1, 5) for t in fixed.trees.level(n)):
-            tree = parse_tree(fixed.trees.text[t])
-            for found, exact in ((fixed.weights(t), slopes(A, tree)),
-                                 (fixed.below(t), stages(A, tree))):  # fmt: skip
+        for tree in trees_up_to(4):
+            for found, exact in ((fixed.weights(tree), slopes(A, tree)),
+                                 (fixed.below(tree), stages(A, tree))):  # fmt: skip
                 lost = [abs(x - y / unit) for x, y in zip(found.values, exact, strict=True)]
                 assert max(lost) <= found.radius, tree
                 assert found.size == max(map(abs, found.values))
-            low, high = fixed.residual(t, weights)
+            low, high = fixed.residual(tree, weights)
             assert low <= residual(A, b, tree) / unit <= high
 
 
