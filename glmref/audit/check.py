@@ -52,22 +52,24 @@ def check(
     A : array_like, mapping or object
         Matrix (s, s); or everything at once, a mapping with the keys below or an object with
         attributes ``A``, ``b`` and possibly ``c``. Entries are integers, ``Fraction``, strings as
-        ``"(3-sqrt(3))/6"``, mpmath, sympy and numpy numbers. A float is the binary fraction that
-        it is.
+        ``"(3-sqrt(3))/6"``, mpmath, sympy and numpy numbers. A float is the decimal as which it
+        prints; one of more than 11 digits after the point is rounded, and known to its digits.
     b : array_like
         Weights (s,).
     c : array_like, optional
         Abscissae (s,). Where they differ from A 1, the order is that on ``y' = f(t, y)``.
     order : int
         The order that the tableau is said to have, at least.
-    embedded : (array_like, int) or mapping or list of these, optional
-        Further rows of weights, each with its order: ``([1, 0], 1)`` or ``{"b": .., "order": 1}``;
+    embedded : array_like or (array_like, int) or mapping or list of these, optional
+        Further rows of weights, each with its order: ``([1, 0], 1)`` or ``{"b": .., "order": 1}``,
+        or without, when the weights of the error estimate must sum to 0;
         ``{"error": .., "order": ..}`` gives b minus the row. A row of a Nystrom method has
         ``b_prime`` beside ``b``, or ``error_prime`` beside ``error``.
     digits : int, optional
         Digits after the point to which floats and decimals are known; no verdict is drawn from
         what lies within them.
     **more
+        ``U``, ``B``, ``V``: a general linear method; ``beta`` with ``alpha``: a multistep method;
         ``parts``, a list of ``{"A", "b", "c", "order"}``: an additive method on shared stages;
         ``b_prime`` and ``A_prime``: a Nystrom method (A, b, b', c); ``alpha`` and ``gamma`` in
         place of A, with ``w_order``: a Rosenbrock method; ``dense`` (s, d), the coefficients of

@@ -378,3 +378,12 @@ def test_a_terminal_is_told_how_long_an_analysis_has_been_going_on(
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
     _, out, err = run("analyze", "rk4")
     assert "\ranalyzing rk4: 0 s" in err and err.endswith("\r") and out.startswith("rk4")
+
+
+def test_the_keys_of_the_json_of_the_commands_are_documented(run: Run) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "your-tableau.md").read_text(encoding="utf-8")
+    for command, key in ((("verify", "rk4"), "findings"), (("list", "--broken"), "methods")):
+        record = json.loads(run(*command, "--format", "json")[1])
+        (line,) = [x for x in page.splitlines() if x.startswith(f"| `{record['format']}`")]
+        for word in (*(record.keys() - {"format"}), *record[key][0]):
+            assert f"`{word}`" in line, (command, word)
