@@ -6,7 +6,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import click
@@ -117,7 +117,8 @@ def said_when_interrupted(store: Sized, wanted: int, what: str) -> Iterator[None
     try:
         yield
     except KeyboardInterrupt:
-        complain(f"{len(store)} of {wanted} {what} are kept; the same command goes on")
+        with suppress(Exception):  # a file that a second signal closed says nothing
+            complain(f"{len(store)} of {wanted} {what} are kept; the same command goes on")
         raise
 
 

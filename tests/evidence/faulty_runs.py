@@ -90,7 +90,7 @@ class Runs:
         assert len(keys) == len(set(keys)) == TASKS
         assert self.records(name) == self.right
         left = sorted(path.name for path in (self.folder / name).iterdir())
-        assert left == ["tiny.sqlite"], left
+        assert left == ["tiny.run.json", "tiny.sqlite"], left
 
 
 def sentence(done: subprocess.CompletedProcess[str]) -> str:

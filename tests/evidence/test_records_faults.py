@@ -187,9 +187,8 @@ def test_two_signals_end_a_run_in_processes_as_one_does(runs: Runs, pause: float
     out, err = process.communicate(timeout=100)
     assert time.monotonic() - begun < 10.0  # 1 s, and more for a machine that is busy
     assert out == "" and process.returncode in (130, 143)
-    *kept, last = err.splitlines()
-    assert last in ("glmref: ended by SIGTERM", "glmref: interrupted")
-    assert all("are kept" in line for line in kept)
+    said = [line for line in err.splitlines() if "are kept" not in line]
+    assert said in (["glmref: ended by SIGTERM"], ["glmref: interrupted"])
 
 
 @pytest.mark.slow
