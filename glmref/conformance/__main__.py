@@ -8,6 +8,7 @@ on. Under pytest the codes are pytest's, which has 4 for the last.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout
@@ -98,10 +99,33 @@ def _write(found: list[Finding], form: str) -> None:
     elif form == "csv":
         text = tables.findings_csv(found)
     elif form == "junit":
-        text = tables.findings_junit(found)
+        text = tables.findings_junit(found, program="glmref conformance", undecided="skipped")
     else:
         text = _page(found)
     sys.stdout.write(text + "\n")
+
+
+#: A deviation and, behind it, the name of the defect.
+_NAMED = re.compile(r".* \(off by (?P<size>\S+), rounding explains \S+\); (?P<defect>.+)")
+
+
+def _lines(wrong: list[Finding]) -> list[str]:
+    """Return a line for each finding, and one for all checks of a claim with the same defect."""
+    lines: dict[tuple[str, str], list[Finding]] = {}
+    for finding in wrong:
+        named = _NAMED.fullmatch(tables.one_line(finding.witness))
+        claim, _, _ = finding.claim.rpartition("/")
+        key = (claim, named["defect"]) if named else (finding.claim, "")
+        lines.setdefault(key, []).append(finding)
+    found = []
+    for (claim, defect), group in lines.items():
+        said = tables.one_line(group[0].witness)
+        if defect:
+            places = ", ".join(x.claim.rpartition("/")[2] for x in group)
+            claim, size = f"{claim} ({places})", max(x.residual for x in group)
+            said = f"{defect}; off by up to {size:.2g}"
+        found.append(f"  {str(group[0].verdict).upper()}  {claim}: {said}")
+    return found
 
 
 def _page(found: list[Finding]) -> str:
@@ -112,11 +136,7 @@ def _page(found: list[Finding]) -> str:
         wrong = [x for x in mine if x.verdict is not Verdict.HOLDS]
         resting = [x for x in wrong if x.witness.startswith(RESTS)]
         parts.append(f"{style.paint(method, 'bold')}: {len(mine) - len(wrong)} of {len(mine)} hold")
-        parts += [
-            f"  {str(x.verdict).upper()}  {x.claim}: {tables.one_line(x.witness)}"
-            for x in wrong
-            if x not in resting
-        ]
+        parts += _lines([x for x in wrong if x not in resting])
         if resting:
             parts.append(f"  {len(resting)} more are not judged: they rest on these")
     counts = {str(v): sum(x.verdict is v for x in found) for v in Verdict}

@@ -28,7 +28,8 @@ DIGITS, SHOWN, FAULT_DIGITS = 60, 40, 25
 SAFETY = 4
 #: Digits of starting values that are given.
 _START_SHOWN = 20
-_STEP_SIZE = {"kepler": "0.0625"}
+#: 1/10 and t0 = 7/10 are no dyadic numbers: a clock or step size in single precision shows.
+_STEP_SIZE = {"kepler": "0.0625", "forced": "0.1"}
 
 
 class Bench:

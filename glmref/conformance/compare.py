@@ -60,17 +60,20 @@ class Comparison:
     def repeatable(self, case: Case) -> Judgement:
         """The same input gives the same output, whatever was asked between."""
         problem, t, h = case.problem.problem, case.number("t"), case.number("h")
-        first = self._step(case)
-        self.subject.step(self.name, problem, t + 1, case.input + 0.125, h / 2)
-        return same(first, self._step(case), self._allowed(case), "step")
+
+        def other() -> object:
+            return self.subject.step(self.name, problem, t + 1, case.input + 0.125, h / 2)
+
+        return same(lambda: self._step(case), other, self._allowed(case), "step")
 
     def repeatable_run(self, case: Case) -> Judgement:
         """Two equal runs with another one between them give the same."""
-        first = self.run(case)
-        self.subject.solve(
-            self.name, case.problem.problem, case.number("h") / 2, 2, self._given(case)
-        )
-        return same(first, self.run(case), self._allowed(case), "solve")
+
+        def other() -> object:
+            h, given = case.number("h") / 2, self._given(case)
+            return self.subject.solve(self.name, case.problem.problem, h, 2, given)
+
+        return same(lambda: self.run(case), other, self._allowed(case), "solve")
 
     def stages(self, case: Case) -> Judgement:
         """Stage values agree with the vectors."""

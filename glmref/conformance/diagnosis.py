@@ -46,6 +46,33 @@ def _single(values: np.ndarray) -> np.ndarray:
     return values.astype(np.float32).astype(float)
 
 
+def single_clock(subject: Subject, vectors: Vectors, case: Case) -> str:
+    """Say that time or step size is held in single precision, or ``""``.
+
+    It is where the step from its value in single precision has the same bits: a right step differs
+    by the part that was rounded away, thousands of times the round-off of a double.
+    """
+    cases = [case] if case.kind == "step" else vectors.cases
+    for one in (x for x in cases if x.claim in ("abscissae", "backward")):
+        t, h = one.number("t"), one.number("h")
+        said = {"step size": (t, float(np.float32(h)))}
+        if not one.problem.autonomous:
+            said["time"] = (float(np.float32(t)), h)
+        for what, (time, size) in said.items():
+            if (time, size) != (t, h) and _same_step(subject, vectors, one, (t, h), (time, size)):
+                return f"the {what} is held in single precision"
+    return ""
+
+
+def _same_step(subject: Subject, vectors: Vectors, case: Case, *ends: tuple[float, float]) -> bool:
+    """Whether steps from several times and of several sizes have the same bits."""
+    try:
+        rows = [subject.step(vectors.name, case.problem.problem, t, case.input, h) for t, h in ends]
+    except (AdapterError, NotOffered):
+        return False
+    return all(np.array_equal(row, rows[0]) for row in rows)
+
+
 def unmoved(found: np.ndarray, case: Case) -> str:
     """Say that a component comes out of a step as it went in, or ``""``."""
     given, right = case.input, case["output"]
@@ -80,6 +107,10 @@ def name_defect(
         said = constant_factor(found, case["output"], case.number("h"))
     if said or case.kind not in ("step", "trajectory"):
         return said
+    if "step" in subject.offers:
+        said = single_clock(subject, vectors, case)
+        if said:
+            return said
     for other, result, allowed in _other_steps(subject, vectors, case):
         said = known_bug(result, other, allowed)
         if said:

@@ -68,7 +68,7 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
     for task in usable:
         yield steps.step("step" if task.autonomous else "abscissae", task, bench.size(task))
     cubic = problems()["cubic"]
-    yield steps.step("backward", cubic, -bench.size(cubic))
+    yield steps.step("backward", cubic, -bench.size(problems()["forced"]))  # not dyadic
     if bench.L is not None or (bench.pair and bench.r == 1 and bench.facts.symmetry.holds):
         yield steps.reversed(cubic)
     for task in (problems()["pendulum"], problems()["forced"]):

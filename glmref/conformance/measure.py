@@ -80,9 +80,8 @@ class Measurement:
 
     def repeatable(self) -> Judgement:
         """Two equal runs with another one between them give the same."""
-        first = self._end(_SHORT)
-        self._end(2 * _SHORT)
-        return same(first, self._end(_SHORT), floor_of(self.subject, self.name, _SHORT), "run")
+        allowed = floor_of(self.subject, self.name, _SHORT)
+        return same(lambda: self._end(_SHORT), lambda: self._end(2 * _SHORT), allowed, "run")
 
     def order(self, right: int) -> Judgement:
         """Errors against a Taylor series of 30 digits."""

@@ -263,31 +263,43 @@ def _cell(text: str) -> str:
     return text
 
 
-def findings_junit(findings: Sequence[Finding], errors: Sequence[tuple[str, str]] = ()) -> str:
+def findings_junit(
+    findings: Sequence[Finding],
+    errors: Sequence[tuple[str, str]] = (),
+    *,
+    program: str = "glmref verify",
+    undecided: str = "error",
+) -> str:
     """Return JUnit XML: a suite for each method, a case for each claim.
 
     Parameters
     ----------
     findings : Sequence[Finding]
-        What fails becomes a ``failure``, what is open an ``error``.
+        What fails becomes a ``failure``, what is open what ``undecided`` says.
     errors : Sequence[tuple[str, str]]
         ``(file, sentence)`` for each file that could not be checked: an ``error`` too.
+    program : str
+        Name of the whole.
+    undecided : str
+        ``"error"`` where every claim should be decided, ``"skipped"`` for what was not judged.
     """
-    root = ElementTree.Element("testsuites", name="glmref verify")
+    root = ElementTree.Element("testsuites", name=program)
     suites: dict[str, list[Finding]] = {}
     for finding in findings:
         suites.setdefault(finding.method, []).append(finding)
     for method, rows in suites.items():
         suite = _suite(root, method, len(rows))
         for finding in rows:
-            _case(suite, finding)
+            _case(suite, finding, undecided)
     for file, sentence in errors:
         suite = _suite(root, file, 1)
         case = ElementTree.SubElement(suite, "testcase", classname=_xml(file), name="load")
         ElementTree.SubElement(case, "error", message=_xml(sentence))
+    counted = [("failure", "failures"), ("error", "errors")]
+    counted += [("skipped", "skipped")] * (undecided == "skipped")
     for element in (*root, root):
-        for kind in ("failure", "error"):
-            element.set(kind + "s", str(len(list(element.iter(kind)))))
+        for kind, key in counted:
+            element.set(key, str(len(list(element.iter(kind)))))
     root.set("tests", str(len(list(root.iter("testcase")))))
     ElementTree.indent(root)
     return (
@@ -299,14 +311,15 @@ def _suite(root: ElementTree.Element, name: str, tests: int) -> ElementTree.Elem
     return ElementTree.SubElement(root, "testsuite", name=_xml(name), tests=str(tests))
 
 
-def _case(suite: ElementTree.Element, finding: Finding) -> None:
+def _case(suite: ElementTree.Element, finding: Finding, undecided: str) -> None:
     case = ElementTree.SubElement(
         suite, "testcase", classname=_xml(finding.method), name=_xml(finding.claim)
     )
     if finding.verdict is not Verdict.HOLDS:
-        kind = "failure" if finding.verdict is Verdict.FAILS else "error"
+        kind = "failure" if finding.verdict is Verdict.FAILS else undecided
         wrong = ElementTree.SubElement(case, kind, message=_xml(_sentence(finding)))
-        wrong.set("type", str(finding.verdict))
+        if kind != "skipped":  # which has no type
+            wrong.set("type", str(finding.verdict))
     ElementTree.SubElement(case, "system-out").text = _xml(
         f"proof: {finding.proof}; residual: {finding.residual:g}"
     )

@@ -353,7 +353,7 @@ class OtherGamma(Grk4t):
         np.fill_diagonal(self.G, 0.25)
 
 
-@planted("order", "falls like h^0.97", methods=("mine",))
+@planted("order", "falls like h^0.98", methods=("mine",))
 class NoDerivativeByTime(Grk4t):
     def by_time(self, problem: Any, t: float, y: Any) -> Any:
         return 0.0

@@ -191,3 +191,11 @@ def test_orders_by_name_are_written_out() -> None:
         "b 10 to 2.7e-85, low 8 to 1.0e-9"
     )
     assert shown_value({"third": 3, "other": None}) == "third 3, other not decided"
+
+
+def test_what_was_not_judged_is_skipped_in_a_conformance_report() -> None:
+    text = findings_junit(ALL, program="glmref conformance", undecided="skipped")
+    root = ElementTree.fromstring(text)
+    opened = sum(x.verdict is Verdict.OPEN for x in ALL)
+    assert root.get("name") == "glmref conformance" and root.get("errors") == "0"
+    assert opened and root.get("skipped") == str(opened) == str(len(root.findall(".//skipped")))
