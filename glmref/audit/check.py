@@ -11,6 +11,7 @@ from ..catalogue.reader import load_document
 from ..errors import DataError, GlmrefError
 from ..findings import Finding, Verdict
 from ..prove.verifier import verify
+from ..system.shown import ShownList
 
 
 class CheckFailed(GlmrefError, AssertionError):
@@ -44,7 +45,7 @@ def check(
     embedded: Any = None,
     digits: int | None = None,
     **more: Any,
-) -> tuple[Finding, ...]:
+) -> list[Finding]:
     """Check a tableau against what is said of it.
 
     Parameters
@@ -77,7 +78,7 @@ def check(
 
     Returns
     -------
-    tuple of Finding
+    list of Finding
         One for each thing that was said; ``open`` where the digits given do not decide it.
 
     Raises
@@ -92,7 +93,7 @@ def check(
     findings = examine(document)
     if any(x.verdict is Verdict.FAILS for x in findings):
         raise CheckFailed(findings)
-    return findings
+    return ShownList(findings)
 
 
 def assert_tableau(A: Any, b: Any = None, c: Any = None, **said: Any) -> None:

@@ -28,6 +28,7 @@ from ..findings import Finding, Proof, Verdict
 from ..method import Method
 from ..system.arguments import listed, number, shown
 from ..system.budget import PROVING, limited
+from ..system.shown import ShownList
 from .facts import Facts, facts_of
 from .implications import implied_by
 from .kernel import Judgement, refuted
@@ -80,7 +81,7 @@ def verify(
         hint = did_you_mean(unknown[0], CLAIMS, otherwise=known)
         raise UsageError(f"there is no claim {shown(unknown[0])}; {hint}")
     if isinstance(method, str | Path):
-        return verify_file(method, only=only, budget=budget, tell=tell)
+        return ShownList(verify_file(method, only=only, budget=budget, tell=tell))
     method = method_of(method)
     if not _says_anything(method):
         raise DataError(

@@ -16,6 +16,7 @@ from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..problems.model import Problem
 from ..prove.analysis import Analysis
+from ..system.shown import ShownList
 from ..views.facts import analysis_rows
 from ..views.plot import plot
 from ..views.problem_page import page
@@ -63,6 +64,17 @@ def _(record: Problem) -> str:
 def _(record: Analysis) -> str:
     title = record.method or "(unnamed)"
     return _shown(title, rows=analysis_rows(record.as_json()))
+
+
+@html.register(ShownList)
+def _(record: ShownList) -> str:
+    """Findings, claim by claim."""
+    title = ", ".join(dict.fromkeys(x.method for x in record)) or "no claims"
+    rows = [
+        (x.claim, f"{x.verdict} ({x.proof})" + (f": {x.witness}" if x.witness else ""))
+        for x in record
+    ]
+    return _shown(title, rows=rows)
 
 
 @html.register(Solution)

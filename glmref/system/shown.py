@@ -46,6 +46,12 @@ class Shown:
         return above("report.notebook", "html")(self)
 
 
+class ShownList(list[Any], Shown):
+    """A list of records that a notebook shows as one table."""
+
+    __slots__ = ()
+
+
 class Drawing(str):
     """A picture as the text of an SVG document."""
 

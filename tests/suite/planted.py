@@ -203,7 +203,7 @@ class Stopped(StageSolver):
 
     rounds = 2
 
-    def __call__(self, function: Any, x: Any, scale: Any) -> Any:
+    def __call__(self, function: Any, x: Any, scale: Any, alike: Any = ()) -> Any:
         for _ in range(self.rounds):
             x = function(x)
         return x

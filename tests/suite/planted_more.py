@@ -154,7 +154,7 @@ class StepSquared(Base):
 @planted("stages", "the integrator does something more", methods=("gauss-2",))
 class StagesSolvedLoosely(StoppedBase):
     class Loose(StageSolver):
-        def __call__(self, function: Any, x: Any, scale: Any) -> Any:
+        def __call__(self, function: Any, x: Any, scale: Any, alike: Any = ()) -> Any:
             while np.abs((new := function(x)) - x).max() > 1e-7:
                 x = new
             return new

@@ -326,3 +326,11 @@ def test_descending_coefficients_of_a_multistep_method_are_refused(alpha: Any, b
     assert glmref.analyze(glmref.from_lmm(alpha[::-1], beta[::-1])).order == len(alpha) - 1
     with pytest.raises(DataError, match="multiplies the new value, and alpha"):
         glmref.from_lmm([1, -1, 0], [0, "3/2", "-1/2"])
+
+
+def test_a_notebook_shows_findings_as_a_table() -> None:
+    found = glmref.verify("rk4")
+    assert isinstance(found, list) and "<th>order</th><td>holds (exact)" in found._repr_html_()
+    checked = glmref.check([[0, 0], [1, 0]], [0.5, 0.5], order=2)
+    assert isinstance(checked, list) and "holds (exact)" in checked._repr_html_()
+    assert "&lt;script&gt;" in glmref.check([[0]], [1], order=1, name="<script>")._repr_html_()
