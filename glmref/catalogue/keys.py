@@ -140,12 +140,37 @@ def of_second(doc: Mapping[str, Any]) -> str:
     return f"the key {new[0]!r}" if new else ""
 
 
+#: Claims about one block of a file, which have no meaning for a class that cannot have it.
+ABOUT: Mapping[str, str] = {
+    "embedded-order": "embedded",
+    "embedded-difference": "embedded",
+    "row-sums": "c",
+    "dense-end": "dense",
+    "dense-order": "dense",
+    "starting-order": "starting",
+    "finishing-order": "finishing",
+}
+
+
+def lacks_block(claim: str, kind: str) -> bool:
+    """Tell whether a claim is about a block that files of a class cannot have.
+
+    A pair without ``starting`` starts from (y0, 0, ..), so that its start has an order.
+    """
+    starts = claim == "starting-order" and kind in PAIRS
+    return claim in ABOUT and not starts and ABOUT[claim] not in BLOCKS.get(kind, ())
+
+
 def without_meaning(kind: str) -> frozenset[str]:
-    """Claims that a class cannot make: those about one method for a pair, and the other way."""
+    """Return the claims that a class cannot make.
+
+    Those about one method for a pair, and the other way, and those about a block that it lacks.
+    """
     return frozenset(
         key
         for key, spec in CLAIMS.items()
-        if not (
+        if lacks_block(key, kind)
+        or not (
             spec.additive
             if kind == "additive"
             else spec.rosenbrock

@@ -34,6 +34,7 @@ from .claims import SIZE, SOLUTION, PlainClaims
 from .entries import Entries
 from .files import document, names
 from .keys import (
+    ABOUT,
     BLOCKS,
     CLAIMS,
     COMMON,
@@ -46,6 +47,7 @@ from .keys import (
     completed,
     fault_of_texts,
     is_plain,
+    lacks_block,
     needed_keys,
     of_second,
     without_meaning,
@@ -476,6 +478,8 @@ class _Reader(Entries):
                 kind = "a pair" if self.doc["class"] in PAIRS else "one method"
                 own = {"additive": "an additive method", "rosenbrock": "a Rosenbrock method"}
                 kind = own.get(self.doc["class"], kind)
+                if lacks_block(key, self.doc["class"]):
+                    kind = f"class {self.doc['class']!r}, which has no `{ABOUT[key]}`"
                 raise self.error(f"the claim {key!r} has no meaning for {kind}; take it out")
             wanted = CLAIMS[key].type
             if wanted is int:

@@ -1,8 +1,8 @@
 """Trees by classes at a stage order, and the plan of the principal parts (sections 6.2, 6.3)."""
 
-from fractions import Fraction
 from functools import cache
 
+from .arithmetic import Fraction
 from .linalg import inverse_matrix
 from .refusals import require
 from .trees import LEAF, attach, cut, gamma, show, size, trees

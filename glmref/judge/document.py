@@ -1,8 +1,8 @@
 """From the document of a method to its matrices A, U, B, V (section 1)."""
 
 from collections import namedtuple
-from fractions import Fraction
 
+from .arithmetic import Fraction, Interval
 from .claims import ORDERS, SECOND
 from .linalg import (
     apply,
@@ -20,7 +20,7 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import Interval, apart, inverse, total, vanishes
+from .numbers import apart, inverse, total, vanishes
 from .refusals import as_object, keys, not_covered, require
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"

@@ -1,10 +1,10 @@
 """Pairs and splittings with an enclosure (section 6.4)."""
 
 import re
-from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 
+from .arithmetic import Fraction
 from .classes import Span
 from .enclosures import Enclosed, parameter
 from .krawczyk import at_values

@@ -1,9 +1,9 @@
 """Runge-Kutta and Rosenbrock methods with an enclosure (section 6.8)."""
 
 import re
-from fractions import Fraction
 from functools import cache
 
+from .arithmetic import Fraction
 from .enclosures import Enclosed
 from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise

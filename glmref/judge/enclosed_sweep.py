@@ -1,8 +1,8 @@
 """Sweeps with an enclosure (sections 6.2 and 6.3)."""
 
 import re
-from fractions import Fraction
 
+from .arithmetic import Fraction
 from .classes import classes, conditions_follow, plan, reduced
 from .enclosures import Enclosed, parameter
 from .krawczyk import at_values

@@ -1,7 +1,6 @@
 """What all documents with an enclosure have in common (section 6.1)."""
 
-from fractions import Fraction
-
+from .arithmetic import Fraction
 from .document import Method
 from .grammar import published_decimal
 from .krawczyk import Linear, only_root

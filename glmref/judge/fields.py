@@ -3,11 +3,11 @@
 import cmath
 import re
 from copy import copy
-from fractions import Fraction
 
+from .arithmetic import PLACES, Fraction
 from .grammar import DIGITS, parse, plain
 from .linalg import diagonal
-from .numbers import PLACES, Element, conj, enclose, real, upper, vanishes
+from .numbers import Element, conj, enclose, real, upper, vanishes
 from .refusals import SIZE, keys, require, whole
 from .towers import DIMENSION, Tower
 
@@ -22,6 +22,7 @@ class Numbers:
         require(isinstance(kind, str) and kind in more, "no field is of this kind")
         keys(field, "kind " + more[kind], "", "field")
         self.tower, self.memory, self.radicals = Tower(field.get("generators", ())), {}, {}
+        self.entries = {}
         self.unknowns, self.decimal, self.explicit = {}, None, None
         texts = field.get("radicals", {})
         require(isinstance(texts, dict) and len(texts) <= 100, "radicals are an object")
@@ -32,7 +33,7 @@ class Numbers:
     def changed(self, **more):
         """Return the same numbers with other unknowns, or another meaning of decimals."""
         other = copy(self)
-        other.memory = {}
+        other.memory, other.entries = {}, {}
         for key, value in more.items():
             setattr(other, key, value)
         return other
@@ -95,6 +96,16 @@ class Numbers:
 
     def entry(self, text, document, allowed=None):
         """Return the number of an entry of a document."""
+        memory = self.entries.setdefault(id(document), (document, {}))[1]  # keeps the object
+        if allowed is None and isinstance(text, str) and text in memory:
+            return memory[text]
+        found = self.read(text, document, allowed)
+        if allowed is None:
+            memory[text] = found
+        return found
+
+    def read(self, text, document, allowed):
+        """Return the number of an entry that was not read before."""
         constants = document.get("constants", {})
 
         def known(name):

@@ -2,8 +2,8 @@
 
 import ast
 import re
-from fractions import Fraction
 
+from .arithmetic import Fraction
 from .numbers import inverse
 from .refusals import Refused, require
 

@@ -1,9 +1,8 @@
 """The operator of Krawczyk, and expressions in unknowns (sections 2 and 6)."""
 
-from fractions import Fraction
-
+from .arithmetic import PLACES, Fraction, Gradient, Interval, Ring
 from .grammar import decimal_number
-from .numbers import PLACES, Gradient, Interval, Ring, around, as_real, inverse, is_nil
+from .numbers import around, as_interval, as_real, inverse, is_nil
 from .polynomials import derivative, horner
 from .refusals import require
 
@@ -88,7 +87,7 @@ def only_root(function, published, digits, proof):
     unit = around(Fraction(1))
     box = [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
            for k, x in enumerate(published)]  # fmt: skip
-    at_centre = [Interval.of(x) for x in function([around(x) for x in centre])]
+    at_centre = [as_interval(x) for x in function([around(x) for x in centre])]
     over_box = function(box)
     require(len(at_centre) == len(over_box) == n, "there are not as many equations as unknowns")
     by = [x.by if isinstance(x, Gradient) else {} for x in over_box]

@@ -1,10 +1,10 @@
 """The Lie algebra of splittings, and its images at trees (section 6.4)."""
 
-from fractions import Fraction
 from functools import cache
 from itertools import product
 from math import factorial
 
+from .arithmetic import Fraction
 from .classes import Span
 from .trees import size
 

@@ -1,9 +1,31 @@
 """Linear algebra over any of the numbers."""
 
-from fractions import Fraction
-
-from .numbers import Interval, conj, inverse, is_nil, live, may_vanish, smallest, total, vanishes
+from .arithmetic import (
+    Fraction,
+    Gradient,
+    Interval,
+    dot_of_gradients,
+    dot_of_intervals,
+    dot_of_rationals,
+)
+from .numbers import (
+    Element,
+    conj,
+    dot_of_elements,
+    inverse,
+    is_nil,
+    live,
+    may_vanish,
+    smallest,
+    total,
+    vanishes,
+)
 from .refusals import require
+
+RATIONALS = {Fraction, int}
+INTERVALS = RATIONALS | {Interval}
+ELEMENTS = RATIONALS | {Element}
+GRADIENTS = INTERVALS | {Gradient}
 
 
 def multiples(factor, values):
@@ -12,9 +34,19 @@ def multiples(factor, values):
 
 
 def dot(x, y):
-    """Return sum x_i y_i; zeros cost nothing."""
+    """Return sum x_i y_i; an exact zero stays one whatever it is multiplied by."""
     require(len(x) == len(y), "shapes do not fit")
-    return total(a * b for a, b in zip(x, y, strict=True) if not (is_nil(a) or is_nil(b)))
+    kinds = {*map(type, x), *map(type, y)}
+    if kinds <= RATIONALS:
+        return dot_of_rationals(x, y)
+    if kinds <= INTERVALS:
+        return dot_of_intervals(x, y)
+    if kinds <= ELEMENTS:
+        return dot_of_elements(x, y)
+    pairs = [(a, b) for a, b in zip(x, y, strict=True) if not (is_nil(a) or is_nil(b))]
+    if kinds <= GRADIENTS and any(type(a) is Gradient or type(b) is Gradient for a, b in pairs):
+        return dot_of_gradients(pairs)
+    return total(a * b for a, b in pairs)
 
 
 def less(x, y):

@@ -1,12 +1,9 @@
 """Numbers: elements of towers, intervals, rectangles, intervals with gradients (section 2)."""
 
-from fractions import Fraction
-from functools import cache
-from itertools import product
+from math import gcd, lcm
 
-from .refusals import Refused, require
-
-PLACES = 448  # binary places of an interval
+from .arithmetic import Fraction, Interval, Ring, rounded
+from .refusals import require
 
 
 def total(values):
@@ -34,54 +31,40 @@ def smallest(x):
     return min(abs(x.lo), abs(x.hi)) if type(x) is Interval else float("inf")
 
 
-class Ring:
-    """What follows from sums and products."""
-
-    __slots__ = ()
-
-    def __neg__(self):
-        return self * -1
-
-    def __sub__(self, other):
-        return self + -other
-
-    def __rsub__(self, other):
-        return -self + other
-
-    def __pow__(self, n):
-        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
-
-    def conj(self):
-        """Return the conjugate: the number itself where it is real."""
-        return self
-
-
 class Element(Ring):
-    """A polynomial in the generators of a tower, reduced; never a rational number."""
+    """A polynomial in the generators of a tower, reduced; never a rational number.
 
-    __slots__ = ("terms", "tower")
+    ``nums`` are the integer coefficients over ``den`` at the monomials of the basis of the tower,
+    without zeros at the end and without a common factor.
+    """
 
-    def __init__(self, tower, terms):
-        self.tower, self.terms = tower, terms
+    __slots__ = ("den", "nums", "tower")
+
+    def __init__(self, tower, nums, den):
+        self.tower, self.nums, self.den = tower, nums, den
 
     def __add__(self, other):
-        if not isinstance(other, Element | Fraction | int):
+        if isinstance(other, Element):
+            nums, den = other.nums, other.den
+        elif isinstance(other, Fraction | int):
+            nums, den = (other.numerator,), other.denominator
+        else:
             return NotImplemented
-        terms = dict(self.terms)
-        for k, x in other.terms.items() if isinstance(other, Element) else ((0, other),):
-            terms[k] = terms.get(k, 0) + x
-        return self.tower.element(terms)
+        common = gcd(self.den, den)
+        m, n = den // common, self.den // common
+        found = [m * x for x in self.nums]
+        found += [0] * (len(nums) - len(found))
+        for k, x in enumerate(nums):
+            found[k] += n * x
+        return self.tower.number(found, self.den * m)
 
     def __mul__(self, other):
-        if not isinstance(other, Element | Fraction | int):
+        if isinstance(other, Element):
+            return dot_of_elements([self], [other])
+        if not isinstance(other, Fraction | int):
             return NotImplemented
-        if not isinstance(other, Element):
-            return self.tower.element({k: x * other for k, x in self.terms.items()})
-        terms = {}
-        for (i, x), (j, y) in product(self.terms.items(), other.terms.items()):
-            for k, z in self.tower.table(i, j):
-                terms[k] = terms.get(k, 0) + x * y * z
-        return self.tower.element(terms)
+        n = other.numerator
+        return self.tower.number([n * x for x in self.nums], self.den * other.denominator)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -90,102 +73,59 @@ class Element(Ring):
         box = enclose(self)
         return apart(box.re) or apart(box.im) or inverse(self) is not None
 
+    def interval(self):
+        """Return an interval around the number, which must be real."""
+        return around(self)
+
     def conj(self):
         """Return the conjugate: each generator replaced by its own."""
         if all(self.tower.real):
             return self
         value = Fraction(0)
-        for k, c in self.terms.items():
-            for g, power in enumerate(self.tower.basis[k]):
-                if power:
-                    c = c * self.tower.conjugate(g) ** power
-            value = value + c
+        for k, n in enumerate(self.nums):
+            if n:
+                value = value + self.tower.mirrored(k) * Fraction(n, self.den)
         return value
 
     def __eq__(self, other):
-        # the same terms are another number in another tower
+        # the same coefficients are another number in another tower
         return getattr(other, "tower", self.tower) is self.tower and vanishes(self - other)
 
     def __hash__(self):
-        return hash(frozenset(self.terms.items()))
+        return hash((self.nums, self.den))
 
 
-class Interval(Ring):
-    """A closed interval of real numbers with ends that are whole multiples of 2^-PLACES.
+def dot_of_elements(x, y):
+    """Return sum x_i y_i of elements of one tower and rationals, reduced once.
 
-    Its truth value says that it excludes 0; where that is not decided the answer is a refusal, so
-    that the rules for exact numbers can be used with intervals and prove nothing wrong.
+    The products of monomials are summed before they are reduced, apart by denominators.
     """
-
-    __slots__ = ("hi", "lo")
-
-    def __init__(self, lo, hi):
-        self.lo, self.hi = lo, hi
-
-    @classmethod
-    def of(cls, x):
-        """Return an interval around a number."""
-        return x if type(x) is Interval else around(x)
-
-    @classmethod
-    def ends(cls, lo, hi):
-        """Return the interval between two rationals, rounded outward."""
-        return cls((lo * 2**PLACES).__floor__(), (hi * 2**PLACES).__ceil__())
-
-    def middle(self):
-        """Return the midpoint, an interval without width."""
-        return Interval((self.lo + self.hi) // 2, (self.lo + self.hi) // 2)
-
-    def inside(self, other):
-        """Tell whether the interval lies in the interior of another."""
-        return other.lo < self.lo and self.hi < other.hi
-
-    def meet(self, other):
-        """Return the intersection."""
-        return Interval(max(self.lo, other.lo), min(self.hi, other.hi))
-
-    def __bool__(self):
-        require(not self.lo <= 0 <= self.hi, "an interval holds 0: nothing is decided")
-        return True
-
-    def __add__(self, other):
-        if type(other) is not Interval:
-            if isinstance(other, Gradient | Box):
-                return NotImplemented
-            other = around(other)
-        return Interval(self.lo + other.lo, self.hi + other.hi)
-
-    __radd__ = __add__
-
-    def __neg__(self):
-        return Interval(-self.hi, -self.lo)
-
-    def __mul__(self, other):
-        a, b = self.lo, self.hi
-        if type(other) is not Interval:
-            if isinstance(other, Gradient | Box):
-                return NotImplemented
-            if not isinstance(other, Element):
-                n, d = other.numerator, other.denominator
-                a, b = (a * n, b * n) if n >= 0 else (b * n, a * n)
-                return Interval(a // d, -(-b // d))
-            other = around(other)
-        c, d = other.lo, other.hi
-        ends = (a * c, a * d, b * c, b * d)
-        return Interval(min(ends) >> PLACES, -(-max(ends) >> PLACES))
-
-    __rmul__ = __mul__
-
-    def __eq__(self, other):
-        raise Refused("intervals are not compared")
-
-    __hash__ = None
-
-
-@cache
-def rounded(x):
-    """Return an interval around a rational."""
-    return Interval.ends(Fraction(x), Fraction(x))
+    tower = next(a.tower for a in (*x, *y) if type(a) is Element)
+    codes, width = tower.codes, tower.width
+    sums = {}
+    for a, b in zip(x, y, strict=True):
+        first = a.nums if type(a) is Element else (a.numerator,)
+        second = b.nums if type(b) is Element else (b.numerator,)
+        if not (first[-1] and second[-1]):
+            continue  # a factor is 0
+        den = (a.den if type(a) is Element else a.denominator) * (
+            b.den if type(b) is Element else b.denominator)  # fmt: skip
+        found = sums.get(den)
+        if found is None:
+            found = sums[den] = [0] * width
+        for i, u in enumerate(first):
+            if u:
+                code = codes[i]
+                for j, v in enumerate(second):
+                    if v:
+                        found[code + codes[j]] += u * v
+    if len(sums) > 1:
+        den = lcm(*sums)
+        scaled = [[den // d * u for u in found] for d, found in sums.items()]
+        return tower.fold(list(map(sum, zip(*scaled, strict=True))), den)
+    for den, found in sums.items():
+        return tower.fold(found, den)
+    return Fraction(0)
 
 
 def around(x):
@@ -199,13 +139,18 @@ def around(x):
     return balls[x]
 
 
+def as_interval(x):
+    """Return an interval around a number that is real."""
+    return x if type(x) is Interval else around(x)
+
+
 class Box(Ring):
     """A closed rectangle: intervals around the real and the imaginary part."""
 
     __slots__ = ("im", "re")
 
-    def __init__(self, re, im=Fraction(0)):
-        self.re, self.im = Interval.of(re), Interval.of(im)
+    def __init__(self, re, im=0):
+        self.re, self.im = as_interval(re), as_interval(im)
 
     def __add__(self, other):
         other = other if type(other) is Box else Box(other)
@@ -241,12 +186,9 @@ def enclose(x):
     if not isinstance(x, Element):
         return Box(x)
     value = Box(Fraction(0))
-    for k, c in x.terms.items():
-        term = Box(c)
-        for root, power in zip(x.tower.roots, x.tower.basis[k], strict=True):
-            for _ in range(power):
-                term = term * root
-        value = value + term
+    for k, n in enumerate(x.nums):
+        if n:
+            value = value + x.tower.monomial(k) * Fraction(n, x.den)
     return value
 
 
@@ -263,7 +205,7 @@ def inverse(x):
         return x.tower.inverse(x)
     require(x, "a division by 0")
     if type(x) is Interval:
-        return Interval(4**PLACES // x.hi, -(-(4**PLACES) // x.lo))
+        return x.inverse()
     return 1 / Fraction(x)
 
 
@@ -294,39 +236,12 @@ def squared(x):
 
 def may_vanish(x):
     """Tell whether a number is 0, or an interval that holds 0."""
-    return x.lo <= 0 <= x.hi if type(x) is Interval else not x
+    return x.holds_zero() if type(x) is Interval else not x
 
 
 def apart(x):
     """Tell whether a number is shown not to be 0; an interval around 0 is not."""
-    return not x.lo <= 0 <= x.hi if type(x) is Interval else bool(x)
-
-
-class Gradient(Ring):
-    """An interval with its derivatives by the unknowns, exact zeros left out."""
-
-    __slots__ = ("by", "value")
-
-    def __init__(self, value, by):
-        self.value, self.by = value, by
-
-    def __add__(self, other):
-        if not isinstance(other, Gradient):
-            return Gradient(self.value + other, self.by)
-        by = dict(self.by)
-        for k, x in other.by.items():
-            by[k] = by[k] + x if k in by else x
-        return Gradient(self.value + other.value, by)
-
-    def __mul__(self, other):
-        if not isinstance(other, Gradient):
-            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
-        by = {k: x * other.value for k, x in self.by.items()}
-        for k, x in other.by.items():
-            by[k] = by[k] + x * self.value if k in by else x * self.value
-        return Gradient(self.value * other.value, by)
-
-    __radd__, __rmul__ = __add__, __mul__
+    return not x.holds_zero() if type(x) is Interval else bool(x)
 
 
 def as_real(x):

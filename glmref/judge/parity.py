@@ -1,8 +1,8 @@
 """Starts and finishes in decimals, whose values have a parity (section 6.7)."""
 
-from fractions import Fraction
 from functools import cache
 
+from .arithmetic import Fraction
 from .classes import classes
 from .document import Component
 from .enclosed_pair import ALTERNATING

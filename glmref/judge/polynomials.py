@@ -1,10 +1,10 @@
 """Polynomials and where their roots lie: Schur, Cohn, Sturm, Yun (section 5)."""
 
-from fractions import Fraction
 from itertools import pairwise
 
+from .arithmetic import Fraction, Interval, Ring
 from .linalg import at_matrix, characteristic, times
-from .numbers import Interval, Ring, conj, inverse, is_nil, live, sign, squared, vanishes
+from .numbers import conj, inverse, is_nil, live, sign, squared, vanishes
 from .refusals import require
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from copy import copy
-from fractions import Fraction
 from functools import lru_cache
 
+from .arithmetic import Fraction, Interval
 from .claims import LOOKS_AT, WITNESS
 from .document import Method
 from .enclosed_pair import Pair
@@ -17,7 +17,7 @@ from .fields import Numbers
 from .grammar import published_decimal
 from .krawczyk import at_values
 from .linalg import apply, equal, is_exact
-from .numbers import Interval, apart, as_real
+from .numbers import apart, as_real
 from .parity import even_start, start_with_parity
 from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
 from .rule import Bound, Rule
@@ -43,6 +43,7 @@ class Record:
 
     def __init__(self, document, field, block, numbers):
         self.exact, self.numbers, self.root, self.memory = numbers, numbers, None, {}
+        self.document = document
         unknowns = as_object(document.get("unknowns", {}))
         if field["kind"] == "balls":
             values = {}
@@ -63,6 +64,11 @@ class Record:
             if isinstance(self.root, Sweep):
                 self.root.explicit_now = self.numbers.explicit = frozenset(self.root.explicit)
 
+    def read(self, base):
+        """Read the matrices of the document, at the root of an enclosure."""
+        self.method = Method(self.document, self.numbers, base)
+        self.method.check_shapes()
+
     def known(self, key, make):
         """Return what was made before under this key; None keeps nothing."""
         if key is None:
@@ -81,8 +87,10 @@ def numbers_of(field):
 @lru_cache(maxsize=1)
 def record_of(text):
     """Return the record of the text of a document, a base, a field and the proof of the method."""
-    document, _, field, block = json.loads(text)
-    return Record(document, field, block, numbers_of(json.dumps(field)).changed())
+    document, base, field, block = json.loads(text)
+    record = Record(document, field, block, numbers_of(json.dumps(field)).changed())
+    record.read(base)
+    return record
 
 
 def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]:
@@ -146,8 +154,7 @@ class Proof:
         keys(self.blocks, "", "method starting finishing", "proofs")
         kept = {key: value for key, value in document.items() if key != "claims"}
         self.record = record_of(json.dumps([kept, base, field, self.blocks.get("method")]))
-        self.method = Method(document, self.record.numbers, base)
-        self.method.check_shapes()
+        self.method = self.record.method
         if self.rules != ["absent"]:
             self.method = self.method.for_claim(self.claim)
         require(statement["proof"] in self.proofs(), "the proof is another")

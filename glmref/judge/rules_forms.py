@@ -1,8 +1,8 @@
 """Rules for quadratic forms (section 5)."""
 
-from fractions import Fraction
 from itertools import product
 
+from .arithmetic import Fraction
 from .linalg import (
     apply,
     combine,

@@ -1,8 +1,8 @@
 """Rules for powers of V and growth parameters (section 5)."""
 
-from fractions import Fraction
 from itertools import pairwise
 
+from .arithmetic import Fraction
 from .linalg import (
     blocks_of,
     characteristic,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from functools import cached_property
 
+from .arithmetic import Fraction
 from .document import Method
 from .enclosed_pair import Pair
 from .enclosed_rk import RungeKutta

@@ -1,11 +1,10 @@
 """Rules for embedded rows, row sums and dense output (section 5)."""
 
-from fractions import Fraction
-
+from .arithmetic import Fraction, Interval
 from .claims import ABSENT
 from .document import CLASSES, gaps_of_rows
 from .linalg import apply, dot, identity, kernel, less, minus, ones, transpose
-from .numbers import Interval, apart, inverse, total, vanishes
+from .numbers import apart, inverse, total, vanishes
 from .refusals import as_object, require, whole
 from .rule import Bound
 from .series import Series

@@ -1,8 +1,8 @@
 """Rules for linear stability (section 5)."""
 
-from fractions import Fraction
 from itertools import product
 
+from .arithmetic import Fraction
 from .grammar import rational
 from .linalg import (
     characteristic,

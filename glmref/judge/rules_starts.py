@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from functools import cached_property
 
+from .arithmetic import Fraction
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
 from .parity import finish_with_parity, undoes

@@ -1,9 +1,9 @@
 """Rules for explicit stages, abscissae, error constants, reducibility (section 5)."""
 
 from copy import copy
-from fractions import Fraction
 from math import factorial
 
+from .arithmetic import Fraction
 from .document import Component
 from .linalg import apply, dot, equal, kernel, less, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes

@@ -1,8 +1,8 @@
 """Rules for symmetry (section 5)."""
 
-from fractions import Fraction
 from itertools import product
 
+from .arithmetic import Fraction
 from .linalg import combine, equal, identity, inverse_matrix, minus, rank, solve, times
 from .numbers import may_vanish, vanishes
 from .refusals import keys, require

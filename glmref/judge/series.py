@@ -1,7 +1,6 @@
 """Starting series and what follows from them (sections 3 and 4)."""
 
-from fractions import Fraction
-
+from .arithmetic import Fraction, Interval
 from .classes import reduced
 from .document import Component, first_place, reading
 from .linalg import (
@@ -12,7 +11,6 @@ from .linalg import (
     inverse_matrix,
     is_exact,
     kernel,
-    less,
     minus,
     multiples,
     placewise,
@@ -22,9 +20,9 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import Interval, apart, as_real, inverse, is_nil, vanishes
+from .numbers import apart, as_real, inverse, is_nil, vanishes
 from .refusals import require
-from .trees import cut, gamma, less_cuts, paths, pool_of, size, trees
+from .trees import cut, gamma, paths, pool_of, residual_weights, size, trees
 
 
 class Series:
@@ -65,8 +63,9 @@ class Series:
 
     def residual(self, tree):
         """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
-        flow = [x * Fraction(1, gamma(tree)) for x in self.u[tree[0]]]
-        return less_cuts(less(self.value(tree), flow), tree, self.eta_of)
+        left, weights = residual_weights(tree)
+        columns = self.value(tree), self.u[tree[0]], *map(self.eta_of, left)
+        return [dot(weights, values) for values in zip(*columns, strict=True)]
 
 
 def path_orders(method, series, colour, most):

@@ -1,15 +1,23 @@
 """Towers of algebraic numbers over the rationals (section 2)."""
 
-from fractions import Fraction
+from math import gcd, lcm
 
+from .arithmetic import Fraction, Interval
 from .grammar import parse, rational
 from .krawczyk import root_in
 from .linalg import solve, transpose
-from .numbers import Box, Element, Interval, conj, enclose, vanishes
+from .numbers import Box, Element, conj, enclose, vanishes
 from .polynomials import horner
 from .refusals import keys, require
 
 DIMENSION = 64  # of a tower over the rationals
+
+
+def coefficients(x):
+    """Return (place in the basis, rational) of an element or a rational."""
+    if isinstance(x, Element):
+        return [(k, Fraction(n, x.den)) for k, n in enumerate(x.nums) if n]
+    return [(0, x)]
 
 
 class Tower:
@@ -18,7 +26,8 @@ class Tower:
     def __init__(self, generators=()):
         self.names, self.degrees, self.polynomials, self.roots = [], [], [], []
         self.real, self.conjugates, self.inverses, self.starts = [], [], {}, []
-        self.tables, self.basis, self.index, self.balls = {}, [()], {(): 0}, {}
+        self.folded, self.basis, self.index, self.balls = {}, [()], {(): 0}, {}
+        self.monomials, self.codes, self.width = {}, [0], 1
         require(isinstance(generators, list | tuple), "generators are a list")
         for k, entry in enumerate(generators):
             keys(entry, "name polynomial real imag", "conjugate", "generator")
@@ -51,34 +60,88 @@ class Tower:
         old = self.basis
         self.basis = [(*e, k) for k in range(degree) for e in old]  # old indices keep their place
         self.index = {e: k for k, e in enumerate(self.basis)}
-        self.tables, self.inverses = {}, {}
+        self.folded, self.inverses, self.monomials = {}, {}, {}
+        self.codes, self.width = [0], 1  # of products of two monomials, whose powers add up
+        for n in self.degrees:
+            self.codes = [c + k * self.width for k in range(n) for c in self.codes]
+            self.width *= 2 * n - 1
+
+    def number(self, nums, den):
+        """Return the number with these integers over den at the basis: an element or a rational."""
+        n = len(nums)
+        while n and not nums[n - 1]:
+            n -= 1
+        if n < 2:
+            return Fraction(nums[0], den) if n else Fraction(0)
+        common = gcd(den, *nums[:n])
+        return Element(self, tuple(x // common for x in nums[:n]), den // common)
 
     def element(self, terms):
-        """Return a reduced element, as a rational where it is one."""
-        terms = {k: x for k, x in terms.items() if x}
-        if set(terms) <= {0}:
-            return Fraction(terms.get(0, 0))
-        return Element(self, terms)
+        """Return the number with these rational coefficients by place in the basis."""
+        den = lcm(*(x.denominator for x in terms.values()))
+        nums = [0] * (max(terms, default=0) + 1)
+        for k, x in terms.items():
+            nums[k] = x.numerator * (den // x.denominator)
+        return self.number(nums, den)
 
     def generator(self, k):
         """Return g_(k+1)."""
         return self.element({self.index[tuple(int(j == k) for j in range(len(self.names)))]: 1})
 
-    def table(self, i, j):
-        """Return the product of two monomials of the basis, reduced."""
-        if (i, j) not in self.tables:
-            powers = tuple(a + b for a, b in zip(self.basis[i], self.basis[j], strict=True))
-            self.tables[i, j] = list(self.reduce(powers).items())
-        return self.tables[i, j]
+    def fold(self, sums, den):
+        """Return the number with these integers over den at products of two monomials."""
+        nums, bottom = [0] * len(self.basis), 1
+        for code, n in enumerate(sums):
+            if not n:
+                continue
+            if code not in self.folded:
+                self.folded[code] = self.product(code)
+            items, more = self.folded[code]
+            if more != bottom:
+                common = lcm(more, bottom)
+                nums = [x * (common // bottom) for x in nums]
+                n *= common // more
+                bottom = common
+            for k, x in items:
+                nums[k] += n * x
+        return self.number(nums, den * bottom)
+
+    def product(self, code):
+        """Return a product of two monomials: ([(place in the basis, integer)], denominator)."""
+        powers = []
+        for degree in self.degrees:
+            powers.append(code % (2 * degree - 1))
+            code //= 2 * degree - 1
+        terms = {k: x for k, x in self.reduce(tuple(powers)).items() if x}
+        den = lcm(*(x.denominator for x in terms.values()))
+        return [(k, x.numerator * (den // x.denominator)) for k, x in terms.items()], den
+
+    def monomial(self, k):
+        """Return a rectangle around a monomial of the basis."""
+        if k not in self.monomials:
+            value = Box(Fraction(1))
+            for root, power in zip(self.roots, self.basis[k], strict=True):
+                for _ in range(power):
+                    value = value * root
+            self.monomials[k] = value
+        return self.monomials[k]
+
+    def mirrored(self, k):
+        """Return the conjugate of a monomial of the basis."""
+        value = Fraction(1)
+        for g, power in enumerate(self.basis[k]):
+            if power:
+                value = value * self.conjugate(g) ** power
+        return value
 
     def reduce(self, powers):
-        """Return a monomial by the monic polynomials."""
+        """Return a monomial by the monic polynomials: rational coefficients by place."""
         high = next((k for k in reversed(range(len(powers))) if powers[k] >= self.degrees[k]), None)
         if high is None:
             return {self.index[powers]: Fraction(1)}
         terms, degree = {}, self.degrees[high]
         for k, c in enumerate(self.polynomials[high]):
-            for at, x in c.terms.items() if isinstance(c, Element) else ((0, c),):
+            for at, x in coefficients(c):
                 inner = self.basis[at] + (0,) * (len(powers) - len(self.basis[at]))
                 moved = [a + b for a, b in zip(powers, inner, strict=True)]
                 moved[high] += k - degree
@@ -92,9 +155,10 @@ class Tower:
             n = len(self.basis)
             columns = []
             for k in range(n):
-                y = x * self.element({k: Fraction(1)})
-                terms = y.terms if isinstance(y, Element) else {0: y}
-                columns.append([terms.get(i, Fraction(0)) for i in range(n)])
+                column = [Fraction(0)] * n
+                for i, c in coefficients(x * self.element({k: Fraction(1)})):
+                    column[i] = c
+                columns.append(column)
             y, _ = solve(transpose(columns), [Fraction(int(i == 0)) for i in range(n)])
             require(y is not None, "a divisor has no inverse in the ring of the tower")
             self.inverses[x] = self.element(dict(enumerate(y)))

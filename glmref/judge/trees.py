@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from functools import cache
 from itertools import product
 from typing import TypeAlias
 
-from .numbers import is_nil
+from .arithmetic import Fraction
 from .refusals import require
 
 TREES = 40_000  # trees of one order
@@ -132,13 +131,15 @@ def cuts(tree, weight=None):
     return {(tree[0], forest): w for forest, w in found.items()}
 
 
-def less_cuts(values, tree, eta):
-    """Return values less N(t, s) / m! eta(s) for all that is left when t is cut, but t itself."""
-    for s, weight in cut(tree):
-        if s != tree:
-            values = [x if is_nil(y) else x - y * weight
-                      for x, y in zip(values, eta(s), strict=True)]  # fmt: skip
-    return values
+@cache
+def residual_weights(tree):
+    """Return the trees s left when t is cut, but t itself, and the weights of R(t) (section 3).
+
+    They are those of B xiD(t), u and the eta(s): 1, -1 / gamma(t) and -N(t, s) / m!.
+    """
+    left = [(s, weight) for s, weight in cut(tree) if s != tree]
+    weights = [Fraction(1), Fraction(-1, gamma(tree)), *(-weight for _, weight in left)]
+    return [s for s, _ in left], weights
 
 
 PATHS = {"paths": "fk", "nystrom-paths": "f"}  # trees without branches: which stages are checked

@@ -10,7 +10,8 @@ import pytest
 from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.findings import Verdict
-from glmref.judge.numbers import PLACES, around
+from glmref.judge.arithmetic import PLACES
+from glmref.judge.numbers import around
 from glmref.judge.proof import record_of
 from glmref.judge.towers import Tower
 from glmref.prove.verifier import facts_for

@@ -128,7 +128,7 @@ def test_a_simple_eigenvalue_one_has_no_growth_parameter() -> None:
 def test_a_decimal_of_zeros_is_zero_for_the_checker_too(tmp_path: Path) -> None:
     d = shipped("gauss-2-seven-digits")
     d.pop("broken", None)
-    d["A"], d["b"] = [["0", "0.0000000"], ["0.5000000", "0"]], ["0", "1"]
+    d["A"], d["b"] = [["0", "0.0000000"], ["0.500000000000000", "0"]], ["0", "1"]
     d["claims"] = {"explicit": True}
     assert without_a_certificate({**d, "name": "deceiver"}, tmp_path) == []
 
@@ -303,7 +303,7 @@ TWO_PARTS: dict[str, Any] = {
 }  # fmt: skip
 CUBE_ROOTS: dict[str, Any] = {
     "class": "one-leg", "digits": 3, "alpha": ["-1", "0", "0", "1"],
-    "beta": ["-1/2", "-0.500", "1/3", "1/6"],
+    "beta": ["1/2", "0.500", "-1/3", "1/3"],
 }  # fmt: skip
 
 

@@ -19,8 +19,9 @@ from glmref.catalogue.lookup import data_root, document
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import write_certificates
 from glmref.findings import Verdict
+from glmref.judge.arithmetic import Interval
 from glmref.judge.document import Method
-from glmref.judge.numbers import Interval, apart
+from glmref.judge.numbers import apart
 from glmref.judge.proof import Proof
 from glmref.judge.refusals import Refused
 from glmref.judge.rules_growth import unshared

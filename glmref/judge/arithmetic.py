@@ -1,0 +1,235 @@
+"""The arithmetic of the judge: rationals, intervals, intervals with gradients, and their sums.
+
+Every module takes its rationals from here, and long sums of products are formed here, so that
+another arithmetic can stand in the place of this one. This one needs Python only: integers,
+:class:`fractions.Fraction`, and intervals whose ends are integers over 2^PLACES.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from functools import cache
+from math import gcd
+
+from .refusals import Refused, Undecided
+
+PLACES = 448  # binary places of an interval
+
+
+class Ring:
+    """What follows from sums and products."""
+
+    __slots__ = ()
+
+    def __neg__(self):
+        return self * -1
+
+    def __sub__(self, other):
+        return self + -other
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __pow__(self, n):
+        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+
+    def conj(self):
+        """Return the conjugate: the number itself where it is real."""
+        return self
+
+
+def product_of_ends(a: int, b: int, c: int, d: int) -> tuple[int, int]:
+    """Return the least and the largest product of a number in [a, b] and one in [c, d]."""
+    if a >= 0:
+        if c >= 0:
+            return a * c, b * d
+        return (b * c, a * d) if d <= 0 else (b * c, b * d)
+    if b <= 0:
+        if c >= 0:
+            return a * d, b * c
+        return (b * d, a * c) if d <= 0 else (a * d, a * c)
+    if c >= 0:
+        return a * d, b * d
+    if d <= 0:
+        return b * c, a * c
+    return min(a * d, b * c), max(a * c, b * d)
+
+
+class Interval(Ring):
+    """A closed interval of real numbers with ends that are whole multiples of 2^-PLACES.
+
+    Its truth value says that it excludes 0; where that is not decided the answer is a refusal, so
+    that the rules for exact numbers can be used with intervals and prove nothing wrong.
+    """
+
+    __slots__ = ("hi", "lo")
+
+    def __init__(self, lo, hi):
+        self.lo, self.hi = lo, hi
+
+    @classmethod
+    def ends(cls, lo, hi):
+        """Return the interval between two rationals, rounded outward."""
+        return cls((lo * 2**PLACES).__floor__(), (hi * 2**PLACES).__ceil__())
+
+    def middle(self):
+        """Return the midpoint, an interval without width."""
+        return Interval((self.lo + self.hi) // 2, (self.lo + self.hi) // 2)
+
+    def inside(self, other):
+        """Tell whether the interval lies in the interior of another."""
+        return other.lo < self.lo and self.hi < other.hi
+
+    def meet(self, other):
+        """Return the intersection."""
+        return Interval(max(self.lo, other.lo), min(self.hi, other.hi))
+
+    def holds_zero(self):
+        """Tell whether 0 lies in the interval."""
+        return self.lo <= 0 <= self.hi
+
+    def inverse(self):
+        """Return 1 / x of an interval that excludes 0."""
+        return Interval(4**PLACES // self.hi, -(-(4**PLACES) // self.lo))
+
+    def __bool__(self):
+        if self.lo <= 0 <= self.hi:
+            raise Undecided("an interval holds 0: nothing is decided")
+        return True
+
+    def __add__(self, other):
+        if type(other) is not Interval:
+            other = rounded(other) if type(other) in RATIONAL else interval_of(other)
+            if other is NotImplemented:
+                return other
+        return Interval(self.lo + other.lo, self.hi + other.hi)
+
+    __radd__ = __add__
+
+    def __neg__(self):
+        return Interval(-self.hi, -self.lo)
+
+    def __mul__(self, other):
+        if type(other) is not Interval:
+            if type(other) in RATIONAL:
+                n, d = other.numerator, other.denominator
+                a, b = (self.lo * n, self.hi * n) if n >= 0 else (self.hi * n, self.lo * n)
+                return Interval(a // d, -(-b // d))
+            other = interval_of(other)
+            if other is NotImplemented:
+                return other
+        low, high = product_of_ends(self.lo, self.hi, other.lo, other.hi)
+        return Interval(low >> PLACES, -(-high >> PLACES))
+
+    __rmul__ = __mul__
+
+    def __eq__(self, other):
+        raise Refused("intervals are not compared")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+RATIONAL = (Fraction, int)
+
+
+def interval_of(x):
+    """Return an interval around a number that has one; other numbers take over the operation."""
+    around = getattr(x, "interval", None)
+    return around() if around else NotImplemented
+
+
+@cache
+def rounded(x):
+    """Return an interval around a rational."""
+    return Interval.ends(Fraction(x), Fraction(x))
+
+
+class Gradient(Ring):
+    """An interval with its derivatives by the unknowns, exact zeros left out."""
+
+    __slots__ = ("by", "value")
+
+    def __init__(self, value, by):
+        self.value, self.by = value, by
+
+    def __add__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value + other, self.by)
+        by = dict(self.by)
+        for k, x in other.by.items():
+            by[k] = by[k] + x if k in by else x
+        return Gradient(self.value + other.value, by)
+
+    def __mul__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
+        return dot_of_gradients([(self, other)])
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def dot_of_rationals(x: Sequence[Fraction], y: Sequence[Fraction]) -> Fraction:
+    """Return sum x_i y_i, reduced once."""
+    top, bottom = 0, 1
+    for a, b in zip(x, y, strict=True):
+        n = a.numerator * b.numerator
+        if n:
+            d = a.denominator * b.denominator
+            if d == bottom:
+                top += n
+            else:
+                common = gcd(d, bottom)
+                top = top * (d // common) + n * (bottom // common)
+                bottom *= d // common
+    return Fraction(top, bottom)
+
+
+def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | Fraction:
+    """Return sum x_i y_i of intervals and rationals, rounded outward once."""
+    low = high = 0
+    exact, some = Fraction(0), False
+    for a, b in zip(x, y, strict=True):
+        if type(a) is Interval:
+            if type(b) is Interval:
+                p, q = product_of_ends(a.lo, a.hi, b.lo, b.hi)
+                low, high, some = low + p, high + q, True
+                continue
+        elif type(b) is Interval:
+            a, b = b, a
+        else:
+            exact += a * b
+            continue
+        n, d = b.numerator, b.denominator
+        if n:  # an exact zero stays one
+            p, q = (a.lo * n, a.hi * n) if n > 0 else (a.hi * n, a.lo * n)
+            low, high, some = low + (p << PLACES) // d, high - (-q << PLACES) // d, True
+    if not some:
+        return exact
+    found = Interval(low >> PLACES, -(-high >> PLACES))
+    return found + exact if exact else found
+
+
+def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
+    """Return sum x_i y_i of intervals, rationals and gradients, rounded outward once."""
+    low = high = 0
+    lows: dict[int, int] = {}
+    highs: dict[int, int] = {}
+    for a, b in pairs:
+        sides = []
+        for x in (a, b):
+            by = ()
+            if type(x) is Gradient:
+                by, x = x.by.items(), x.value
+            sides.append((x if type(x) is Interval else rounded(x), by))
+        (u, du), (v, dv) = sides
+        p, q = product_of_ends(u.lo, u.hi, v.lo, v.hi)
+        low, high = low + p, high + q
+        for other, by in ((v, du), (u, dv)):
+            c, d = other.lo, other.hi
+            for k, g in by:
+                p, q = product_of_ends(g.lo, g.hi, c, d)
+                lows[k] = lows.get(k, 0) + p
+                highs[k] = highs.get(k, 0) + q
+    by = {k: Interval(x >> PLACES, -(-highs[k] >> PLACES)) for k, x in lows.items()}
+    return Gradient(Interval(low >> PLACES, -(-high >> PLACES)), by)
