@@ -7,10 +7,10 @@ another arithmetic can stand in the place of this one. This one needs Python onl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
-from math import gcd
 
 from .refusals import Refused, Undecided
 
@@ -179,7 +179,7 @@ def dot_of_rationals(x: Sequence[Fraction], y: Sequence[Fraction]) -> Fraction:
             if d == bottom:
                 top += n
             else:
-                common = gcd(d, bottom)
+                common = math.gcd(d, bottom)
                 top = top * (d // common) + n * (bottom // common)
                 bottom *= d // common
     return Fraction(top, bottom)

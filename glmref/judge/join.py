@@ -75,10 +75,11 @@ def ordered(sources: dict[str, Source]) -> list[Source]:
     Raises
     ------
     ValueError
-        If the imports form a cycle, or a name is defined twice.
+        If the imports form a cycle, or a name is defined twice, or defined and imported.
     """
     found: list[Source] = []
-    names: dict[str, str] = {}
+    outside = {line.split()[-1] for source in sources.values() for line in source.imports}
+    names = dict.fromkeys(outside, "an import")
     left = dict(sources)
     while left:
         ready = sorted(x for x, source in left.items() if not source.below & set(left))

@@ -1,6 +1,6 @@
 """Numbers: elements of towers, intervals, rectangles, intervals with gradients (section 2)."""
 
-from math import gcd, lcm
+import math
 
 from .arithmetic import Fraction, Interval, Ring, rounded
 from .refusals import require
@@ -50,7 +50,7 @@ class Element(Ring):
             nums, den = (other.numerator,), other.denominator
         else:
             return NotImplemented
-        common = gcd(self.den, den)
+        common = math.gcd(self.den, den)
         m, n = den // common, self.den // common
         found = [m * x for x in self.nums]
         found += [0] * (len(nums) - len(found))
@@ -120,7 +120,7 @@ def dot_of_elements(x, y):
                     if v:
                         found[code + codes[j]] += u * v
     if len(sums) > 1:
-        den = lcm(*sums)
+        den = math.lcm(*sums)
         scaled = [[den // d * u for u in found] for d, found in sums.items()]
         return tower.fold(list(map(sum, zip(*scaled, strict=True))), den)
     for den, found in sums.items():

@@ -1,6 +1,6 @@
 """Towers of algebraic numbers over the rationals (section 2)."""
 
-from math import gcd, lcm
+import math
 
 from .arithmetic import Fraction, Interval
 from .grammar import parse, rational
@@ -73,12 +73,12 @@ class Tower:
             n -= 1
         if n < 2:
             return Fraction(nums[0], den) if n else Fraction(0)
-        common = gcd(den, *nums[:n])
+        common = math.gcd(den, *nums[:n])
         return Element(self, tuple(x // common for x in nums[:n]), den // common)
 
     def element(self, terms):
         """Return the number with these rational coefficients by place in the basis."""
-        den = lcm(*(x.denominator for x in terms.values()))
+        den = math.lcm(*(x.denominator for x in terms.values()))
         nums = [0] * (max(terms, default=0) + 1)
         for k, x in terms.items():
             nums[k] = x.numerator * (den // x.denominator)
@@ -98,7 +98,7 @@ class Tower:
                 self.folded[code] = self.product(code)
             items, more = self.folded[code]
             if more != bottom:
-                common = lcm(more, bottom)
+                common = math.lcm(more, bottom)
                 nums = [x * (common // bottom) for x in nums]
                 n *= common // more
                 bottom = common
@@ -113,7 +113,7 @@ class Tower:
             powers.append(code % (2 * degree - 1))
             code //= 2 * degree - 1
         terms = {k: x for k, x in self.reduce(tuple(powers)).items() if x}
-        den = lcm(*(x.denominator for x in terms.values()))
+        den = math.lcm(*(x.denominator for x in terms.values()))
         return [(k, x.numerator * (den // x.denominator)) for k, x in terms.items()], den
 
     def monomial(self, k):

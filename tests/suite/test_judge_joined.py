@@ -59,10 +59,11 @@ def test_it_is_written_by_its_command(program: Path, tmp_path: Path) -> None:
     [
         ({"a": '"""A."""\nfrom .b import y\nx = 1', "b": '"""B."""\nfrom .a import x\ny = 1'}, "in a cycle"),
         ({"a": '"""A."""\nx = 1', "b": '"""B."""\ndef x(): ...'}, "x is defined in a and in b"),
+        ({"a": '"""A."""\nfrom math import gcd', "b": '"""B."""\ndef gcd(): ...'}, "gcd is defined in an import and in b"),
         ({"a": '"""A."""\nfrom .b import y as z'}, "a, line 2: join needs imports by name"),
         ({"a": '"""A."""\nfrom ..exact import y'}, "a, line 2: join needs imports by name"),
     ],
-    ids=["cycle", "twice", "renamed", "outside"],
+    ids=["cycle", "twice", "imported", "renamed", "outside"],
 )  # fmt: skip
 def test_modules_that_cannot_be_joined_are_refused(texts: dict[str, str], sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
