@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from copy import copy
 from functools import lru_cache
+from typing import TypeVar
 
 from .arithmetic import Fraction, Interval
 from .claims import LOOKS_AT, WITNESS
@@ -20,10 +21,11 @@ from .linalg import apply, equal, is_exact
 from .numbers import apart, as_real
 from .parity import even_start, start_with_parity
 from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
-from .rule import Bound, Rule
+from .rule import Bound, Conclusion, Rule
 from .series import Solved
 from .trees import PATHS, size, through
 
+T = TypeVar("T")
 FORMAT = "glmref-certificate-1"
 
 
@@ -159,8 +161,8 @@ class Proof:
             self.method = self.method.for_claim(self.claim)
         require(statement["proof"] in self.proofs(), "the proof is another")
         self.known: dict[str, Bound] = {}
+        self.shown: list[Conclusion] = []
         self.reversal = self.row = None
-        self.stable, self.eigen = set(), {}
         self.claim_text = f"{self.claim} = {self.declared}"
 
     def apply(self, part):
@@ -171,15 +173,21 @@ class Proof:
         else:
             keys(witness, *WITNESS.get(part["rule"], "").split("|"))
             found = rule(self, witness)
+        if found is not None:
+            self.shown.append(found)
         if isinstance(found, Bound):
             before = self.known.get(found.quantity)
             self.known[found.quantity] = before.meet(found) if before else found
         return found
 
+    def all_shown(self, kind: type[T]) -> list[T]:
+        """Return the conclusions of one kind of the parts before."""
+        return [x for x in self.shown if isinstance(x, kind)]
+
     def of_row(self, name, method):
         """Return the proof of an embedded row, of which nothing is shown."""
         other = copy(self)
-        other.method, other.row, other.known = method, name, {}
+        other.method, other.row, other.known, other.shown = method, name, {}, []
         return other
 
     def proofs(self):

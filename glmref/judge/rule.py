@@ -73,7 +73,31 @@ class Truth:
     holds: bool = True
 
 
-Conclusion = Bound | Truth
+@dataclass(frozen=True)
+class Bounded:
+    """The powers of V of a component are bounded."""
+
+    colour: str
+
+
+@dataclass(frozen=True)
+class Space:
+    """One eigenvalue of V: V N = zeta N and W V = zeta W with W N = I."""
+
+    zeta: object
+    W: list
+    N: list
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """All eigenvalues of modulus 1 of V of a component; all are semisimple."""
+
+    colour: str
+    spaces: tuple[Space, ...]
+
+
+Conclusion = Bound | Truth | Bounded | Spectrum
 
 
 class Case:

@@ -1,5 +1,9 @@
 """Rules for powers of V and growth parameters (section 5)."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 from .arithmetic import Fraction
@@ -19,51 +23,100 @@ from .linalg import (
 from .numbers import apart, conj, real, sign, squared, upper, vanishes
 from .polynomials import derivative, divide, from_roots, gcd, horner, is_schur, is_unbounded, plus
 from .refusals import require, whole
+from .rule import Bounded, Case, Rule, Space, Spectrum, Truth
+
+POWERS = "Gantmacher, The Theory of Matrices (1959), chapter 5; docs/certificates.md, section 5"
+GROWTH = (
+    "Butcher, Habib, Hill, Norton, The control of parasitism in G-symplectic methods (2014); "
+    "docs/certificates.md, section 5"
+)
 
 
-def bounded(proof, w):
-    """Rule bounded: the powers of V are bounded.
+class PowersCase(Case):
+    """A part about the powers of V of one component."""
 
-    Where V holds decimals: of its diagonal blocks those with decimals have all eigenvalues inside
-    the circle, and so have the exact ones but at most one.
-    """
-    V = proof.method.part(w["which"]).V
-    if not is_exact(V):
-        others = [block for block in blocks_of(V) if not is_schur(characteristic(block))]
-        require(len(others) < 2, "several blocks have eigenvalues on the circle")
-        V = others[0] if others else [[Fraction(0)]]
-    require(not is_unbounded(V), "an eigenvalue is outside the circle, or defective on it")
-    proof.stable.add(w["which"])
+    @cached_property
+    def colour(self) -> str:
+        """Return the colour of the component."""
+        self.method.part(self.witness["which"])
+        return str(self.witness["which"])
 
-
-def unbounded(proof, w):
-    """Rule unbounded: an eigenvalue outside, or a defective one on the circle, or of a block."""
-    V = proof.method.part(w["which"]).V
-    if "block" in w:
+    @cached_property
+    def V(self) -> list:
+        """Return V of the component, or the diagonal block of it that the witness names."""
+        V = self.method.part(self.colour).V
+        if "block" not in self.witness:
+            return V
         blocks = blocks_of(V)
-        V = blocks[whole(w["block"], 0, len(blocks) - 1)]
-    require(is_unbounded(V), "the powers of V are bounded")
+        return blocks[whole(self.witness["block"], 0, len(blocks) - 1)]
+
+    @cached_property
+    def on_the_circle(self) -> list:
+        """Return V, or where it holds decimals the diagonal blocks that are not Schur."""
+        if is_exact(self.V):
+            return [self.V]
+        return [block for block in blocks_of(self.V) if not is_schur(characteristic(block))]
 
 
-def eigen(proof, w):
-    """Rule eigen: all eigenvalues of modulus 1, semisimple; the rest of det(x I - V) is Schur."""
-    V, found = proof.method.part(w["which"]).V, []
-    h = characteristic(V)
-    require(is_exact(V) and isinstance(w["zeta"], list), "the eigenvalues are a list, V is exact")
-    for z in map(proof.method.numbers.number, w["zeta"]):
-        require(squared(z) == 1, "an eigenvalue is not of modulus 1")
-        require(all(bool(z - other) for other, _, _ in found), "an eigenvalue is there twice")
-        shift = minus(V, diagonal([z] * len(V)))
-        N, W = kernel(shift), kernel(transpose(shift))
-        require(N, "an eigenvalue is none")
-        W = times(inverse_matrix(times(W, transpose(N))), W)
-        for _ in N:
-            h, rest = divide(h, [-z, Fraction(1)])
-            require(vanishes(rest), "an eigenvalue is none")
-        found.append((z, W, transpose(N)))
-    require(is_schur(h), "another eigenvalue is not inside the circle")
-    require(w["which"] not in proof.eigen, "eigen is there twice")
-    proof.eigen[w["which"]] = found
+def one_block_is_on_the_circle(case: PowersCase) -> bool:
+    """Of V with decimals all diagonal blocks but at most one have all eigenvalues inside."""
+    return len(case.on_the_circle) < 2
+
+
+def powers_are_bounded(case: PowersCase) -> bool:
+    """No eigenvalue of V, or of that block, is outside the circle, or defective on it."""
+    return not any(map(is_unbounded, case.on_the_circle))
+
+
+def powers_are_not_bounded(case: PowersCase) -> bool:
+    """An eigenvalue of V, or of the block, is outside the circle, or defective on it."""
+    return is_unbounded(case.V)
+
+
+# ---------------------------------------------------------------------------- eigenvalues
+
+
+class SpectrumCase(PowersCase):
+    """A part about all eigenvalues of modulus 1 of one V."""
+
+    @cached_property
+    def zeta(self) -> list:
+        """Return the numbers of the witness."""
+        require(isinstance(self.witness["zeta"], list), "the eigenvalues are a list")
+        return [self.method.numbers.number(x) for x in self.witness["zeta"]]
+
+    @cached_property
+    def vectors(self) -> list:
+        """Return for each number the basis of N with V N = zeta N."""
+        return [kernel(minus(self.V, diagonal([z] * len(self.V)))) for z in self.zeta]
+
+    @property
+    def rest(self) -> list:
+        """Return det(x I - V) divided by x - zeta, once for each vector."""
+        h = characteristic(self.V)
+        for z, N in zip(self.zeta, self.vectors, strict=True):
+            for _ in N:
+                h, _ = divide(h, [-z, Fraction(1)])
+        return h
+
+    def spectrum(self) -> Spectrum:
+        """Return the eigenvalues with N and with W, W V = zeta W, W N = I."""
+        found = []
+        for z, N in zip(self.zeta, self.vectors, strict=True):
+            W = kernel(transpose(minus(self.V, diagonal([z] * len(self.V)))))
+            W = times(inverse_matrix(times(W, transpose(N))), W)
+            found.append(Space(z, W, transpose(N)))
+        return Spectrum(self.colour, tuple(found))
+
+
+def V_is_exact(case: SpectrumCase) -> bool:
+    """V holds no decimals."""
+    return is_exact(case.V)
+
+
+def eigenvalues_have_modulus_1(case: SpectrumCase) -> bool:
+    """Every zeta has the modulus 1."""
+    return all(squared(z) == 1 for z in case.zeta)
 
 
 def half_turn(z):
@@ -81,102 +134,314 @@ def comes_before(y, z):
     return order > 0 if half_turn(y) == 0 else order < 0
 
 
-def growth_groups(proof):
-    """Return for each eigenvalue of modulus 1 (zeta, matrices (1/zeta) W B U N).
+def arguments_increase(case: SpectrumCase) -> bool:
+    """The zeta stand in the order of increasing argument in [0, 2 pi), each once."""
+    return all(comes_before(y, z) for y, z in pairwise(case.zeta))
 
-    Pairs: for each shared eigenvalue but 1 the products of W_f B_f with U_k N_k and the like.
+
+def all_are_eigenvalues(case: SpectrumCase) -> bool:
+    """Every zeta is an eigenvalue of V."""
+    return all(case.vectors)
+
+
+def other_eigenvalues_are_inside(case: SpectrumCase) -> bool:
+    """The roots of det(x I - V) that are left after all eigenvectors lie inside the circle."""
+    return is_schur(case.rest)
+
+
+# ---------------------------------------------------------------------------- growth
+
+
+@dataclass(frozen=True)
+class Parasitic:
+    """How the components of one eigenvalue of modulus 1 feed each other.
+
+    Parameters
+    ----------
+    zeta : number
+        The eigenvalue. A simple eigenvalue 1 of one method is none of these: it belongs to the
+        solution.
+    matrices : list of matrix
+        (1 / zeta) W B U N; of pairs those between the components.
+    principal : int
+        1 where the solution is one of the components, else 0.
     """
-    require(set(proof.eigen) == set(proof.method.parts), "eigen is missing for a component")
-    for found in proof.eigen.values():
-        for before, after in pairwise(found):
-            require(comes_before(before[0], after[0]), "arguments do not increase")
-    if not proof.method.pair:
-        m = proof.method.single()
-        return [(z, [scale(conj(z), times(W, m.B, m.U, N))]) for z, W, N in proof.eigen["o"]]
-    groups, m = [], proof.method.parts
-    single = all(len(W) == 1 for found in proof.eigen.values() for z, W, _ in found if not z - 1)
-    left, right = ([z for z, *_ in proof.eigen[c] if all(z - e[0] for e in proof.eigen[d])]
-                    for c, d in ("fk", "kf"))  # fmt: skip
-    known = single and (proof.method.separable or not left + right)
-    one_grows = proof.claim == "parasitism-free" and "grows" in proof.rules
-    require(known or one_grows, "1 is multiple, or other eigenvalues meet in shared stages")
-    children = dict(proof.method.palette)
-    for z, *_ in proof.eigen["f"]:
-        spaces = {c: next((e for e in proof.eigen[c] if not bool(e[0] - z)), None) for c in m}
-        if not bool(z - 1) or spaces["k"] is None:
-            continue
-        simple = all(len(e[1]) == 1 for e in spaces.values())
-        require(simple or proof.claim == "parasitism-free", "a shared eigenvalue is not simple")
-        groups.append((z, [scale(conj(z), times(spaces[c][1], m[c].B, m[e].U, spaces[e][2]))
-                           for c, others in children.items() for e in others
-                           if e != c or proof.claim == "parasitism-free"]))  # fmt: skip
-    return groups
+
+    zeta: object
+    matrices: list
+    principal: int = 0
+
+    @property
+    def count(self) -> int:
+        """Return the number of growth parameters."""
+        return sum(map(len, self.matrices)) - self.principal
 
 
-def unshared(proof, w):
-    """Rule unshared: V and V^ of a separable pair share the simple eigenvalue 1 and no other."""
-    require(proof.method.separable, "the pair is not separable")
-    ends = [characteristic(m.V) for m in proof.method.parts.values()]
-    require(gcd(*ends) == [-1, 1], "an eigenvalue other than 1 is shared, or none is")
-    simple = all(bool(horner(derivative(p), Fraction(1))) for p in ends)
-    require(simple, "the eigenvalue 1 is multiple")
-    if proof.claim == "growth":
-        none = not proof.claimed(proof.declared)
-        require(none == proof.holds, "there are no growth parameters")
+class GrowthCase(Case):
+    """A part about the growth of all parasitic components."""
+
+    one_matrix_is_enough = False  # to refute
+    only_counts = False
+
+    @property
+    def free(self) -> bool:
+        """Tell whether the claim is that there is no growth, not which."""
+        return self.proof.claim == "parasitism-free"
+
+    @cached_property
+    def spectra(self) -> dict[str, tuple[Space, ...]]:
+        """Return the eigenvalues of modulus 1 that other parts have shown, by colour."""
+        return {x.colour: x.spaces for x in self.proof.all_shown(Spectrum)}
+
+    def others(self, colour: str) -> list[Space]:
+        """Return the eigenvalues of a component other than 1."""
+        return [x for x in self.spectra[colour] if bool(x.zeta - 1)]
+
+    @cached_property
+    def parasitic(self) -> dict[int, Parasitic]:
+        """Return what may grow, by its place: of `eigen`, of pairs among the shared eigenvalues."""
+        if self.method.pair:
+            both = [(x, y) for x in self.others("f") for y in self.others("k")
+                    if not bool(x.zeta - y.zeta)]  # fmt: skip
+            return {k: self.shared(x, y) for k, (x, y) in enumerate(both)}
+        m = self.method.single()
+        return {
+            k: Parasitic(
+                x.zeta, [scale(conj(x.zeta), times(x.W, m.B, m.U, x.N))], int(not bool(x.zeta - 1))
+            )
+            for k, x in enumerate(self.spectra["o"])
+            if bool(x.zeta - 1) or len(x.W) > 1
+        }
+
+    def shared(self, x: Space, y: Space) -> Parasitic:
+        """Return how the components of an eigenvalue that both halves of a pair have meet."""
+        spaces, m = {"f": x, "k": y}, self.method.parts
+        return Parasitic(x.zeta, [
+            scale(conj(x.zeta), times(spaces[c].W, m[c].B, m[e].U, spaces[e].N))
+            for c, children in self.method.palette for e in children
+            if e != c or self.free
+        ])  # fmt: skip
+
+    @cached_property
+    def declared(self) -> list:
+        """Return the declared parameters."""
+        return self.proof.claimed(self.proof.declared)
+
+    @cached_property
+    def by_place(self) -> dict[int, list]:
+        """Return the declared parameters of each place."""
+        rest = list(self.declared)
+        return {k: [rest.pop(0) for _ in range(x.count)] for k, x in self.parasitic.items()}
+
+    def gap(self, place: int) -> list:
+        """Return numbers that are all 0 where the parameters of a place are those declared.
+
+        One method: det(x I - M) minus the product of (x - mu), times x - 1 for the solution.
+        Pairs: the entries of the matrices, 0 being declared.
+        """
+        found = self.parasitic[place]
+        if self.method.pair:
+            return [x for M in found.matrices for row in M for x in row]
+        roots = self.by_place[place] + [Fraction(1)] * found.principal
+        return plus(characteristic(found.matrices[0]), from_roots(roots), -1)
 
 
-def growth(proof, w):
-    """Rule growth, for the claims growth and parasitism-free; pairs: all are 0."""
-    groups, free = growth_groups(proof), proof.claim == "parasitism-free"
-    given = declared_groups(proof, groups)
-    for (z, matrices), mine in zip(groups, given, strict=True):
-        require(vanishes(growth_gap(proof, z, matrices, mine)), "a parameter is another one")
-        if free and not proof.method.pair and (bool(z - 1) or len(matrices[0]) > 1):
-            require(rank(matrices[0]) == int(not bool(z - 1)), "a growth matrix is not 0")
+class GrowsCase(GrowthCase):
+    """A part that refutes the growth declared of one place."""
+
+    @property
+    def one_matrix_is_enough(self) -> bool:
+        """Tell whether one matrix other than 0 refutes the claim, whatever the others are."""
+        return self.free
+
+    @property
+    def only_counts(self) -> bool:
+        """Tell whether the part is about the number of parameters."""
+        return self.witness["part"] == -1
+
+    @property
+    def place(self) -> int:
+        """Return the place that the part is about."""
+        return whole(self.witness["part"], 0, 200)
 
 
-def growth_gap(proof, z, matrices, numbers):
-    """Return numbers that are all 0 where the parameters at an eigenvalue are these.
-
-    One method: det(x I - M) minus the product of (x - mu), times x - 1 for zeta = 1. Pairs: M.
-    """
-    if proof.method.pair:
-        require(vanishes(numbers), "not covered: growth parameters of pairs that are not 0")
-        return [x for M in matrices for row in M for x in row]
-    one = [] if bool(z - 1) else [Fraction(1)]
-    if one and len(matrices[0]) == 1 and not numbers:
-        return []  # a simple eigenvalue 1 has no parasitic component
-    return plus(characteristic(matrices[0]), from_roots(numbers + one), -1)
+def eigenvalues_of_every_component_are_shown(case: GrowthCase) -> bool:
+    """The eigenvalues of V of every component are shown by `eigen`."""
+    return set(case.spectra) == set(case.method.parts)
 
 
-def declared_groups(proof, groups):
-    """Return the declared list in groups; for parasitism-free zeros."""
-    sizes = [sum(len(M) - int(not bool(z - 1)) for M in Ms) for z, Ms in groups]
-    if proof.claim == "parasitism-free":
-        return [[Fraction(0)] * n for n in sizes]
-    numbers = proof.claimed(proof.declared)
-    require(len(numbers) == sum(sizes), "the declared list has another length")
-    return [[numbers.pop(0) for _ in range(n)] for n in sizes]
+def one_is_not_multiple_in_pairs(case: GrowthCase) -> bool:
+    """In a pair 1 is not a multiple eigenvalue of V or V^."""
+    if not case.method.pair or case.one_matrix_is_enough:
+        return True
+    return all(len(x.W) == 1 for found in case.spectra.values() for x in found
+               if not bool(x.zeta - 1))  # fmt: skip
 
 
-def grows(proof, w):
-    """Rule grows: the parameters of one part are other ones than declared."""
-    free, single = proof.claim == "parasitism-free", not proof.method.pair
-    if w["part"] == -1:
-        if single:  # the eigenvalues alone say how many there are
-            count = sum(len(W) - int(not bool(z - 1)) for z, W, _ in proof.eigen["o"])
-        else:
-            count = sum(len(M) for _, Ms in growth_groups(proof) for M in Ms)
-        require(not free and len(proof.declared) != count, "the number of parameters is right")
-        return
-    groups = growth_groups(proof)
-    k = whole(w["part"], 0, len(groups) - 1)
-    z, matrices = groups[k]
-    gaps = growth_gap(proof, z, matrices, declared_groups(proof, groups)[k])
-    if free and single:
-        if not bool(z - 1):
-            require(len(matrices[0]) > 1, "a simple eigenvalue 1 has no parasitic component")
-            require(rank(matrices[0]) > 1, "the growth matrix of 1 has rank 1")
-            return
-        gaps = [x for row in matrices[0] for x in row]
-    require(any(map(apart, gaps)), "the growth parameters are as declared")
+def eigenvalues_meet_where_stages_do(case: GrowthCase) -> bool:
+    """In a pair that is not separable V and V^ have the same eigenvalues of modulus 1."""
+    if not case.method.pair or case.method.separable or case.one_matrix_is_enough:
+        return True
+    return len(case.parasitic) == len(case.others("f")) == len(case.others("k"))
+
+
+def parameters_of_pairs_are_numbers(case: GrowthCase) -> bool:
+    """For the claim `growth` the eigenvalues that a pair shares, but 1, are simple in both."""
+    if not case.method.pair or case.free:
+        return True
+    return all(len(M) == len(M[0]) == 1 for x in case.parasitic.values() for M in x.matrices)
+
+
+def growth_matrices_are_0(case: GrowthCase) -> bool:
+    """For `parasitism-free` all growth matrices are 0; where 1 is multiple its rank is 1."""
+    return not case.free or all(
+        rank(M) == x.principal for x in case.parasitic.values() for M in x.matrices
+    )
+
+
+def the_one_is_the_solution(case: GrowthCase) -> bool:
+    """Where 1 is multiple, for `parasitism-free`, its growth matrix has the eigenvalue 1."""
+    return not case.free or all(
+        vanishes(horner(characteristic(x.matrices[0]), Fraction(1)))
+        for x in case.parasitic.values() if x.principal
+    )  # fmt: skip
+
+
+def as_many_are_declared(case: GrowthCase) -> bool:
+    """For the claim `growth` as many parameters are declared as there are."""
+    return case.free or len(case.declared) == sum(x.count for x in case.parasitic.values())
+
+
+def declared_of_pairs_are_0(case: GrowthCase) -> bool:
+    """The parameters that are declared of a pair are 0, since others depend on the scaling."""
+    return not case.method.pair or case.free or case.only_counts or vanishes(case.declared)
+
+
+def parameters_are_those_declared(case: GrowthCase) -> bool:
+    """For the claim `growth` the parameters are those declared."""
+    return case.free or all(vanishes(case.gap(k)) for k in case.parasitic)
+
+
+def another_number_is_declared(case: GrowsCase) -> bool:
+    """For the part -1 the claim is `growth`, and another number of parameters is declared."""
+    if not case.only_counts:
+        return True
+    return not case.free and len(case.declared) != sum(x.count for x in case.parasitic.values())
+
+
+def place_is_parasitic(case: GrowsCase) -> bool:
+    """The part names an eigenvalue of a parasitic component; a simple 1 is none."""
+    return case.only_counts or case.place in case.parasitic
+
+
+def declared_have_places(case: GrowsCase) -> bool:
+    """For a part other than -1 as many parameters are declared as there are."""
+    return case.only_counts or as_many_are_declared(case)
+
+
+def something_grows(case: GrowsCase) -> bool:
+    """For `parasitism-free` the growth matrix is not 0; where 1 is multiple its rank is above 1."""
+    if case.only_counts or not case.free:
+        return True
+    found = case.parasitic[case.place]
+    if found.principal:
+        return rank(found.matrices[0]) > 1
+    return any(apart(x) for M in found.matrices for row in M for x in row)
+
+
+def a_parameter_is_another(case: GrowsCase) -> bool:
+    """For the claim `growth` a parameter is another one than declared."""
+    return case.only_counts or case.free or any(map(apart, case.gap(case.place)))
+
+
+# ---------------------------------------------------------------------------- nothing shared
+
+
+class UnsharedCase(Case):
+    """A part about pairs whose V and V^ share the eigenvalue 1 only."""
+
+    @cached_property
+    def ends(self) -> list:
+        """Return the characteristic polynomials of V and V^."""
+        return [characteristic(m.V) for m in self.method.parts.values()]
+
+
+def pair_is_separable(case: UnsharedCase) -> bool:
+    """The method is a separable pair."""
+    return case.method.separable
+
+
+def powers_of_all_are_bounded(case: UnsharedCase) -> bool:
+    """The powers of V and of V^ are shown by `bounded` to be bounded."""
+    return {x.colour for x in case.proof.all_shown(Bounded)} == set(case.method.parts)
+
+
+def one_is_all_that_is_shared(case: UnsharedCase) -> bool:
+    """The characteristic polynomials of V and V^ have the greatest common divisor x - 1."""
+    return gcd(*case.ends) == [-1, 1]
+
+
+def one_is_simple_in_both(case: UnsharedCase) -> bool:
+    """1 is a simple eigenvalue of V and of V^."""
+    return all(bool(horner(derivative(p), Fraction(1))) for p in case.ends)
+
+
+def the_empty_list_is_judged(case: UnsharedCase) -> bool:
+    """For the claim `growth` the empty list holds and every other fails."""
+    if case.proof.claim != "growth":
+        return True
+    return (not case.proof.claimed(case.proof.declared)) == case.proof.holds
+
+
+GROWTH_RULES = (
+    Rule(
+        "bounded", "zero-stable", "holds",
+        "a block triangular V is power-bounded where all blocks but one are Schur and that one is",
+        POWERS, "which", PowersCase, (one_block_is_on_the_circle, powers_are_bounded),
+        lambda case: Bounded(case.colour),
+    ),
+    Rule(
+        "unbounded", "zero-stable", "fails", "the powers of V hold those of its blocks",
+        POWERS, "which | block", PowersCase, (powers_are_not_bounded,),
+        lambda case: Truth("zero-stable", False),
+    ),
+    Rule(
+        "eigen", "growth", "holds",
+        "the eigenvectors span all eigenspaces of modulus 1: the rest of det(x I - V) is Schur",
+        POWERS, "which zeta", SpectrumCase,
+        (V_is_exact, eigenvalues_have_modulus_1, arguments_increase, all_are_eigenvalues,
+         other_eigenvalues_are_inside),
+        lambda case: case.spectrum(),
+    ),
+    Rule(
+        "growth", "growth", "holds",
+        "the components at zeta grow as exp(t M), M = (1/zeta) W B U N; of a pair those feed each "
+        "other whose eigenvalues are the same",
+        GROWTH, "", GrowthCase,
+        (eigenvalues_of_every_component_are_shown, one_is_not_multiple_in_pairs,
+         eigenvalues_meet_where_stages_do, parameters_of_pairs_are_numbers, growth_matrices_are_0,
+         the_one_is_the_solution, as_many_are_declared, declared_of_pairs_are_0,
+         parameters_are_those_declared),
+        lambda case: Truth(case.proof.claim),
+    ),
+    Rule(
+        "grows", "growth", "fails",
+        "one parameter that is another, or one too many, refutes the list; one matrix other than "
+        "0 refutes that nothing grows",
+        GROWTH, "part", GrowsCase,
+        (eigenvalues_of_every_component_are_shown, one_is_not_multiple_in_pairs,
+         eigenvalues_meet_where_stages_do, parameters_of_pairs_are_numbers,
+         another_number_is_declared, place_is_parasitic, declared_have_places,
+         declared_of_pairs_are_0, something_grows, a_parameter_is_another),
+        lambda case: Truth(case.proof.claim, False),
+    ),
+    Rule(
+        "unshared", "growth", "holds",
+        "components of a separable pair feed each other only where their eigenvalues are the same, "
+        "and the simple eigenvalue 1 belongs to the solution",
+        GROWTH, "", UnsharedCase,
+        (pair_is_separable, powers_of_all_are_bounded, one_is_all_that_is_shared,
+         one_is_simple_in_both, the_empty_list_is_judged),
+        lambda case: Truth(case.proof.claim),
+    ),
+)  # fmt: skip

@@ -33,6 +33,7 @@ from .polynomials import (
     trim,
 )
 from .refusals import not_covered, require
+from .rule import Bounded
 
 
 def stability(m):
@@ -132,7 +133,7 @@ def never_meet(P):
 def a_stable(proof, w):
     """Rule a-stable; `bounded` for V is another part."""
     m = proof.method.single()
-    require("o" in proof.stable, "bounded is not part of the certificate")
+    require(proof.all_shown(Bounded), "bounded is not part of the certificate")
     P = stability_polynomial(m)
     require(poles_lie_right(m), "(2): a pole does not lie in Re z > 0")
     last = at_infinity(P)

@@ -8,11 +8,11 @@ from .claims import ADDITIVE, AS_EXACT, ORDERS, PROVES, ROSENBROCK, SECOND, VALU
 from .document import gaps_of_rows
 from .proof import Proof, record_of
 from .refusals import Malformed, Refused, require, whole
-from .rule import Bound, Rule
+from .rule import Bound, Bounded, Rule
 from .rules_digits import not_to_digits, to_digits
 from .rules_enclosed import implied
 from .rules_forms import form, given_form_fails, no_form, not_quadratic, quadratic
-from .rules_growth import bounded, eigen, grows, growth, unbounded, unshared
+from .rules_growth import GROWTH_RULES
 from .rules_orders import ORDER_RULES
 from .rules_rows import absent, all_zero_or_not, check_rows, dense, differences_of, gaps_of_end, row
 from .rules_stability import a_stable, l_limit, not_a_stable
@@ -29,9 +29,10 @@ from .rules_structure import (
 from .rules_symmetry import not_symmetric, symmetric
 
 #: Rules by name: records, and functions of (proof, witness) that are not records yet.
-RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in (*ORDER_RULES, *START_RULES)} | {
+RECORDS = (*ORDER_RULES, *START_RULES, *GROWTH_RULES)
+RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in RECORDS} | {
     rule.__name__.replace("_", "-"): rule for rule in (
-        bounded, unbounded, eigen, growth, grows, unshared, form, given_form_fails, no_form,
+        form, given_form_fails, no_form,
         quadratic, not_quadratic, symmetric, not_symmetric, explicit, implicit, abscissae,
         other_abscissae, error_constant, reducible, equivalent, a_stable, not_a_stable, l_limit,
         implied, row, dense, absent, to_digits, not_to_digits,
@@ -116,8 +117,9 @@ def decide(proof: Proof) -> None:
         check_rows(proof, results)
     elif claim in (*ORDERS, *SECOND, "dense-order"):
         decide_order(proof, SECOND.get(claim, "dense-order" if claim == "dense-order" else "order"))
-    if claim in ("zero-stable", "parasitism-free", "growth") and "bounded" in proof.rules:
-        require(proof.stable == set(proof.method.parts), "V of one component is missing")
+    if claim == "zero-stable" and "bounded" in proof.rules:
+        fine = {x.colour for x in proof.all_shown(Bounded)} == set(proof.method.parts)
+        require(fine, "V of one component is missing")
 
 
 def judged(certificate: object) -> str:

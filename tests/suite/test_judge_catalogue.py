@@ -24,7 +24,7 @@ from glmref.judge.document import Method
 from glmref.judge.numbers import apart
 from glmref.judge.proof import Proof
 from glmref.judge.refusals import Refused
-from glmref.judge.rules_growth import unshared
+from glmref.judge.rule import Bounded
 from glmref.judge.statements import RULES
 from glmref.prove.verifier import verify
 
@@ -305,7 +305,8 @@ def test_pairs_that_share_an_eigenvalue_are_refused(sample: dict[Any, dict[str, 
     value = copy.deepcopy(sample["multistep-rkn-8", "parasitism-free"])
     assert [part["rule"] for part in value["parts"]] == ["bounded", "bounded", "unshared"]
     proof = Proof(value, RULES)
-    unshared(proof, {})
+    proof.shown += map(Bounded, "fk")
+    RULES["unshared"].apply(proof, {})
     for first in ("1", "2"):  # the eigenvalues of the first block: exp(+-i pi/3); 1 twice
         value["document"]["p"]["V"][1][1] = first
         if first == "1":
@@ -314,5 +315,6 @@ def test_pairs_that_share_an_eigenvalue_are_refused(sample: dict[Any, dict[str, 
             value["document"]["q"]["V"] = [["1"]]
         other = Proof(sample["multistep-rkn-8", "parasitism-free"], RULES)
         other.method = Method(value["document"], proof.record.numbers)
+        other.shown += map(Bounded, "fk")
         with pytest.raises(Refused):
-            unshared(other, {})
+            RULES["unshared"].apply(other, {})

@@ -1,0 +1,55 @@
+"""Every hypothesis of every rule has a hostile certificate that violates it and no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from glmref.judge import statements
+from glmref.judge.refusals import Refused
+from glmref.judge.rule import HypothesisFails, Rule
+from glmref.judge.rules_growth import GROWTH_RULES
+
+from .test_both_ways import ROWS, subject_of
+
+FAMILIES = (GROWTH_RULES,)
+VIOLATES = {name: tuple(row["violates"]) for name, row in ROWS.items() if "violates" in row}
+
+
+def certificate_of(row: dict[str, Any]) -> dict[str, Any]:
+    """Return the certificate of a row."""
+    statement, parts = row["statement"], [(x["rule"], x["witness"]) for x in row["parts"]]
+    return subject_of(row).certificate(
+        statement["claim"], statement["declared"], statement["verdict"], parts
+    )
+
+
+def failing(certificate: dict[str, Any]) -> tuple[str, str]:
+    """Return the rule and the hypothesis that refuse a certificate, empty if none does."""
+    try:
+        statements.judged(certificate)
+    except HypothesisFails as error:
+        rule, hypothesis, _ = error.args
+        return rule, hypothesis.__name__
+    except (Refused, ArithmeticError, LookupError, TypeError, ValueError):
+        pass  # what the hypothesis keeps away from the conclusion
+    return "", ""
+
+
+@pytest.mark.parametrize("name", VIOLATES)
+def test_a_row_violates_one_hypothesis(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    certificate, (rule, hypothesis) = certificate_of(ROWS[name]), VIOLATES[name]
+    assert failing(certificate) == (rule, hypothesis)
+    record = statements.RULES[rule]
+    assert isinstance(record, Rule)
+    others = tuple(x for x in record.hypotheses if x.__name__ != hypothesis)
+    monkeypatch.setitem(statements.RULES, rule, replace(record, hypotheses=others))
+    assert failing(certificate)[0] != rule
+
+
+@pytest.mark.parametrize("rule", [x for family in FAMILIES for x in family], ids=lambda x: x.name)
+def test_each_hypothesis_of_a_rule_has_its_row(rule: Rule) -> None:
+    own = [x.__name__ for x in rule.hypotheses]
+    assert not [x for x in own if (rule.name, x) not in VIOLATES.values()]
