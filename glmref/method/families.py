@@ -1,8 +1,4 @@
-"""Families of methods as general linear methods; their classical members come derived exactly.
-
-Coefficients of known members are in :mod:`glmref.method.classical`: ``runge_kutta(*gauss(2))`` and
-``linear_multistep(*bdf(3))`` are methods.
-"""
+"""Families of methods as general linear methods."""
 
 from __future__ import annotations
 
@@ -10,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import DataError
-from ..exact import Exact, exact
-from ..exact.linalg import Matrix, Vector, dot
+from ..exact import Exact
+from ..exact.linalg import Matrix, Vector
 from ..system.arguments import one_of
 from .embedded import EmbeddedRow
 from .entries import Entries, Rows, as_matrix, as_vector
@@ -165,55 +161,6 @@ def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
         V=V,
         name=name,
     )
-
-
-def one_leg_twin(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
-    """Coefficients of the one-leg twin of a multistep method: scaled so that ``sum beta_m = 1``.
-
-    Raises
-    ------
-    DataError
-        When the sum is zero, so that there is no twin.
-
-    References: Hairer, Nørsett and Wanner (1996), section V.6, equation (6.4).
-    """
-    a, b = _multistep(alpha, beta)
-    total = sum(b, _ZERO)
-    if total.is_zero() is not False:
-        raise DataError("`beta` sums to zero: the multistep method has no one-leg twin")
-    return tuple(x / total for x in a), tuple(x / total for x in b)
-
-
-def error_constant(alpha: Entries, beta: Entries) -> tuple[int, Exact]:
-    """Order p of a multistep method and its error constant ``C = C_(p+1) / sigma(1)``.
-
-    ``C_q = (sum alpha_m m^q - q sum beta_m m^(q-1)) / q!``; the division by sigma(1) makes C free
-    of the scaling of the coefficients (BDF with k steps: -1/(k + 1)). Order -1 means that not even
-    constants are reproduced.
-
-    Raises
-    ------
-    DataError
-        For coefficients that are not exact, or sigma(1) = 0.
-
-    References: Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993),
-    section III.2, equations (2.6) and (2.13).
-    """
-    a, b = _multistep(alpha, beta)
-    if not all(isinstance(x, Exact) for x in (*a, *b)):
-        raise DataError("the order of a multistep method needs exact `alpha` and `beta`")
-    sigma = sum(b, _ZERO)
-    factorial = 1
-    for q in range(2 * len(a) + 2):
-        factorial *= max(q, 1)
-        defect = dot(a, [exact(m**q) for m in range(len(a))])
-        if q:
-            defect = defect - q * dot(b, [exact(m ** (q - 1)) for m in range(len(b))])
-        if defect.is_zero() is not True:
-            if sigma.is_zero() is True:
-                raise DataError("`beta` sums to zero: the method has no error constant")
-            return q - 1, exact(defect / sigma / factorial)  # type: ignore[arg-type]
-    raise DataError("a k-step method cannot have order above 2k; check `alpha` and `beta`")
 
 
 def partitioned_runge_kutta(

@@ -1,136 +1,17 @@
-"""When two tableaux are the same method: change of values, order of stages, superfluous parts.
-
-The real and the complex form of a method are in :mod:`glmref.theory.complex_form`.
-"""
+"""Superfluous parts of a method: stages and values without influence, and stages that repeat."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import islice, product
 
 from ..errors import UsageError
 from ..exact import Exact, Scalar, linalg
-from ..exact.linalg import Matrix, Vector, independent_rows, solve_affine
+from ..exact.linalg import Matrix, Vector, independent_rows
 from ..method import GLM
 from ..method.stage_order import reached
-from .involutions import matchings
 from .reduction import observed_rows, reached_rows
 
-_ZERO, _ONE = Exact(0), Exact(1)
-MAX_MATCHINGS = 50
-
-
-@dataclass(frozen=True, eq=False)
-class Equivalence:
-    """How one method becomes another: ``m1.transform(T).permute_stages(stages)`` is m2."""
-
-    T: Matrix  #: (r, r) nonsingular.
-    stages: tuple[int, ...]  #: (s,) old number of each new stage, from 0.
-
-
-def _markov(m: GLM, count: int) -> list[Matrix]:
-    """``U V^k B`` for k = 0 .. count - 1: what a change of values leaves alone, like A."""
-    result: list[Matrix] = []
-    left = m.U
-    for _ in range(count):
-        result.append(linalg.matmul(left, m.B))
-        left = linalg.matmul(left, m.V)
-    return result
-
-
-def _transformations(m1: GLM, m2: GLM) -> list[Matrix]:
-    """Candidates T with T B1 = B2, U2 T = U1, T V1 = V2 T; stages already in the same order.
-
-    ``U2 V2^k T = U1 V1^k`` determines T where the stages see all values. Where they do not, some
-    solutions of all equations together, which may all be singular.
-    """
-    left, right = m2.U, m1.U
-    layer2, layer1 = m2.U, m1.U
-    for _ in range(m1.r):
-        chosen = independent_rows(left, m1.r)
-        if len(chosen) == m1.r:
-            rows = tuple(left[i] for i in chosen)
-            T = linalg.solve(rows, tuple(right[i] for i in chosen))
-            return [T] if _transforms(m1, m2, T) else []
-        layer2, layer1 = linalg.matmul(layer2, m2.V), linalg.matmul(layer1, m1.V)
-        left, right = (*left, *layer2), (*right, *layer1)
-    return _all_transformations(m1, m2)
-
-
-def _transforms(m1: GLM, m2: GLM, T: Matrix) -> bool:
-    pairs = (
-        (linalg.matmul(m2.U, T), m1.U),
-        (linalg.matmul(T, m1.B), m2.B),
-        (linalg.matmul(T, m1.V), linalg.matmul(m2.V, T)),
-    )
-    return all(_equal(a, b) for first, second in pairs for a, b in zip(first, second, strict=True))
-
-
-def _all_transformations(m1: GLM, m2: GLM) -> list[Matrix]:
-    """Solutions of the linear equations for T, with small whole numbers as free parameters."""
-    r, s = m1.r, m1.s
-    equations: list[Vector] = []
-    right: list[Scalar] = []
-
-    def equation(coefficients: dict[int, Scalar], value: Scalar) -> None:
-        equations.append(tuple(coefficients.get(n, _ZERO) for n in range(r * r)))
-        right.append(value)
-
-    for i, k in product(range(s), range(r)):
-        equation({a * r + k: m2.U[i][a] for a in range(r)}, m1.U[i][k])
-    for a, j in product(range(r), range(s)):
-        equation({a * r + b: m1.B[b][j] for b in range(r)}, m2.B[a][j])
-    for a, k in product(range(r), repeat=2):
-        coefficients: dict[int, Scalar] = {}
-        for b in range(r):
-            first, second = a * r + b, b * r + k
-            coefficients[first] = coefficients.get(first, _ZERO) + m1.V[b][k]
-            coefficients[second] = coefficients.get(second, _ZERO) - m2.V[a][b]
-        equation(coefficients, _ZERO)
-    solution = solve_affine(tuple(equations), tuple(right))
-    if solution.failed is not None:
-        return []
-    found: list[Matrix] = []
-    factors = product((0, 1, -1, 2, 3), repeat=len(solution.directions))
-    for choice in islice(factors, 200):
-        flat = solution.point
-        for t, direction in zip(choice, solution.directions, strict=True):
-            flat = tuple(x + t * y for x, y in zip(flat, direction, strict=True))
-        found.append(tuple(flat[a * r : a * r + r] for a in range(r)))
-    return found
-
-
-def equivalence(m1: GLM, m2: GLM) -> Equivalence | None:
-    """Find T and an order of the stages that turn one method into another, or ``None``.
-
-    Both must be exact. Superfluous stages and values are not removed first: see :func:`reduce`.
-
-    Raises
-    ------
-    UsageError
-        For methods with published decimals, whose equality is not decided.
-
-    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
-    503.
-    """
-    if not (m1.is_exact and m2.is_exact):
-        raise UsageError("equivalence is decided for exact methods only")
-    if (m1.s, m1.r) != (m2.s, m2.r):
-        return None
-    pairs = [(m1.A, m2.A), *zip(_markov(m1, m1.r), _markov(m2, m2.r), strict=True)]
-    for stages in islice(matchings(pairs, m1.s), MAX_MATCHINGS):
-        reordered = m1.permute_stages(stages)
-        for T in _transformations(reordered, m2):
-            if linalg.rank(T) == m1.r:
-                return Equivalence(T, stages)
-    return None
-
-
-def equivalent(m1: GLM, m2: GLM) -> Matrix | None:
-    """The matrix T with ``y2 = T y1`` that turns one method into another, or ``None``."""
-    found = equivalence(m1, m2)
-    return None if found is None else found.T
+_ZERO = Exact(0)
 
 
 def _row_basis(rows: Matrix) -> Matrix:

@@ -35,7 +35,7 @@ from dataclasses import dataclass, replace
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, Component, Method
+from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
 from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
 from .residuals import verdict_of
@@ -288,28 +288,3 @@ def g_symplectic(m: Method) -> GSymplecticity:
         witness = space.witness or f"only G = 0, {zeros}"
         return GSymplecticity(False, None, (), dimension, False, space.residual, witness)
     return replace(check_g_symplectic(m, form.G, *form.D), dimension=dimension)
-
-
-def is_g_symplectic(m: Method) -> bool | None:
-    """Whether the method is G-symplectic; ``None`` where balls leave it open."""
-    return g_symplectic(m).holds
-
-
-def symplectic_residual(m: GLM) -> Matrix:
-    """``b_i a_ij + b_j a_ji - b_i b_j`` of a one-step method, (s, s): zero if it is symplectic.
-
-    Raises
-    ------
-    UsageError
-        For a method that carries more than one value.
-
-    References: Sanz-Serna, BIT 28 (1988) 877; Lasagni (1988); Suris (1988).
-    """
-    if m.r != 1:
-        raise UsageError(f"`symplectic` is for one-step methods, and this one carries {m.r} values")
-    return g_symplectic_residual(m, ((_ONE,),), m.B[0])[2][1]
-
-
-def is_symplectic(m: GLM) -> bool | None:
-    """Whether a one-step method is symplectic; ``None`` where balls leave it open."""
-    return verdict_of(symplectic_residual(m)).holds

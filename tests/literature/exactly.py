@@ -16,7 +16,7 @@ from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM, Entry, as_matrix, as_vector
 from glmref.theory.order import order_of
 from glmref.theory.series import Series
-from glmref.theory.symplectic import is_g_symplectic as forms_exist
+from glmref.theory.symplectic import g_symplectic
 from glmref.theory.trees import Tree, trees_up_to
 
 
@@ -102,7 +102,7 @@ def is_g_symplectic(method: GLM, G: Matrix, D: Sequence[Entry]) -> bool:
 
 def has_a_form(method: GLM) -> bool:
     """Whether any G and D make the method G-symplectic: a nullspace, not the forms of a source."""
-    found = forms_exist(method.bare())
+    found = g_symplectic(method.bare()).holds
     assert found is not None
     return found
 

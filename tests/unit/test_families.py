@@ -7,17 +7,15 @@ import pytest
 from glmref.errors import DataError
 from glmref.exact import Exact, exact
 from glmref.exact.linalg import solve
-from glmref.method.classical import adams_bashforth, adams_moulton, bdf, gauss
 from glmref.method.families import (
     composition,
-    error_constant,
     linear_multistep,
     one_leg,
-    one_leg_twin,
     partitioned_runge_kutta,
     runge_kutta,
     splitting,
 )
+from tests.classical import adams_bashforth, adams_moulton, bdf, gauss, one_leg_twin
 
 LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
 
@@ -111,26 +109,6 @@ def test_adams_coefficients_are_the_printed_ones():
     assert list(bdf(2)[0]) == [Fraction(1, 2), -2, Fraction(3, 2)]
 
 
-@pytest.mark.parametrize("k", range(1, 7))
-def test_error_constants_of_adams_and_bdf_methods(k):
-    printed = {  # Hairer, Norsett, Wanner, section III.2, table 2.1
-        1: (Fraction(1, 2), Fraction(-1, 12)),
-        2: (Fraction(5, 12), Fraction(-1, 24)),
-        3: (Fraction(3, 8), Fraction(-19, 720)),
-        4: (Fraction(251, 720), Fraction(-3, 160)),
-        5: (Fraction(95, 288), Fraction(-863, 60480)),
-        6: (Fraction(19087, 60480), Fraction(-275, 24192)),
-    }
-    assert error_constant(*adams_bashforth(k)) == (k, printed[k][0])
-    assert error_constant(*adams_moulton(k)) == (k + 1, printed[k][1])
-    assert error_constant(*bdf(k)) == (k, Fraction(-1, k + 1))
-
-
-def test_error_constant_sees_a_wrong_digit():
-    assert error_constant(["0", "-1", "1"], ["-1/2", "3/2", "0"])[0] == 2
-    assert error_constant(["0", "-1", "1"], ["-1/2", "4/2", "0"])[0] == 0
-
-
 def test_splitting_is_the_step_it_says():
     pair = splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
     assert (pair.n_P, pair.n_Q, pair.separable) == (2, 1, True)
@@ -154,7 +132,6 @@ def test_composition_of_two_midpoint_steps():
         (lambda: linear_multistep(["1", "0"], ["1", "1"]), "must not be zero"),
         (lambda: linear_multistep(["1", "1"], ["1"]), "k + 1 entries"),
         (lambda: linear_multistep(["1", "1"], ["0", "0"]), "other than zero"),
-        (lambda: one_leg_twin(["-1", "1"], ["-1", "1"]), "sums to zero"),
         (lambda: splitting(["1"], ["1", "1"], first="q"), "must alternate"),
         (lambda: splitting(["1"], ["1"], first="x"), "`first` must be one of q, p"),
         (lambda: composition(linear_multistep(*CASES[0]), ["1"]), "has r = 2"),

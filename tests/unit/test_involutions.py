@@ -10,7 +10,7 @@ from glmref.errors import BudgetError
 from glmref.exact import Ball, exact
 from glmref.exact.linalg import zeros
 from glmref.system.budget import limited
-from glmref.theory.involutions import Relation, involutions, matchings
+from glmref.theory.involutions import Relation, involutions
 
 
 def M(*rows):
@@ -35,15 +35,8 @@ def test_relation_selects_the_permutation():
     assert list(involutions([Relation(A, zeros(3, 3), 0, 0)], (0, 0, 0))) == []
 
 
-def test_matchings_carry_one_matrix_to_another():
-    first = M([1, 2, 3], [4, 5, 6], [7, 8, 9])
-    order = (2, 0, 1)
-    second = tuple(tuple(first[i][j] for j in order) for i in order)
-    assert list(matchings([(first, second)], 3)) == [order]
-
-
 @pytest.mark.parametrize("kinds", [(0, 0, 0, 0), (0, 0, 1, 1), (0, 1, 0, 1, 0)])
-def test_involutions_and_matchings_are_those_of_a_search_of_all_permutations(kinds):
+def test_involutions_are_those_of_a_search_of_all_permutations(kinds):
     draw, n = random.Random(3), len(kinds)
     every = [
         p for p in permutations(range(n)) if all(kinds[k] == kinds[i] for i, k in enumerate(p))
@@ -58,12 +51,6 @@ def test_involutions_and_matchings_are_those_of_a_search_of_all_permutations(kin
             and all(A[i][j] + A[p[i]][p[j]] == target[i][j] for i in range(n) for j in range(n))
         }  # fmt: skip
         assert set(found) == expected and len(found) == len(expected) and P in expected
-        moved = tuple(tuple(A[P[i]][P[j]] for j in range(n)) for i in range(n))
-        same = {
-            p for p in permutations(range(n))
-            if all(moved[i][j] == A[p[i]][p[j]] for i in range(n) for j in range(n))
-        }  # fmt: skip
-        assert set(matchings([(A, moved), (A, moved)], n)) == same
 
 
 def test_a_relation_of_a_part_looks_at_its_own_stages_only():

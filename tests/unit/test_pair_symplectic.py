@@ -7,9 +7,9 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.method import PartitionedGLM
-from glmref.method.classical import gauss, lobatto_iiia, lobatto_iiib
 from glmref.method.families import partitioned_runge_kutta, splitting
 from glmref.theory.symplectic import find_forms, g_symplectic
+from tests.classical import gauss, lobatto_iiia, lobatto_iiib
 
 
 def pair_of(q, p, *, separable=False):

@@ -7,7 +7,6 @@ import pytest
 
 import glmref
 from glmref.exact import Ball, ball, exact
-from glmref.method.classical import gauss, radau_iia
 from glmref.method.families import linear_multistep, runge_kutta, splitting
 from glmref.theory import polynomials as poly
 from glmref.theory.periodicity import (
@@ -22,6 +21,7 @@ from glmref.theory.periodicity import (
     _taylor,
     periodicity,
 )
+from tests.classical import gauss, radau_iia
 
 
 def test_leapfrog_is_periodic_up_to_1():

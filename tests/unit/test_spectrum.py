@@ -11,7 +11,6 @@ from glmref.exact import Ball, exact, root_of_unity
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal, diagonal, dot, matvec, vecmat
 from glmref.method import as_matrix
-from glmref.method.classical import bdf
 from glmref.method.families import linear_multistep
 from glmref.theory import polynomials as poly
 from glmref.theory.spectrum import (
@@ -20,6 +19,7 @@ from glmref.theory.spectrum import (
     power_bounded,
     unimodular_eigenvalues,
 )
+from tests.classical import bdf
 
 
 def test_eigenvalues_come_by_increasing_argument():

@@ -9,20 +9,10 @@ import glmref
 from glmref.errors import UsageError
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.classical import (
-    adams_bashforth,
-    adams_moulton,
-    bdf,
-    gauss,
-    lobatto_iiia,
-    lobatto_iiic,
-    radau_iia,
-)
 from glmref.method.families import (
     composition,
     linear_multistep,
     one_leg,
-    one_leg_twin,
     runge_kutta,
     splitting,
 )
@@ -44,6 +34,16 @@ from glmref.theory.stability import (
     stability_matrix,
     stability_polynomial,
     vanishes_at_inverse,
+)
+from tests.classical import (
+    adams_bashforth,
+    adams_moulton,
+    bdf,
+    gauss,
+    lobatto_iiia,
+    lobatto_iiic,
+    one_leg_twin,
+    radau_iia,
 )
 
 

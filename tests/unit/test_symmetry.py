@@ -10,19 +10,9 @@ import glmref
 from glmref.exact import Ball, ball, exact
 from glmref.exact.linalg import diagonal, identity, inverse, matmul
 from glmref.method import GLM
-from glmref.method.classical import (
-    adams_moulton,
-    bdf,
-    gauss,
-    lobatto_iiia,
-    lobatto_iiib,
-    lobatto_iiic,
-    radau_iia,
-)
 from glmref.method.families import (
     linear_multistep,
     one_leg,
-    one_leg_twin,
     partitioned_runge_kutta,
     runge_kutta,
     splitting,
@@ -34,6 +24,16 @@ from glmref.theory.symmetry import (
     symmetry_residual,
 )
 from glmref.theory.symplectic import judge_identities
+from tests.classical import (
+    adams_moulton,
+    bdf,
+    gauss,
+    lobatto_iiia,
+    lobatto_iiib,
+    lobatto_iiic,
+    one_leg_twin,
+    radau_iia,
+)
 
 HALF, ROOT = exact(1) / 2, exact(3).sqrt() / 2
 BLOCK = ((HALF, ROOT), (ROOT, -HALF))

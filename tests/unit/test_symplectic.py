@@ -10,26 +10,24 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.linalg import identity
 from glmref.method import GLM
-from glmref.method.classical import (
-    adams_bashforth,
-    adams_moulton,
-    bdf,
-    gauss,
-    lobatto_iiia,
-    radau_iia,
-)
-from glmref.method.families import linear_multistep, one_leg, one_leg_twin, runge_kutta
-from glmref.theory.complex_form import to_complex, to_real
+from glmref.method.families import linear_multistep, one_leg, runge_kutta
 from glmref.theory.symplectic import (
     GSymplecticity,
     check_g_symplectic,
     find_forms,
     g_symplectic,
     g_symplectic_residual,
-    is_symplectic,
     judge_identities,
     quadratic_value,
-    symplectic_residual,
+)
+from tests.classical import (
+    adams_bashforth,
+    adams_moulton,
+    bdf,
+    gauss,
+    lobatto_iiia,
+    one_leg_twin,
+    radau_iia,
 )
 
 GSYMPLECTIC = [
@@ -79,7 +77,6 @@ def test_a_wrong_digit_in_a_given_form_fails_although_the_method_has_one():
 @pytest.mark.parametrize("s", range(1, 6))
 def test_gauss_methods_are_symplectic(s):
     m = runge_kutta(*gauss(s))
-    assert is_symplectic(m) is True
     found = g_symplectic(m)
     assert found.holds is True and found.G == ((1,),) and found.D == m.B[0]
 
@@ -87,7 +84,7 @@ def test_gauss_methods_are_symplectic(s):
 @pytest.mark.parametrize("method", [radau_iia(2), lobatto_iiia(3), (((exact(0),),), (exact(1),))])
 def test_other_runge_kutta_methods_are_not(method):
     m = runge_kutta(*method)
-    assert is_symplectic(m) is False and g_symplectic(m).holds is False
+    assert g_symplectic(m).holds is False
 
 
 def test_leapfrog_form_of_the_thesis():
@@ -143,15 +140,6 @@ def test_complex_form_needs_conjugate_transposes():
     assert g_symplectic(plain).holds is False
 
 
-def test_real_and_complex_form_agree():
-    real = glmref.load("thesis-3-8")
-    back = to_real(to_complex(real))
-    assert g_symplectic(to_complex(real).bare()).holds is True
-    assert all(
-        x == y for r, s in zip(back.V, real.V, strict=True) for x, y in zip(r, s, strict=True)
-    )
-
-
 def test_published_decimals_stay_open_with_the_width_as_residual():
     found = g_symplectic(glmref.load("s3-w3").bare())
     assert found.holds is None and found.residual < 1e-60 and found.dimension == 1
@@ -162,11 +150,6 @@ def test_decimals_with_a_wrong_digit_are_refuted():
     A = [list(row) for row in m.A]
     A[2][0] = A[2][0] + Fraction(1, 10**50)
     assert g_symplectic(m.bare(A=A)).holds is False
-
-
-def test_symplectic_is_a_question_for_one_step_methods():
-    with pytest.raises(UsageError, match="carries 2 values"):
-        symplectic_residual(glmref.load("gsymplectic-n"))
 
 
 @pytest.mark.parametrize("half", ["1/2", "1", "-3/7"])
