@@ -6,7 +6,17 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from .claims import CLAIMS, PlainClaims
+from .claims import (
+    CLAIMS,
+    DENSE_END,
+    DENSE_ORDER,
+    EMBEDDED_DIFFERENCE,
+    EMBEDDED_ORDER,
+    FINISHING_ORDER,
+    ROW_SUMS,
+    STARTING_ORDER,
+    PlainClaims,
+)
 from .strict_json import shown
 
 FORMAT = "glmref-method-1"
@@ -142,13 +152,13 @@ def of_second(doc: Mapping[str, Any]) -> str:
 
 #: Claims about one block of a file, which have no meaning for a class that cannot have it.
 ABOUT: Mapping[str, str] = {
-    "embedded-order": "embedded",
-    "embedded-difference": "embedded",
-    "row-sums": "c",
-    "dense-end": "dense",
-    "dense-order": "dense",
-    "starting-order": "starting",
-    "finishing-order": "finishing",
+    EMBEDDED_ORDER.key: "embedded",
+    EMBEDDED_DIFFERENCE.key: "embedded",
+    ROW_SUMS.key: "c",
+    DENSE_END.key: "dense",
+    DENSE_ORDER.key: "dense",
+    STARTING_ORDER.key: "starting",
+    FINISHING_ORDER.key: "finishing",
 }
 
 
@@ -157,7 +167,7 @@ def lacks_block(claim: str, kind: str) -> bool:
 
     A pair without ``starting`` starts from (y0, 0, ..), so that its start has an order.
     """
-    starts = claim == "starting-order" and kind in PAIRS
+    starts = claim == STARTING_ORDER.key and kind in PAIRS
     return claim in ABOUT and not starts and ABOUT[claim] not in BLOCKS.get(kind, ())
 
 

@@ -97,7 +97,8 @@ def _decided(
         raise unread(path, said)
     error = said.error(seconds)
     why = no_more(error) if isinstance(error, BudgetError) else str(error)
-    return [replace(x, witness=why) if _pending(x) else x for x in found.values()]
+    decided_first = sorted(found.values(), key=_pending)
+    return [replace(x, witness=why) if _pending(x) else x for x in decided_first]
 
 
 def _pending(found: Finding) -> bool:

@@ -39,15 +39,11 @@ def test_what_was_mutated_is_read_or_refused_with_a_sentence(attack, count, ends
 
 
 def test_the_attack_sees_a_record_that_nobody_wrote(monkeypatch):
-    true = records.scan
+    class Wrong(records.Records):
+        def __iter__(self):
+            return ({**record, "error": 0.25} for record in super().__iter__())
 
-    def wrong(path):
-        found = true(path)
-        for record in found.records:
-            record["error"] = 0.25
-        return found
-
-    monkeypatch.setattr(records, "scan", wrong)
+    monkeypatch.setattr(records, "Records", Wrong)
     tally = records.attack(5, 1)
     assert any("a run reads what nobody wrote" in x for x in tally.violations)
 
