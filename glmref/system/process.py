@@ -446,15 +446,22 @@ def apart(program: Callable[[Say], object], seconds: float) -> Said:
         reader, writer = context.Pipe(duplex=False)
         child = context.Process(target=_run_apart, args=(program, seconds, writer), daemon=True)
         before = _seconds_of_children()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # threads: none that this package starts holds a lock
-            child.start()
+        # an interrupt within the fork would leave a child that nothing ends
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, _INTERRUPTS)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # threads: none of this package holds a lock
+                child.start()
+        except OSError:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+            raise
     except (ValueError, OSError):  # there is no fork, or no process is to be had
         program(lambda message, _: messages.append(message))
         return Said(messages, "", 0.0)
-    writer.close()
     raised: Exception | None = None
     try:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        writer.close()
         with contextlib.suppress(EOFError, OSError):
             while raised is None:
                 message, raised = reader.recv()
@@ -474,6 +481,12 @@ def apart(program: Callable[[Say], object], seconds: float) -> Said:
     return Said(messages, ended, _seconds_of_children() - before)
 
 
+#: The signals that interrupt a command, where the system has them.
+_INTERRUPTS = {
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+}
+
+
 def _seconds_of_children() -> float:
     times = os.times()
     return times.children_user + times.children_system
@@ -485,6 +498,7 @@ def _run_apart(program: Callable[[Say], object], seconds: float, writer: Connect
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGALRM, signal.SIGPROF):
         signal.signal(number, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the caller, who kills it
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _INTERRUPTS)
 
     def allow(seconds: float) -> None:
         most = max(seconds, 0.0) + EXCESS
