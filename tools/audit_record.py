@@ -1,14 +1,16 @@
 """Store an audit: lines of ``glmref audit --all`` as one file of ``data/audits``.
 
-``glmref audit CHECKOUT --format petsc --all | python -m tools.audit_record petsc PETSC-COMMIT DATE
-PAGE`` writes ``data/audits/petsc.json``. Only facts about each table are kept, no source.
+``glmref audit CHECKOUT/src/ts/impls --format petsc --all | python -m tools.audit_record petsc
+PETSC-COMMIT DATE PAGE LICENCE src/ts/impls`` writes ``data/audits/petsc.json``. The licence is that
+of the checkout (SPDX), the folder what was read of it, "." for all: paths are relative to the
+checkout. Only facts about each table are kept, no source.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from glmref import __version__
 from glmref.audit.judge import summary
@@ -20,7 +22,7 @@ AUDITS = Path(__file__).resolve().parents[1] / "data" / "audits"
 
 def main(arguments: list[str]) -> None:
     """Write the record of one code from the lines on the standard input."""
-    code, commit, date, page = arguments
+    code, commit, date, page, licence, folder = arguments
     records = []
     for line in sys.stdin:
         row = json.loads(line)
@@ -28,11 +30,12 @@ def main(arguments: list[str]) -> None:
         row.pop("nearest", None) if not row.get("nearest", {}).get("entries") else None
         if isinstance(row.get("residual"), float):
             row["residual"] = f"{row['residual']:.1e}"
+        row["path"] = str(PurePosixPath(folder) / row["path"])
         records.append(row)
     document = {
         "format": FORMAT,
         "name": code,
-        "source": {"page": page, "commit": commit, "date": date},
+        "source": {"page": page, "commit": commit, "date": date, "licence": licence},
         "reader": f"glmref {__version__}",
         "counts": summary(records),
         "tables": records,

@@ -24,6 +24,7 @@ from ..prove.wrong_entry import (
     estimate,
     exchanged,
     mirrored,
+    one_row_apart,
     vector,
 )
 from ..system.budget import limited
@@ -41,8 +42,9 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
     -------
     dict
         JSON-ready: ``name``, ``line``, ``kind``, ``stages``, ``declared``, ``found``, ``status``
-        (right, digits, wrong, question, found, unread), ``residual`` through the declared order,
-        ``tree``, ``remarks``, and ``correction``, ``nearest`` where there are any.
+        (right, digits, wrong, question, found, unread), ``residual`` of ``tree``, or the largest
+        through the declared order where no tree is named, ``remarks``, and ``correction``,
+        ``nearest`` where there are any.
     """
     record: dict[str, Any] = {"name": table.name, "line": table.line, "kind": table.kind}
     if table.unread:
@@ -50,7 +52,7 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
         record["status"] = "question" if question else "unread"
         record["remarks"] = [table.unread.removeprefix("question: ")]
         return record
-    record["stages"] = len(table.b[0])
+    record["stages"] = len(table.b[0]) - (table.kind == "composition")
     try:
         with limited(SECONDS):
             _judge(table, record, library, search)
@@ -71,94 +73,156 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
 def _judge(table: Table, record: dict[str, Any], library: Library | None, search: bool) -> None:
     method = Trial(table)
     remarks: list[str] = []
-    declared = table.order
-    most = (declared or (5 if len(table.b[0]) < 8 else 8)) + 1
-    found = reach(method.scheme(), most, stop=0.5 * method.scale)
-    if declared is not None and found.to(method.coarse) == LARGEST[1]:
-        found = further(found, method.scheme(), declared)
-    fine, coarse = method.fine, method.coarse
-    record |= {"declared": declared, "found": found.to(coarse)}
-    if declared is None:
-        record["status"] = "found"
-        record["residual"] = float(f"{found.size(record['found'] or 1):.2g}")
-        status = "found"
-    else:
-        looked = min(declared, len(found.sizes))
-        size = found.size(looked)
-        status = "right" if size <= fine else "digits" if size <= coarse else "wrong"
-        record["residual"] = float(f"{size:.2g}")
-        if status != "right":
-            bad = next(
-                n for n, x in enumerate(found.sizes) if x > (fine if status == "digits" else coarse)
-            )
-            record["tree"] = found.trees[bad]
-            record["order_of_tree"] = bad + 1
-        if looked < declared and status == "right":
-            remarks.append(f"trees of order {looked} or less were looked at")
+    found = _reached(table, method)
+    status = _order(table, method, found, record, remarks)
     if method.quadratic:
         remarks.append("the order is that on q'' = g(q)")
-    if status == "digits" and search and method.gap > 1e-12 and declared is not None:
-        record["correction"] = digit(method, declared, record["residual"])
+    if status == "digits" and search and method.gap > 1e-12 and table.order is not None:
+        record["correction"] = digit(method, table.order, found.size(table.order))
         status = "wrong" if record["correction"] else status
     if method.gap > 1e-12:
         k = method.gap_row
         remarks.append(f"c[{k + 1}] differs from the sum of row {k + 1} of A by {method.gap:.2g}")
     for said, gap in table.identities:
-        if gap > fine:
+        if gap > method.fine:
             remarks.append(f"{said} fails by {gap:.2g}")
-            status = record["status"] = "wrong" if gap > coarse else status
+            status = "wrong" if gap > method.coarse else status
     status = _rows(table, method, found, status, remarks)
-    for error in table.errors:
-        if status in ("wrong", "question") and declared:
-            remarks += exchanged(method, vector(error), declared)
-        total = abs(complex(sum(vector(error), Exact(0))))
-        if total > 1e-12 * method.scale:
-            remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
-            remarks += estimate(method, list(vector(error)))
-            if total > coarse and status in ("right", "digits", "found"):
-                status = "wrong"
-    if library is not None and table.kind in ("rk", "additive"):
-        near = library.nearest(table, declared or 0)
-        if near:
-            record["nearest"] = near
-    if library is not None and table.kind == "splitting" and status == "wrong":
-        said = library.steps(table, declared or 0)
-        remarks += [said] if said else []
+    status = _estimates(table, method, status, remarks)
+    if library is not None:
+        _alike(table, library, status, record, remarks)
     remarks += empty_rows(table)
-    if status == "right" and method.gap > coarse and enters_nothing(method, method.gap_row):
-        k = method.gap_row
-        remarks.append(f"stage {k + 1} has no weight: the next step or an estimate sees it alone")
-        differing = beside_weights(method, k)
-        if differing:
-            record["correction"] = differing
-        status = "wrong" if differing or record.get("nearest", {}).get("entries") else "question"
-    swapped = any("exchanged" in x or "embedded weights" in x for x in remarks)
-    unlabelled = swapped and not any("declared" in x or "error" in x for x in remarks)
-    if status == "wrong" and unlabelled and not record.get("nearest", {}).get("entries"):
-        status = "question"
-    if status == "wrong" and declared and not swapped and record["residual"] > coarse:
-        look = correction if search else abscissa
-        record["correction"] = look(method, declared)
-    gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
-    if status == "wrong" and not (
-        record.get("correction") or record.get("nearest", {}).get("entries") or len(remarks) > gaps
-    ):
-        status = "question"
-        remarks.append(
-            "the entries of a general linear method are not searched"
-            if table.kind == "glm"
-            else "no single entry explains it: the label, or more than one entry"
-        )
-    nameless = [x for x in record.get("correction", []) if x["is"] == "0"]
-    if table.named and status == "wrong" and nameless:
-        status = "unread"
-        first = record.pop("correction")[0]
-        remarks.append(f"{first['entry']} has no name in the code, and may be {first['should be']}")
+    status = _stage(method, status, record, remarks)
+    status = _explained(table, method, status, record, remarks, search=search)
     if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
         status = "wrong"
         remarks.append("the order is 0: the weights do not sum to 1")
     record["status"] = status
     record["remarks"] = remarks
+
+
+def _reached(table: Table, method: Trial) -> Reach:
+    """Return how far the conditions hold, one order beyond the declared one."""
+    most = (table.order or (5 if len(table.b[0]) < 8 else 8)) + 1
+    found = reach(method.scheme(), most, stop=0.5 * method.scale)
+    if table.order is not None and found.to(method.coarse) == LARGEST[1]:
+        found = further(found, method.scheme(), table.order)
+    return found
+
+
+def _order(
+    table: Table, method: Trial, found: Reach, record: dict[str, Any], remarks: list[str]
+) -> str:
+    """Compare the declared order with the one found, and return the status."""
+    fine, coarse, declared = method.fine, method.coarse, table.order
+    record |= {"declared": declared, "found": found.to(coarse)}
+    if declared is None:
+        record["residual"] = float(f"{found.size(record['found'] or 1):.2g}")
+        if table.kind == "composition" and record["found"] < 4:
+            cubes = complex(sum((x.value**3 for x in table.b[1]), Exact(0))).real
+            remarks.append(
+                f"the sum of the cubes of the weights is {cubes:.3g}, for order 4 it is 0"
+            )
+            return "question"
+        return "found"
+    looked = min(declared, len(found.sizes))
+    size = found.size(looked)
+    status = "right" if size <= fine else "digits" if size <= coarse else "wrong"
+    record["residual"] = float(f"{size:.2g}")
+    if status != "right":  # of rounded numbers the worst tree, else one of the first order
+        bad = found.sizes.index(size) if status == "digits" else found.to(coarse)
+        record["residual"] = float(f"{found.sizes[bad]:.2g}")
+        record["tree"] = found.trees[bad]
+        record["order_of_tree"] = bad + 1
+    if looked < declared and status == "right":
+        remarks.append(f"trees of order {looked} or less were looked at")
+    return status
+
+
+def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
+    """Judge the weights of error estimates, which sum to 0."""
+    for error in table.errors:
+        if status in ("wrong", "question") and table.order:
+            remarks += exchanged(method, vector(error), table.order)
+        total = abs(complex(sum(vector(error), Exact(0))))
+        if total > 1e-12 * method.scale:
+            remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
+            remarks += estimate(method, list(vector(error)))
+            if total > method.coarse and status in ("right", "digits", "found"):
+                status = "wrong"
+    return status
+
+
+def _alike(
+    table: Table, library: Library, status: str, record: dict[str, Any], remarks: list[str]
+) -> None:
+    """Record the nearest method of the catalogue."""
+    if table.kind in ("rk", "additive"):
+        near = library.nearest(table, table.order or 0)
+        if near:
+            record["nearest"] = near
+    if table.kind == "splitting" and status == "wrong":
+        said = library.steps(table, table.order or 0)
+        remarks += [said] if said else []
+
+
+def _stage(method: Trial, status: str, record: dict[str, Any], remarks: list[str]) -> str:
+    """Ask about one stage whose abscissa is not the sum of its row, where the order holds.
+
+    Where it is the sum to fewer digits than those of a double, the status is that of digits.
+    """
+    if status != "right" or method.gap <= 1e-12:
+        return status
+    if method.gap <= method.coarse:
+        return "digits"
+    k = method.gap_row
+    if enters_nothing(method, k):
+        remarks.append(f"stage {k + 1} has no weight: the next step or an estimate sees it alone")
+        differing = beside_weights(method, k)
+        if differing:
+            record["correction"] = differing
+        return "wrong" if differing or record.get("nearest", {}).get("entries") else "question"
+    if one_row_apart(method):
+        remarks.append("no other row does; the order holds on y' = f(t, y), too")
+        return "question"
+    return status
+
+
+def _explained(
+    table: Table,
+    method: Trial,
+    status: str,
+    record: dict[str, Any],
+    remarks: list[str],
+    *,
+    search: bool,
+) -> str:
+    """Look for what is wrong; a failure that nothing explains is a question."""
+    if status != "wrong":
+        return status
+    entries = record.get("nearest", {}).get("entries")
+    swapped = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    meant = any("declared" in x or "error" in x for x in remarks)
+    if swapped and table.doubt and not (meant or entries):
+        remarks.append(table.doubt)
+        return "question"
+    if table.order and not swapped and "tree" in record and record["found"] < table.order:
+        look = correction if search else abscissa
+        record["correction"] = look(method, table.order)
+    gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
+    if not (record.get("correction") or entries or len(remarks) > gaps):
+        remarks.append(
+            "the entries of a general linear method are not searched"
+            if table.kind == "glm"
+            else "no single entry explains it: the label, or more than one entry"
+        )
+        return "question"
+    nameless = [x for x in record.get("correction", []) if x["is"] == "0"]
+    if table.named and nameless:
+        first = record.pop("correction")[0]
+        remarks.append(f"{first['entry']} has no name in the code, and may be {first['should be']}")
+        return "unread"
+    return status
 
 
 def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[str]) -> str:

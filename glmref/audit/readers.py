@@ -16,6 +16,7 @@ from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
+from .compositions import compositions
 from .named import constants, java, rust
 from .plain import from_csv, from_json
 from .principia import structs
@@ -396,6 +397,37 @@ def declared_orders(text: str) -> dict[str, int]:
     return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
 
 
+#: A step of OrdinaryDiffEq.jl, through its ``end``: the types of its cache, and its statements.
+_PERFORM = re.compile(
+    r"^(?:@\w+ )*function perform_step!\([^()]*?\bcache::(\w+|Union\{[^{}]*\})(.*?)^end\b",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+def completed_entries(text: str) -> dict[str, tuple[str, int]]:
+    """Return the entries that a step assigns to after it took them from the table.
+
+    Such a table is completed at run time, as weights that depend on a frequency are.
+
+    Returns
+    -------
+    dict
+        By the type of the cache, which is the name of its table: the first such entry, and its
+        line.
+    """
+    found: dict[str, tuple[str, int]] = {}
+    for step in _PERFORM.finditer(text):
+        taken = re.findall(r"\(;([^()]*)\)\s*=\s*cache\b|@unpack ([^=]*)=\s*cache\b", step[2])
+        entries = {x for pair in taken for x in re.findall(r"\w+", "".join(pair))}
+        for line in re.finditer(r"^\s*(\w+)\s*[-+*/]?=(?!=)", step[2], re.MULTILINE):
+            if line[1] in entries and _ENTRY.fullmatch(line[1]):
+                at = text.count("\n", 0, step.start(2) + line.start(1)) + 1
+                for name in re.findall(r"\w+", step[1].removeprefix("Union")):
+                    found.setdefault(name, (line[1], at))
+                break
+    return found
+
+
 _ORDINALS = {
     x: k
     for k, x in enumerate(
@@ -426,6 +458,7 @@ def _julia(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Tab
             except Unread as error:
                 table = _unread(name, run.line, error)
             if table is not None:
+                table.doubt = _text_says_otherwise(text, name, order)
                 yield table
         if isinstance(node, ast.Return) and node.value is not None:
             for call in _calls(node, [name]):
@@ -436,6 +469,13 @@ def _julia(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Tab
                         table = _unread(name, run.line, error)
                     if table is not None:
                         yield table
+
+
+def _text_says_otherwise(text: str, name: str, order: int | None) -> str:
+    """Return the order in the text above a function, as "2nd order", where it is another one."""
+    doc = re.search(rf'"""((?:(?!""").)*)"""\s*function {re.escape(name)}\b', text, re.DOTALL)
+    said = re.search(r"\b(\d+)(?:st|nd|rd|th)[- ]order", doc[1]) if doc else None
+    return f"its text says {said[0]}" if said and order and int(said[1]) != order else ""
 
 
 def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None) -> Table | None:
@@ -792,6 +832,7 @@ def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
     if len(call.args) > 2:
         table.rows = [("bhat", vector(run.value(call.args[2])), None)]
     table.order = _by_name(title, len(b), pair="Pair" in ast.unparse(call.func))
+    table.doubt = "the order is read from the name"
     return table
 
 
@@ -984,6 +1025,9 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
     g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
     table = _transformed(name, line, g, A, C, m, e)
     table.order = _order_of_kpp(run.text, name)
+    elo = _whole(run.scope.get("ros_ELO", run.scope.get("rosELO")))
+    if elo is not None and elo > 1:  # "the minimum between the two orders plus 1"
+        table.rows = [(label, row, elo - 1) for label, row, _ in table.rows]
     return table
 
 
@@ -1049,6 +1093,7 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "principia": structs,
     "gsl": gsl,
     "odeint": odeint,
+    "weights": compositions,
 }
 SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "json": (".json",),
@@ -1068,6 +1113,7 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "principia": (".hpp",),
     "gsl": (".c",),
     "odeint": (".hpp",),
+    "weights": (".c", ".cc", ".cpp", ".cu", ".cuh", ".h", ".hpp", ".py"),
 }
 
 

@@ -16,7 +16,7 @@ from ..system.budget import PROVING, limited
 from ..system.files import named_in
 from .judge import judge
 from .nearest_method import Library
-from .readers import FORMATS, SUFFIXES, declared_orders, read
+from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
 from .table import Table
 
 FORMAT = "glmref-audit-1"
@@ -41,6 +41,7 @@ _MARKS: Mapping[str, str] = {
     "principia": "FixedVector<double",
     "gsl": r"_order\s*\(\s*void",
     "odeint": "class",
+    "weights": "(?i)suzuki|yoshida|(?:sy|ys)_|composition",
 }
 _MOST = 60_000_000  # characters of a file
 
@@ -116,10 +117,15 @@ def audit(
     root = source if source.is_dir() else source.parent
     outside = {path for path in paths if source.is_dir() and _leads_out(root, path)}
     declared: dict[str, int] = {}
+    completed: dict[str, str] = {}
     for path in paths:
         text = None if path in outside else _text(path)
         declared |= declared_orders(text) if text else {}
-    rows = list(_rows([path for path in paths if path not in outside], form, declared))
+        for name, (entry, line) in completed_entries(text or "").items():
+            place = f"{path.relative_to(root)}:{line}"
+            completed[name] = f"completed at run time: a step assigns to {entry} ({place})"
+    inside = [path for path in paths if path not in outside]
+    rows = list(_rows(inside, form, declared, completed))
     remark = "a link that leads out of the checkout; it is not followed"
     rows += [(path, _unread(1, path.name, remark)) for path in sorted(outside)]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
@@ -138,7 +144,7 @@ def audit(
 
 
 def _rows(
-    paths: Sequence[Path], form: str, declared: Mapping[str, int]
+    paths: Sequence[Path], form: str, declared: Mapping[str, int], completed: Mapping[str, str]
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Each file with the tasks of its tables, and with records of what cannot be read."""
     for path in paths:
@@ -153,6 +159,9 @@ def _rows(
         try:
             with limited(PROVING):
                 for number, table in enumerate(read(text, form, declared)):
+                    if table.name in completed:
+                        rows.append(_unread(table.line, table.name, completed[table.name]))
+                        continue
                     rows.append({**task, "number": number, "name": table.name, "line": table.line})
         except (GlmrefError, ValueError, KeyError, IndexError, TypeError, AttributeError,
                 RecursionError) as error:  # fmt: skip

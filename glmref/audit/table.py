@@ -18,7 +18,8 @@ class Table:
     #: What the code calls it, and where it begins.
     name: str
     line: int
-    #: ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"nystrom"``, ``"glm"``.
+    #: ``"rk"``, ``"additive"``, ``"rosenbrock"``, ``"splitting"``, ``"composition"`` (a splitting,
+    #: too), ``"nystrom"``, ``"glm"``.
     kind: str = "rk"
     #: Of each part; of a Rosenbrock method alpha and gamma are two entries of ``A``, of a Nystrom
     #: method A, maybe A', and b, b'; of a general linear method b holds F B and the weights of r -
@@ -27,6 +28,7 @@ class Table:
     b: list[list[Number]] = field(default_factory=list)
     c: list[list[Number] | None] = field(default_factory=list)
     order: int | None = None  #: The order that the code declares, or ``None``.
+    doubt: str = ""  #: Why the declared order may not be meant as that of b, or ``""``.
     #: Further weights, each with what it is called and its declared order.
     rows: list[tuple[str, list[Number], int | None]] = field(default_factory=list)
     #: Weights of error estimates, which sum to zero.

@@ -30,7 +30,7 @@ from .output import (
 READ = (
     *("json", "csv", "sundials", "petsc", "julia", "python"),
     *("openmodelica", "eigen", "rklib", "kpp", "matlode", "constants", "java", "rust"),
-    *("principia", "gsl", "odeint"),
+    *("principia", "gsl", "odeint", "weights"),
 )
 
 

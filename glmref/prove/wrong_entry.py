@@ -149,7 +149,7 @@ class Trial:
             return schemes.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
         if self.kind == "glm":
             return schemes.general_linear(A[0], b)
-        if self.kind == "splitting":
+        if self.kind in ("splitting", "composition"):
             return schemes.splitting(
                 b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
             )
@@ -412,6 +412,18 @@ def enters_nothing(method: Trial, k: int) -> bool:
     """Whether a stage has no weight and no other stage needs it, as the last one of FSAL pairs."""
     column = [row[k] for i, row in enumerate(method.A[0]) if i != k]
     return method.kind == "rk" and all(complex(x) == 0 for x in (method.b[0][k], *column))
+
+
+def one_row_apart(method: Trial) -> bool:
+    """Return whether one row of A, not the first, differs from c and all others sum to it.
+
+    Methods that choose c apart from A 1, as Lobatto IIIB, do so in several rows or in the first.
+    """
+    c = method.c[0] if method.kind == "rk" and method.c else None
+    if c is None or method.gap_row == 0 or method.gap <= method.coarse:
+        return False
+    gaps = [abs(complex(sum(row, Exact(0)) - x)) for row, x in zip(method.A[0], c, strict=True)]
+    return sum(x > method.coarse for x in gaps) == 1
 
 
 def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str]:

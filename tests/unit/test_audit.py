@@ -1095,3 +1095,137 @@ def test_sources_are_read_in_linear_time(tmp_path: Path, form: str, text: str) -
     begun = process_time()
     assert all(x["status"] == "unread" for x in audit(path, form, compare=False))
     assert process_time() - begun < 5
+
+
+def test_the_residual_is_that_of_the_tree_that_is_named() -> None:
+    """RadauIIA3 with 1/3 for 1/4: [f] misses 1/2 by 1/48, a tree of order 3 misses by 0.043."""
+    found = judged(PYTHON, "python")["RadauIIA3"]
+    assert (found["status"], found["tree"], found["order_of_tree"]) == ("wrong", "f[f]", 2)
+    assert found["residual"] == 0.021
+
+
+def test_of_rounded_numbers_the_worst_tree_is_named() -> None:
+    rounded = {"A": [[0, 0], ["0.666666666", 0]], "b": ["1/4", "3/4"], "order": 2}
+    (found,) = [judge(x) for x in read(json.dumps(rounded), "json", {})]
+    assert (found["status"], found["tree"], found["residual"]) == ("digits", "[o]", 5e-10)
+
+
+FREQUENCY = {
+    "tableaus.jl": '''
+struct Made2ConstantCache{T} <: Cache
+    a21::T
+end
+alg_order(alg::Made2) = 2
+function Made2ConstantCache(T, T2)
+    a21 = convert(T, 1 // 2)
+    b1 = convert(T, 0)
+    b2 = convert(T, 1)
+    c2 = convert(T2, 1 // 2)
+    return Made2ConstantCache(a21, b1, b2, c2)
+end
+''',
+    "steps.jl": '''
+@muladd function perform_step!(integrator, cache::Made2ConstantCache, repeat_step = false)
+    (; t, dt, uprev, u, f, p) = integrator
+    (; a21, b1, b2, c2) = cache
+    v = alg.w * dt
+    a21 += v^2
+    k1 = integrator.fsalfirst
+end
+
+function perform_step!(integrator, cache::Other2ConstantCache, repeat_step = false)
+    (; a21, c2) = cache
+    k2 = f(uprev + dt * a21 * k1, p, t + c2 * dt)
+    if a21 == c2
+        u = k2
+    end
+end
+''',
+}  # fmt: skip
+
+
+def test_a_table_that_a_step_completes_is_unread(tmp_path: Path) -> None:
+    for name, text in FREQUENCY.items():
+        (tmp_path / name).write_text(text)
+    (found,) = audit(tmp_path, "julia", compare=False)
+    assert (found["name"], found["status"], found["line"]) == ("Made2ConstantCache", "unread", 6)
+    assert found["remarks"] == ["completed at run time: a step assigns to a21 (steps.jl:6)"]
+    (tmp_path / "steps.jl").write_text(FREQUENCY["steps.jl"].replace("a21 +=", "a =="))
+    (found,) = audit(tmp_path, "julia", compare=False)
+    assert (found["status"], found["found"]) == ("right", 2)
+
+
+def test_an_embedded_row_of_a_rosenbrock_method_has_its_declared_order() -> None:
+    """ELO is one more than the lower of the two orders: in Ros2 2, the embedded row has order 1."""
+    elo = KPP.replace("    ros_S = 2\n", "    ros_S = 2\n    ros_ELO = 2.0_dp\n")
+    assert judged(elo, "kpp")["Ros2"]["status"] == "right"
+    wrong = judged(elo.replace("ros_ELO = 2", "ros_ELO = 3"), "kpp")["Ros2"]
+    assert (wrong["status"], wrong["found"]) == ("wrong", 2)
+    assert wrong["remarks"] == ["the row m - E is declared of order 2 and has order 1"]
+
+
+def test_one_row_that_is_not_c_is_a_question_though_the_order_holds() -> None:
+    """3/13 beside 3/16 in a method of order 3, as the row of a stage that only order 4 sees."""
+    third = "3/13"
+    table = {
+        "A": [[0] * 5, ["1/7", 0, 0, 0, 0], [0, third, 0, 0, 0], [0, 0, "1/3", 0, 0],
+              [0, 0, 0, "2/3", 0]],
+        "b": ["1/4", 0, 0, 0, "3/4"], "c": [0, "1/7", "3/16", "1/3", "2/3"], "order": 3,
+    }  # fmt: skip
+    (found,) = [judge(x) for x in read(json.dumps(table), "json", {})]
+    assert (found["status"], found["found"]) == ("question", 3)
+    assert found["remarks"][-1] == "no other row does; the order holds on y' = f(t, y), too"
+    right = json.dumps(table).replace("3/13", "3/16")
+    assert judge(*read(right, "json", {}))["status"] == "right"
+
+
+SWAPPED = """
+import numpy as np
+
+class Swapped(Integrator):
+    __order__ = 2.0
+    tableau_intermediate = np.array([[0, 0, 0], [1, 1, 0]])
+    tableau_final = np.array([[0, 1, 0], [0, 1/2, 1/2]])
+"""
+
+
+def test_a_pair_that_propagates_the_lower_row_is_wrong_where_the_order_is_declared() -> None:
+    found = judged(SWAPPED, "python")["Swapped"]
+    assert (found["declared"], found["found"], found["status"]) == (2, 1, "wrong")
+    assert found["remarks"] == ["the row second row has order 2: the rows may be exchanged"]
+    named = """
+import numpy as np
+A = np.array([[0, 0], [1, 0]])
+RK['Made2'] = ExplicitRungeKuttaPair(A, np.array([1, 0]), np.array([1, 1]) / 2, name='Made')
+"""
+    found = judged(named, "python")["Made2"]
+    assert (found["declared"], found["found"], found["status"]) == (2, 1, "question")
+    assert found["remarks"][-1] == "the order is read from the name"
+
+
+CHAINS = """
+// Suzuki-Yoshida weights
+const double sy_const_3[] = { 0.828981543588751, -0.657963087177502, 0.828981543588751 };
+const double sy_right[] = { 1.3512071919596578, -1.7024143839193153, 1.3512071919596578 };
+std::vector<double> getYoshidaWeights() {
+    return {0.784513610477560, 0.235573213359357, -1.17767998417887, 1.31518632068391,
+            -1.17767998417887, 0.235573213359357, 0.784513610477560};
+}
+double sy_sum[] = { 0.5, 0.5, 0.5 }; double sy_uneven[] = { 0.5, 0.25, 0.25 };
+"""
+
+
+def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> None:
+    found = judged(CHAINS, "weights")
+    assert [(x["name"], x["line"], x["found"], x["status"]) for x in found.values()] == [
+        ("sy_const_3, 3", 3, 2, "question"), ("sy_right, 3", 4, 4, "found"),
+        ("getYoshidaWeights, 7", 6, 6, "found"),
+    ]  # fmt: skip
+    assert found["sy_const_3, 3"]["remarks"] == [
+        "the sum of the cubes of the weights is 0.855, for order 4 it is 0"
+    ]
+
+
+def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> None:
+    other = CHAINS.replace("Suzuki-Yoshida", "Gauss").replace("sy_", "q_").replace("Yoshida", "")
+    assert judged(other, "weights") == {}
