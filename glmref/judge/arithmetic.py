@@ -32,7 +32,7 @@ class Ring:
         return -self + other
 
     def __pow__(self, n):
-        return self if n == 1 else self * self ** (n - 1) if n else Fraction(1)
+        return self if n == 1 else self * self ** (n - 1) if n else 1
 
     def conj(self):
         """Return the conjugate: the number itself where it is real."""
@@ -85,6 +85,22 @@ class Interval(Ring):
         """Return the intersection."""
         return Interval(max(self.lo, other.lo), min(self.hi, other.hi))
 
+    def positive(self):
+        """Tell whether all numbers of the interval are positive."""
+        return self.lo > 0
+
+    def is_zero(self):
+        """Tell whether the interval holds 0 only."""
+        return self.lo == 0 == self.hi
+
+    def least(self):
+        """Return a measure of the least |x|, to be compared with those of other intervals."""
+        return min(abs(self.lo), abs(self.hi))
+
+    def __float__(self):
+        """Return a number near the midpoint."""
+        return (self.lo + self.hi) / 2 ** (PLACES + 1)
+
     def holds_zero(self):
         """Tell whether 0 lies in the interval."""
         return self.lo <= 0 <= self.hi
@@ -130,7 +146,13 @@ class Interval(Ring):
     __hash__ = None  # type: ignore[assignment]
 
 
+#: The types of rational numbers.
 RATIONAL = (Fraction, int)
+
+
+def rational_of(text):
+    """Return the rational of a decimal such as -1.25e-3."""
+    return Fraction(text)
 
 
 def interval_of(x):
@@ -233,3 +255,40 @@ def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
                 highs[k] = highs.get(k, 0) + q
     by = {k: Interval(x >> PLACES, -(-highs[k] >> PLACES)) for k, x in lows.items()}
     return Gradient(Interval(low >> PLACES, -(-high >> PLACES)), by)
+
+
+def newton_sums(Y, values, gradients):
+    """Return rationals above |Y f| and above the row sums of |1 - Y G|, row by row.
+
+    Parameters
+    ----------
+    Y : list of list of int
+        A matrix of integers over 2^80, (n, n).
+    values : list of Interval
+        f at the centre, (n,).
+    gradients : list of dict
+        The rows of G: intervals by place, exact zeros left out.
+
+    Returns
+    -------
+    list of Fraction, list of Fraction
+        The bounds of |Y f| and of the row sums.
+    """
+    n = len(values)
+    columns = [[(i, row[j].lo + row[j].hi, row[j].hi - row[j].lo)
+                for i, row in enumerate(gradients) if j in row] for j in range(n)]  # fmt: skip
+    one, steps, slacks = 1 << (PLACES + 81), [], []
+    for i, row in enumerate(Y):
+        low = high = slack = 0
+        for y, value in zip(row, values, strict=True):
+            ends = y * value.lo, y * value.hi
+            low, high = low + min(ends), high + max(ends)
+        steps.append(Fraction(max(abs(low), abs(high)), 1 << (PLACES + 80)))
+        for j, column in enumerate(columns):
+            middle, spread = one if i == j else 0, 0
+            for k, twice, width in column:
+                middle -= row[k] * twice
+                spread += abs(row[k]) * width
+            slack += abs(middle) + spread
+        slacks.append(Fraction(slack, one))
+    return steps, slacks

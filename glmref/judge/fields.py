@@ -4,7 +4,7 @@ import cmath
 import re
 from copy import copy
 
-from .arithmetic import PLACES, Fraction
+from .arithmetic import Fraction, rational_of
 from .grammar import DIGITS, parse, plain
 from .linalg import diagonal
 from .numbers import Element, conj, enclose, real, upper, vanishes
@@ -64,7 +64,7 @@ class Numbers:
         if not x:
             return
         half = vanishes(real(x)) and upper(x) if kind == "sqrt" else False
-        require(half or (enclose(x).re.lo > 0 and (kind == "sqrt" or conj(x) == x)), wrong)
+        require(half or (enclose(x).re.positive() and (kind == "sqrt" or conj(x) == x)), wrong)
 
     @staticmethod
     def check_root_of_unity(inner, x, wrong):
@@ -73,11 +73,13 @@ class Numbers:
         factors = sorted(re.findall("[a-z]+", inner)) if turns else ["i", "pi"]
         fine = factors == ["i", "pi"] and not re.search(r"/\D|[\w)][-+]", inner)  # no sum
         require(fine, f"not covered: the angle {inner[:40]}")
-        n, box = turns.denominator, enclose(x)
+        n, box = int(turns.denominator), enclose(x)
         require(n <= 100 and x**n == 1, wrong)
         # the n-th roots are 4/n apart at least, so that floating-point numbers tell which one it is
-        middle = complex(box.re.middle().lo / 2**PLACES, box.im.middle().lo / 2**PLACES)
-        require(abs(middle - cmath.exp(2j * cmath.pi * float(turns % 1))) * n < 1, wrong)
+        middle = complex(float(box.re), float(box.im))
+        require(
+            abs(middle - cmath.exp(2j * cmath.pi * int(turns.numerator % n) / n)) * n < 1, wrong
+        )
 
     def name(self, document, name):
         """Return the value of a constant or unknown of the document."""
@@ -118,7 +120,7 @@ class Numbers:
             return text
 
         def decimal(number):
-            if not Fraction(number):
+            if not rational_of(number):
                 return Fraction(0)  # 0.000 of a table is 0
             require(self.decimal is not None, "a decimal is no exact number")
             return self.decimal(number, whole(document["digits"], 1, 400))

@@ -3,7 +3,7 @@
 import ast
 import re
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, rational_of
 from .numbers import inverse
 from .refusals import Refused, require
 
@@ -79,14 +79,14 @@ def decimal_number(text):
     """Return the rational of a decimal such as -1.25e-3."""
     found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]{1,3})?", text)
     require(found and len(text) <= DIGITS, f"{str(text)[:40]!r} is no decimal")
-    return Fraction(text)
+    return rational_of(text)
 
 
 def published_decimal(text, digits):
     """Return the rational of an unknown that is given with this many places."""
     found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+\.([0-9]+)", text)
     require(found and len(found[1]) == digits, "an unknown has another number of places")
-    return Fraction(text)
+    return rational_of(text)
 
 
 def two_digits(text):

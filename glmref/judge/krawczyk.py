@@ -1,8 +1,8 @@
 """The operator of Krawczyk, and expressions in unknowns (sections 2 and 6)."""
 
-from .arithmetic import PLACES, Fraction, Gradient, Interval, Ring
+from .arithmetic import Fraction, Gradient, Interval, Ring, newton_sums
 from .grammar import decimal_number
-from .numbers import around, as_interval, as_real, inverse, is_nil
+from .numbers import around, as_interval, as_real, floor, inverse, is_nil
 from .polynomials import derivative, horner
 from .refusals import require
 
@@ -83,7 +83,7 @@ def only_root(function, published, digits, proof):
     Y = []
     for row in rows:
         require(isinstance(row, list) and len(row) == n, "the inverse")
-        Y.append([round(decimal_number(x) * 2**80) for x in row])
+        Y.append([floor(decimal_number(x) * 2**80) for x in row])
     unit = around(Fraction(1))
     box = [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
            for k, x in enumerate(published)]  # fmt: skip
@@ -91,22 +91,7 @@ def only_root(function, published, digits, proof):
     over_box = function(box)
     require(len(at_centre) == len(over_box) == n, "there are not as many equations as unknowns")
     by = [x.by if isinstance(x, Gradient) else {} for x in over_box]
-    columns = [[(i, row[j].lo + row[j].hi, row[j].hi - row[j].lo)
-                for i, row in enumerate(by) if j in row] for j in range(n)]  # fmt: skip
-    whole, news, slacks = 1 << (PLACES + 81), [], []
-    for i, row in enumerate(Y):
-        low = high = slack = 0
-        for y, value in zip(row, at_centre, strict=True):
-            ends = y * value.lo, y * value.hi
-            low, high = low + min(ends), high + max(ends)
-        news.append(Fraction(max(abs(low), abs(high)), 1 << (PLACES + 80)))
-        for j, column in enumerate(columns):
-            middle, spread = whole if i == j else 0, 0
-            for k, twice, width in column:
-                middle -= row[k] * twice
-                spread += abs(row[k]) * width
-            slack += abs(middle) + spread
-        slacks.append(Fraction(slack, whole))
+    news, slacks = newton_sums(Y, at_centre, by)
     reach, worst = radius + max(away), max(slacks)
     for d, step_, slack in zip(away, news, slacks, strict=True):
         require(d + step_ + slack * reach < radius, "the image does not lie inside the box")

@@ -1,6 +1,7 @@
 """Linear algebra over any of the numbers."""
 
 from .arithmetic import (
+    RATIONAL,
     Fraction,
     Gradient,
     Interval,
@@ -22,7 +23,7 @@ from .numbers import (
 )
 from .refusals import require
 
-RATIONALS = {Fraction, int}
+RATIONALS = {*RATIONAL}
 INTERVALS = RATIONALS | {Interval}
 ELEMENTS = RATIONALS | {Element}
 GRADIENTS = INTERVALS | {Gradient}

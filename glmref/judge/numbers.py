@@ -2,13 +2,18 @@
 
 import math
 
-from .arithmetic import Fraction, Interval, Ring, rounded
+from .arithmetic import RATIONAL, Fraction, Interval, Ring, rounded
 from .refusals import require
 
 
 def total(values):
     """Return a sum that starts from an exact zero."""
     return sum(values, Fraction(0))
+
+
+def floor(x):
+    """Return the integer below a rational."""
+    return int(x.numerator // x.denominator)
 
 
 def is_nil(x):
@@ -27,8 +32,8 @@ def live(x):
 
 
 def smallest(x):
-    """Return a bound below |x|, infinity for a number that is exact."""
-    return min(abs(x.lo), abs(x.hi)) if type(x) is Interval else float("inf")
+    """Return a measure of the least |x|; that of a number that is exact is above all others."""
+    return (0, x.least()) if type(x) is Interval else (1, 0)
 
 
 class Element(Ring):
@@ -46,7 +51,7 @@ class Element(Ring):
     def __add__(self, other):
         if isinstance(other, Element):
             nums, den = other.nums, other.den
-        elif isinstance(other, Fraction | int):
+        elif type(other) in RATIONAL:
             nums, den = (other.numerator,), other.denominator
         else:
             return NotImplemented
@@ -61,7 +66,7 @@ class Element(Ring):
     def __mul__(self, other):
         if isinstance(other, Element):
             return dot_of_elements([self], [other])
-        if not isinstance(other, Fraction | int):
+        if type(other) not in RATIONAL:
             return NotImplemented
         n = other.numerator
         return self.tower.number([n * x for x in self.nums], self.den * other.denominator)
@@ -215,7 +220,7 @@ def sign(x):
         require(conj(x) == x, "a sign is asked of a number that is not real")
         x = enclose(x).re
     if type(x) is Interval:
-        return 1 if x and x.lo > 0 else -1
+        return 1 if x and x.positive() else -1
     return (x > 0) - (x < 0)
 
 
@@ -226,7 +231,7 @@ def real(x):
 
 def upper(x):
     """Tell whether the imaginary part is shown to be positive."""
-    return enclose(x).im.lo > 0
+    return enclose(x).im.positive()
 
 
 def squared(x):

@@ -8,7 +8,7 @@ from copy import copy
 from functools import lru_cache
 from typing import TypeVar
 
-from .arithmetic import Fraction, Interval
+from .arithmetic import Fraction, Interval, rational_of
 from .claims import LOOKS_AT, WITNESS
 from .document import Method
 from .enclosed_pair import Pair
@@ -37,7 +37,8 @@ def around_decimal(text, digits):
     places = len(text.partition(".")[2]) if isinstance(text, str) else digits
     require(places >= digits, f"a decimal has {places} places, not the {digits} of its file")
     unit = Fraction(1, 10**digits)
-    return Interval.ends(Fraction(text) - unit, Fraction(text) + unit)
+    value = rational_of(text) if isinstance(text, str) else text
+    return Interval.ends(value - unit, value + unit)
 
 
 class Record:

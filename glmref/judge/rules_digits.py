@@ -1,8 +1,11 @@
 """Rules for orders that hold to the printed digits (section 5)."""
 
-from .arithmetic import Fraction
+from operator import itemgetter, mul
+
+from .arithmetic import RATIONAL, Fraction
 from .grammar import two_digits
 from .linalg import dot
+from .numbers import floor
 from .refusals import NotShown, as_object, keys, require, whole
 from .series import Series
 from .trees import gamma, is_coloured, is_nystrom, read_tree, show, size, stands, trees
@@ -17,20 +20,22 @@ class Sizes:
             fine = all(x == 1 for row in (*m.U, *m.V) for x in row) and m.r == 1
             require(fine, "the value carried is not the solution")
         self.A = {c: [self.whole(row) for row in m.A] for c, m in method.parts.items()}
+        self.sparse = {c: [([x for x in row if x], [j for j, x in enumerate(row) if x])
+                           for row in rows] for c, rows in self.A.items()}  # fmt: skip
         self.width = {c: len(rows[0]) for c, rows in self.A.items()}
         self.norm = {c: max(sum(map(abs, x)) + len(x) for x in A) for c, A in self.A.items()}
 
     def whole(self, row):
         """Return the integers below 2^bits times rational numbers."""
-        require(all(isinstance(x, (int, Fraction)) for x in row), "the entries are not rational")
-        return [(Fraction(x) * 2**self.bits).__floor__() for x in row]
+        require(all(type(x) in RATIONAL for x in row), "the entries are not rational")
+        return [floor(Fraction(x) * 2**self.bits) for x in row]
 
     def phi(self, tree, keep=True):
         """Return (values, error) of the product over the children of A Phi(child)."""
         if tree not in self.known:
             found = [1 << self.bits] * self.width[tree[0]], 0
-            for child in tree[1]:
-                found = self.product(found, self.below(child))
+            for n, child in enumerate(tree[1]):
+                found = self.product(found, self.below(child)) if n else self.below(child)
             if not keep:
                 return found
             self.known[tree] = found
@@ -48,7 +53,9 @@ class Sizes:
         if key not in self.known:
             x, dx = self.phi(tree)
             error = self.norm[tree[0]] * dx + sum(map(abs, x)) + len(x) * dx
-            rows = [sum(a * b for a, b in zip(row, x, strict=True) if a) for row in self.A[tree[0]]]
+            rows = [sum(map(mul, row, itemgetter(*places)(x))) if len(places) > 1
+                    else sum(a * x[j] for a, j in zip(row, places, strict=True))
+                    for row, places in self.sparse[tree[0]]]  # fmt: skip
             self.known[key] = [y >> self.bits for y in rows], (error >> self.bits) + 2
         return self.known[key]
 
@@ -56,7 +63,7 @@ class Sizes:
         """Return bounds of |b Phi(tree) - 1 / gamma(tree)| for integers b."""
         x, dx = self.phi(tree, keep)
         error = sum(map(abs, b)) * dx + sum(map(abs, x)) + len(x) * dx
-        gap = sum(u * v for u, v in zip(b, x, strict=True)) >> self.bits
+        gap = sum(map(mul, b, x)) >> self.bits
         gap = abs(gap - (1 << self.bits) // gamma(tree))
         error = (error >> self.bits) + 3
         unit = Fraction(1, 1 << self.bits)

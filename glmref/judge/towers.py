@@ -48,7 +48,7 @@ class Tower:
         real_, p = ends[1] == [0, 0], [enclose(x) for x in [*self.polynomials[-1], Fraction(1)]]
         box = Box(*(Interval.ends(*x) for x in ends))
         if real_:
-            fine = all(x.im.lo == 0 == x.im.hi for x in p)
+            fine = all(x.im.is_zero() for x in p)
             require(fine, "the polynomial of a real generator is not real")
             p, box = [x.re for x in p], box.re
         self.starts.append(box)

@@ -27,6 +27,7 @@ from ..system.files import read_bytes
 FORMAT = "glmref-kept-findings-1"
 #: What a verdict is computed by: subpackages and modules of the package.
 SUBPACKAGES = (
+    "judge",
     "errors.py",
     "findings.py",
     "system",

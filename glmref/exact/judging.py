@@ -1,0 +1,262 @@
+"""The judge with FLINT's numbers: the modules of :mod:`glmref.judge` over another arithmetic.
+
+:func:`fast_judge` loads them a second time with this module in the place of
+:mod:`glmref.judge.arithmetic`: rationals are ``fmpq``, intervals are ``arb`` of 512 bits. The rules
+are the very same files. Where a ball is wider or narrower than the interval of the other
+arithmetic, something may be undecided in one of them only; neither accepts what is false.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction as StandardFraction
+from functools import cache, lru_cache
+from pathlib import Path
+from types import ModuleType
+
+import flint
+
+from .. import judge
+from ..judge.arithmetic import Ring, interval_of
+from ..judge.refusals import Refused, Undecided
+
+PRECISION = 512  # bits of a ball
+
+Fraction = flint.fmpq
+#: The types of rational numbers.
+RATIONAL = (flint.fmpq, int, flint.fmpz)
+
+
+def rational_of(text: str) -> flint.fmpq:
+    """Return the rational of a decimal such as -1.25e-3."""
+    found = StandardFraction(text)
+    return flint.fmpq(found.numerator, found.denominator)
+
+
+def _upper(x: flint.arb) -> flint.fmpq:
+    """Return a rational above |x| for all x of a ball."""
+    return x.abs_upper().fmpq()
+
+
+class Interval(Ring):
+    """A ball of real numbers; its truth value says that it excludes 0, or is a refusal."""
+
+    __slots__ = ("ball",)
+
+    def __init__(self, ball: flint.arb) -> None:
+        self.ball = ball
+
+    @classmethod
+    def ends(cls, low: flint.fmpq, high: flint.fmpq) -> Interval:
+        """Return an interval that holds all numbers between two rationals."""
+        return cls(flint.arb(low).union(flint.arb(high)))
+
+    def middle(self) -> Interval:
+        """Return the midpoint, an interval without width."""
+        return Interval(self.ball.mid())
+
+    def inside(self, other: Interval) -> bool:
+        """Tell whether the interval lies in the interior of another."""
+        return other.ball.contains_interior(self.ball)
+
+    def meet(self, other: Interval) -> Interval:
+        """Return an interval that holds the intersection."""
+        return Interval(self.ball.intersection(other.ball))
+
+    def positive(self) -> bool:
+        """Tell whether all numbers of the interval are positive."""
+        return bool(self.ball > 0)
+
+    def is_zero(self) -> bool:
+        """Tell whether the interval holds 0 only."""
+        return self.ball.is_zero()
+
+    def least(self) -> flint.arb:
+        """Return a measure of the least |x|, to be compared with those of other intervals."""
+        return self.ball.abs_lower()
+
+    def __float__(self) -> float:
+        """Return a number near the midpoint."""
+        return float(self.ball.mid())
+
+    def holds_zero(self) -> bool:
+        """Tell whether 0 lies in the interval."""
+        return self.ball.contains(0)
+
+    def inverse(self) -> Interval:
+        """Return 1 / x of an interval that excludes 0."""
+        return Interval(1 / self.ball)
+
+    def __bool__(self) -> bool:
+        if self.ball.contains(0):
+            raise Undecided("an interval holds 0: nothing is decided")
+        return True
+
+    def __add__(self, other):
+        if type(other) is Interval:
+            return Interval(self.ball + other.ball)
+        if type(other) in RATIONAL:
+            return Interval(self.ball + other)
+        other = interval_of(other)
+        return other if other is NotImplemented else Interval(self.ball + other.ball)
+
+    __radd__ = __add__
+
+    def __neg__(self):
+        return Interval(-self.ball)
+
+    def __mul__(self, other):
+        if type(other) is Interval:
+            return Interval(self.ball * other.ball)
+        if type(other) in RATIONAL:
+            return Interval(self.ball * other)
+        other = interval_of(other)
+        return other if other is NotImplemented else Interval(self.ball * other.ball)
+
+    __rmul__ = __mul__
+
+    def __eq__(self, other):
+        raise Refused("intervals are not compared")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@cache
+def rounded(x) -> Interval:
+    """Return an interval around a rational."""
+    return Interval(flint.arb(x))
+
+
+class Gradient(Ring):
+    """An interval with its derivatives by the unknowns, exact zeros left out."""
+
+    __slots__ = ("by", "value")
+
+    def __init__(self, value: Interval, by: dict[int, Interval]) -> None:
+        self.value, self.by = value, by
+
+    def __add__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value + other, self.by)
+        by = dict(self.by)
+        for k, x in other.by.items():
+            by[k] = by[k] + x if k in by else x
+        return Gradient(self.value + other.value, by)
+
+    def __mul__(self, other):
+        if not isinstance(other, Gradient):
+            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
+        return dot_of_gradients([(self, other)])
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.fmpq:
+    """Return sum x_i y_i."""
+    found = flint.fmpq(0)
+    for a, b in zip(x, y, strict=True):
+        if a and b:
+            found += a * b
+    return found
+
+
+def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | flint.fmpq:
+    """Return sum x_i y_i of intervals and rationals; an exact zero stays one."""
+    exact, found = flint.fmpq(0), None
+    for a, b in zip(x, y, strict=True):
+        if type(a) is Interval:
+            if type(b) is Interval:
+                term = a.ball * b.ball
+            elif b:
+                term = a.ball * b
+            else:
+                continue
+        elif type(b) is Interval:
+            if not a:
+                continue
+            term = b.ball * a
+        else:
+            exact += a * b
+            continue
+        found = term if found is None else found + term
+    if found is None:
+        return exact
+    return Interval(found + exact if exact else found)
+
+
+def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
+    """Return sum x_i y_i of intervals, rationals and gradients."""
+    value, by = flint.arb(0), {}
+    for a, b in pairs:
+        u, du = _split(a)
+        v, dv = _split(b)
+        value += u * v
+        for other, more in ((v, du), (u, dv)):
+            for k, g in more.items():
+                term = g.ball * other
+                by[k] = by[k] + term if k in by else term
+    return Gradient(Interval(value), {k: Interval(x) for k, x in by.items()})
+
+
+_NONE: dict[int, Interval] = {}
+
+
+def _split(x) -> tuple[flint.arb, dict[int, Interval]]:
+    """Return the ball of a number and its derivatives."""
+    if type(x) is Gradient:
+        return x.value.ball, x.by
+    return (x.ball if type(x) is Interval else rounded(x).ball), _NONE
+
+
+def newton_sums(
+    Y: list[list[int]], values: list[Interval], gradients: list[dict[int, Interval]]
+) -> tuple[list[flint.fmpq], list[flint.fmpq]]:
+    """Return rationals above |Y f| and above the row sums of |1 - Y G|, row by row.
+
+    See :func:`glmref.judge.arithmetic.newton_sums`.
+    """
+    n, unit = len(values), flint.arb(flint.fmpq(1, 2**80))
+    M = flint.arb_mat(n, n, [flint.arb(y) * unit for row in Y for y in row])
+    f = flint.arb_mat(n, 1, [x.ball for x in values])
+    zero = flint.arb(0)
+    G = flint.arb_mat(
+        n, n, [row[j].ball if j in row else zero for row in gradients for j in range(n)]
+    )
+    steps, product = M * f, M * G
+    slacks = []
+    for i in range(n):
+        total = flint.arb(0)
+        for j in range(n):
+            total += flint.arb((int(i == j) - product[i, j]).abs_upper())
+        slacks.append(_upper(total))
+    return [_upper(steps[i, 0]) for i in range(n)], slacks
+
+
+#: Modules of the judge that know no numbers: both copies share their classes.
+SHARED = ("refusals", "claims", "rule")
+
+
+@lru_cache(maxsize=1)
+def fast_judge() -> ModuleType:
+    """Return the package of the judge over FLINT; its functions are those of ``glmref.judge``."""
+    name, folder = "glmref.judge_over_flint", Path(judge.__file__).parent
+    spec = importlib.util.spec_from_file_location(
+        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    parts = {part: importlib.import_module(f"{judge.__name__}.{part}") for part in SHARED}
+    for part, shared in {**parts, "arithmetic": sys.modules[__name__]}.items():
+        sys.modules[f"{name}.{part}"] = shared
+        setattr(module, part, shared)
+    spec.loader.exec_module(module)
+    return module
+
+
+def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:
+    """Return (accepted, sentence) of a certificate, judged with FLINT's numbers."""
+    with flint.ctx.workprec(PRECISION):
+        return fast_judge().verdict(certificate)
