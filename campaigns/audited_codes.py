@@ -34,13 +34,13 @@ def row(cells: Sequence[object]) -> str:
 
 def counts() -> str:
     """Number of tables of each code by status, and of all."""
-    lines = [row(["code", "tables", *STATUSES]), "|---" * (len(STATUSES) + 2) + "|"]
+    lines = [row(["code", "source", "tables", *STATUSES]), "|---" * (len(STATUSES) + 3) + "|"]
     total = [0] * len(STATUSES)
     for code, record in records().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
         total = [x + y for x, y in zip(total, found, strict=True)]
-        lines.append(row([code, sum(found), *found]))
-    return "\n".join([*lines, row(["all", sum(total), *total])])
+        lines.append(row([code, source(record), sum(found), *found]))
+    return "\n".join([*lines, row(["all", "", sum(total), *total])])
 
 
 def named(table: Mapping[str, Any]) -> str:
@@ -57,19 +57,26 @@ def named(table: Mapping[str, Any]) -> str:
     return "; ".join(said)
 
 
+def source(record: Mapping[str, Any]) -> str:
+    """Commit, date and licence of a code."""
+    x = record["source"]
+    return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) of {x['date']}, {x['licence']}"
+
+
 def findings() -> str:
     """Every table that is not right, the wrong ones first."""
     lines = [
-        row(["code", "table", "place", "status", "declared", "found", "tree, residual", "named"]),
-        "|---" * 8 + "|",
-    ]
+        row(["code", "table", "place", "source", "status", "declared", "found", "tree, residual",
+             "named"]),
+        "|---" * 9 + "|",
+    ]  # fmt: skip
     for status in ("wrong", "question", "digits"):
         for code, record in records().items():
             for x in record["tables"]:
                 if x["status"] == status:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
-                    place = f"{Path(x['path']).name}:{x['line']}"
-                    cells = [code, x["name"], place, status, x.get("declared", "")]
+                    place = f"`{x['path']}`:{x['line']}"
+                    cells = [code, x["name"], place, source(record), status, x.get("declared", "")]
                     lines.append(row([*cells, x.get("found", ""), tree, named(x)]))
     return "\n".join(lines)
 

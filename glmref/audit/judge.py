@@ -95,8 +95,11 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     status = _stage(method, status, record, remarks)
     status = _explained(table, method, status, record, remarks, search=search)
     if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
-        status = "wrong"
         remarks.append("the order is 0: the weights do not sum to 1")
+        tableau = table.order is not None or method.gap <= method.coarse
+        status = "wrong" if tableau else "unread"
+        if not tableau:
+            remarks.append("c is not the sums of the rows either: this may be no tableau")
     record["status"] = status
     record["remarks"] = remarks
 

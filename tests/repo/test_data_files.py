@@ -236,6 +236,7 @@ def test_an_audit_counts_its_tables_and_names_its_commit(path):
     document = json.loads(path.read_text(encoding="utf-8"))
     assert document["format"] == "glmref-audit-1" and document["name"] == path.stem
     assert re.fullmatch(r"[0-9a-f]{40}", document["source"]["commit"])
+    assert document["source"]["licence"] and document["source"]["date"]
     statuses = [table["status"] for table in document["tables"]]
     assert document["counts"] == {x: statuses.count(x) for x in sorted(set(statuses))}
     assert all(

@@ -1229,3 +1229,22 @@ def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> 
 def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> None:
     other = CHAINS.replace("Suzuki-Yoshida", "Gauss").replace("sy_", "q_").replace("Yoshida", "")
     assert judged(other, "weights") == {}
+
+
+SYSTEM = """
+import numpy as np
+
+class TestNormalize:
+    A = np.array([[1.0, 2.0], [3.0, 4.0]])
+    B = np.array([-1.0, 5.0])
+    C = np.array([4.0, 5.0])
+"""
+
+
+def test_matrices_of_a_linear_system_are_no_tableau() -> None:
+    """A, B, C of x' = A x + B u, y = C x: weights of order 0 and c that is not A 1, undeclared."""
+    found = judged(SYSTEM, "python")["TestNormalize"]
+    assert (found["status"], found["found"]) == ("unread", 0)
+    assert found["remarks"][-1] == "c is not the sums of the rows either: this may be no tableau"
+    same = judged(SYSTEM.replace("[4.0, 5.0]", "[3.0, 7.0]"), "python")["TestNormalize"]
+    assert same["status"] == "wrong"
