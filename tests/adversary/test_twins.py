@@ -44,9 +44,18 @@ def test_decimals_that_are_not_preconsistent_have_no_form() -> None:
 
 
 def test_what_an_unknown_u_reaches_is_open() -> None:
-    half = {"A": [["0", "0"]] * 2, "U": [["1.000"], ["2.000"]], "B": [["1", "0"]], "V": ONE}
+    half = {"A": [["0"]], "U": [["0.500", "0.500"]], "B": [["1"], ["0"]], "V": DOUBLE}
     pair = doc("partitioned", {"reducible": False}, q=half, p=half, digits=3)
     assert verdicts(pair)["reducible"] is Verdict.OPEN
+
+
+@pytest.mark.parametrize(
+    ("B", "verdict"), [([["1", "0"]], Verdict.HOLDS), ([["0", "0"]], Verdict.FAILS)]
+)
+def test_without_a_u_the_stages_decide_what_is_reached(B: Any, verdict: Verdict) -> None:
+    half = {"A": [["0", "0"]] * 2, "U": [["1.000"], ["2.000"]], "B": B, "V": ONE}
+    pair = doc("partitioned", {"reducible": False}, q=half, p=half, digits=3)
+    assert verdicts(pair)["reducible"] is verdict
 
 
 def test_a_start_with_other_principal_parts_of_a_pair_is_not_refuted() -> None:
