@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from campaigns.audited_codes import PAGE, TABLES, named, records
 from campaigns.pages import filled
+from glmref.audit.judge import judge
+from glmref.audit.readers import read
 
 RECORDS = records()
 #: Tables that a first reading by hand found wrong or oddly named, and what the audit names.
@@ -67,3 +71,39 @@ def test_the_one_wrong_method_of_principia_has_a_row_that_is_not_c() -> None:
     """-243/128 with its digits exchanged; no other table of that code is called wrong."""
     wrong = [x["name"] for x in RECORDS["principia"]["tables"] if x["status"] == "wrong"]
     assert {x.partition(",")[0] for x in wrong} == {"Fine1987RKNG34"}
+
+
+#: Lambert65 in nodepy/runge_kutta_method.py (0f071ac, line 2937): its alpha, and beta where right.
+LAMBERT = """
+one = 1
+zero = 0
+alpha=snp.zeros([7,6])
+beta=snp.zeros([7,6])
+alpha[1,0]=one
+alpha[2,0:2]=[3*one/4,1*one/4]
+alpha[3,0:3]=[3*one/8,1*one/8,1*one/2]
+alpha[4,0:4]=[1*one/4,1*one/8,1*one/8,1*one/2]
+alpha[5,0:5]=[89537*one/2880000,407023*one/2880000,1511*one/12000,87*one/200,4*one/15]
+alpha[6,:]=[4*one/9,1*one/15,zero,8*one/45,zero,14*one/45]
+beta[1,0]=1*one/2
+beta[6,:]=[zero,-8*one/45,zero,2*one/3,zero,7*one/90]
+"""
+
+
+@pytest.mark.parametrize(
+    "text", [PAGE, PAGE.parent / "audit" / "nodepy.md"], ids=["page", "letter"]
+)
+def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(text) -> None:
+    rows = re.findall(r"^ *(beta\[[2-5],.*)$", text.read_text("utf-8"), re.M)
+    assert len(rows) == 4
+    made = "RK['Lambert65']=ExplicitRungeKuttaMethod(alpha=alpha,beta=beta,name='Lambert')"
+    (table,) = read("\n".join([LAMBERT, *rows, made, ""]), "python", {})
+    found = judge(table)
+    assert (found["declared"], found["found"], found["status"]) == (5, 5, "right")
+
+
+def test_the_weights_that_are_printed_for_thermostats_have_order_4() -> None:
+    letter = (PAGE.parent / "audit" / "gromacs-openmm-jax-md.md").read_text("utf-8")
+    lists = re.findall(r"^ +[35]: +(.*)$", letter, re.M)
+    text = "// Suzuki\n" + "\n".join("{" + x + "}" for x in lists)
+    assert [judge(x)["found"] for x in read(text, "weights", {})] == [4, 4]
