@@ -12,6 +12,7 @@ import pytest
 from campaigns.order6 import tables
 from campaigns.order6.tables import BASE, PAGES, RECOMMENDED, fastest, measured
 from campaigns.pages import filled
+from glmref.catalogue.advice import ADVICE
 
 README, SHORT = PAGES
 TABLES = [(page, name) for page, names in PAGES.items() for name in names]
@@ -95,9 +96,8 @@ def test_the_first_sentences_are_those_of_the_data() -> None:
     chain, stiff = gains("nonseparable-chain-40"), gains("fput-stiff-80")
     assert (round(chain[0]), round(chain[-1])) == (6, 8)
     assert (round(stiff[0], 1), round(stiff[-1], 1)) == (1.7, 2.0)
-    choose = text(README.parents[2] / "docs" / "choose.md")
-    (row,) = (x for x in choose.splitlines() if "stages that require Newton's method" in x)
-    assert set(re.findall(r"`(s5[^`]+)`", row.split("|")[2])) == set(RECOMMENDED)
+    (advice,) = (x for x in ADVICE if "stages that require Newton's method" in x.need)
+    assert set(re.findall(r"`(s5[^`]+)`", advice.more)) == set(RECOMMENDED)
 
 
 def test_a_gauss_method_is_the_fastest_on_both_orbits() -> None:

@@ -68,7 +68,8 @@ ADVICE: tuple[Advice, ...] = (
         ("stormer-verlet", "blanes-moan-4", "gauss-4", "gauss-5"),
         "see {doc}`multivalue`; for up to 100,000 steps also `pair-6-9`: at 1e-9 the best general "
         "pair needs fewer force evaluations than the best general splitting on 15 of 19 problems; "
-        "the `rkn` pairs have order 4 only here",
+        "the `rkn` pairs have order 4 only here; Yoshida's triple jump is `forest-ruth-4` as an "
+        "explicit splitting, and `yoshida-4` with implicit midpoint steps",
     ),
     Advice(
         "Hamiltonian, not separable",

@@ -139,6 +139,11 @@ class _Plain:
         if "class" in self.given:
             said = f"`class` must be one of {', '.join(BLOCKS)}, got {shown(self.given['class'])}"
             return said + did_you_mean(str(self.given["class"]), BLOCKS, "; ")
+        if given == {"a", "b"}:
+            return (
+                'the key `first` is missing; with as many a as b, "first": "q" or "first": "p" '
+                "says with which of the two the step begins (a updates q, b updates p)"
+            )
         for first, kind in (("b_prime", "nystrom"), ("gamma", "rosenbrock"), ("U", "glm"),
                             ("A_hat", "partitioned-rk"), ("beta", "lmm"), ("A", "rk"),
                             ("b", "rk")):  # fmt: skip

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import BudgetError, UsageError
+from ..views.facts import consistent_to_digits
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .output import HOLDS, INTERNAL, Word, complain, complete_method, format_option, say
 
@@ -51,7 +52,7 @@ def analyze(name: str, form: str) -> int:
     decisions += [
         record[k]
         for k in ("explicit", "preconsistent", "consistent", "zero_stable", "parasitism_free")
-        if k in record
+        if k in record and not (k == "consistent" and consistent_to_digits(record))
     ]
     return INTERNAL if None in decisions else HOLDS
 

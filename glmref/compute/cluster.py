@@ -276,7 +276,8 @@ def cluster(where: str) -> Iterator[Dask]:
             "`pip install 'glmref[cluster]'`"
         ) from None
     level = logging.DEBUG if os.environ.get("GLMREF_DEBUG") else logging.CRITICAL
-    logging.getLogger("distributed").setLevel(level)
+    for logger in ("distributed", "distributed.client"):  # Dask gives the second a level, too
+        logging.getLogger(logger).setLevel(level)
     if local:
         with import_module("dask").config.set(QUIET), ExitStack() as opened:
             try:

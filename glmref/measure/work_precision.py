@@ -320,7 +320,8 @@ def reference_state(problem: Problem, t: float) -> Reference:
         try:
             state = np.asarray(problem.solution(elapsed), dtype=float)
         except (ArithmeticError, ValueError, FunctionFailed) as error:
-            state, why = np.array([math.nan]), f"{type(error).__name__}: {error}"
+            state = np.array([math.nan])
+            why = ": ".join(x for x in (type(error).__name__, str(error)) if x)
         if not np.isfinite(state).all():
             raise NoReference(
                 f"the exact solution of {problem.name} has no value at t = {t:g} ({why}); choose "

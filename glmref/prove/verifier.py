@@ -94,7 +94,7 @@ def verify(
         found += _plain_orders(method, only, budget, tell)
         asked = {key: x for key, x in asked.items() if key not in ORDERS}
     if not asked:
-        return found
+        return ShownList(found)
     facts: Facts | None = None
     spent = ""
     for claim, declared in asked.items():
@@ -115,7 +115,7 @@ def verify(
                 facts = facts and facts_of(method, implied=facts.implied)
                 found.append(undecided(method, claim, declared, str(error)))
             tell(found[-1])
-    return found
+    return ShownList(found)
 
 
 def _plain_orders(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -25,6 +26,10 @@ _DECISIONS = (
     *("explicit", "preconsistent", "consistent", "zero stable", "G-symplectic", "symmetric"),
     "parasitism free",
 )
+#: The first step of :func:`glmref.prove.analysis.staircase`.
+_NEARLY = re.compile(r"\border (\d+) to (\d\S*?), order ")
+#: Residuals up to this size are those of coefficients computed in double precision.
+_ROUNDING = 1e-12
 _STABILITY = {
     "A": "A-stable",
     "L": "L-stable",
@@ -77,8 +82,11 @@ def analysis_rows(
                 for k, x in found.items()
             ]
         elif key == "order":
-            digits = record.get("order_to_digits")
-            put(key, f"{value} to {digits}, the decimals being rounded" if digits else value)
+            put(key, _order(record))
+        elif key == "consistent":
+            put(key, _consistent(record))
+        elif key == "undecided" and consistent_to_digits(record):
+            put(_TITLES[key], {k: x for k, x in value.items() if k != "consistent"})
         elif key == "symmetric":
             put(key, _symmetric(value))
             if value["holds"]:
@@ -90,6 +98,29 @@ def analysis_rows(
         elif key not in ("format", "method", *_TOGETHER):
             put(_TITLES.get(key, key.replace("_", " ")), value)
     return rows
+
+
+def consistent_to_digits(record: Mapping[str, Any]) -> bool:
+    """Return whether the conditions of order 1, thus of consistency, hold within the digits."""
+    return bool(record.get("order_to_digits")) and record["order"] >= 1
+
+
+def _consistent(record: Mapping[str, Any]) -> object:
+    """Return what is decided of consistency, or what holds within the digits."""
+    if record["consistent"] is None and consistent_to_digits(record):
+        return f"yes to {record['order_to_digits']}, the decimals being rounded"
+    return record["consistent"]
+
+
+def _order(record: Mapping[str, Any]) -> object:
+    """Return the order; that within rounding errors first, where the exact one is lower."""
+    order, digits = record["order"], record.get("order_to_digits")
+    if digits:
+        return f"{order} to {digits}, the decimals being rounded"
+    near = _NEARLY.search(record.get("order_witness") or "")
+    if near and float(near[2]) <= _ROUNDING:
+        return f"{near[1]} to {near[2]}, {order} exactly"
+    return order
 
 
 def _symmetric(found: Mapping[str, Any]) -> str:

@@ -216,3 +216,34 @@ def test_parts_at_other_times_than_their_row_sums_are_checked_only(
     assert verdicts(capsys, "check", file) == verdicts(capsys, "verify", file) == (0, ["holds"])
     assert main(["analyze", file]) == 2
     assert "`parts[1].c` is not A 1" in capsys.readouterr().err
+
+
+def test_a_splitting_that_does_not_say_what_is_first_is_asked_for_it(
+    tmp_path: Path, capsys: Any
+) -> None:
+    file = write(tmp_path, {"a": ["1/2", "1/2"], "b": [1, 0], "order": 2})
+    for command in ("check", "verify", "analyze", "show"):
+        assert main([command, file]) == 2
+        assert '"first": "q"' in capsys.readouterr().err
+    assert main(["check", write(tmp_path, {"a": ["1/2", "1/2"], "b": [1], "order": 2})]) == 0
+    both = {"a": ["1/2", "1/2"], "b": [1, 0], "order": 2, "first": "q"}
+    assert main(["check", write(tmp_path, both)]) == 0
+
+
+def test_rounded_tables_are_consistent_within_their_digits(tmp_path: Path, capsys: Any) -> None:
+    """The splitting of order 4 by Forest and Ruth, in doubles."""
+    w = 1.3512071919596578
+    ruth = {"a": [w / 2, (1 - w) / 2, (1 - w) / 2, w / 2], "b": [w, 1 - 2 * w, w]}
+    assert main(["analyze", write(tmp_path, ruth)]) == 0
+    lines = [x.split(maxsplit=1) for x in capsys.readouterr().out.splitlines()[1:]]
+    said = {x[0]: x[1] for x in reversed(lines) if len(x) == 2}
+    assert said["order"].startswith("4 to ")
+    assert said["consistent"].startswith("yes to ")
+    assert "not" not in said
+    # 3/4 and one unit in the last place: rounding has gone further than the digits
+    third = {
+        "A": [[0, 0, 0], ["0.33333333333333331", 0, 0], [0, "0.66666666666666663", 0]],
+        "b": [0.25, 0, "0.75000000000000011"],
+    }
+    assert main(["analyze", write(tmp_path, third)]) == 0
+    assert "order 3 to 1.1e-16, 0 exactly" in " ".join(capsys.readouterr().out.split())

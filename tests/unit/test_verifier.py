@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import glmref
 from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.prove.verifier import verify_file
@@ -75,3 +76,10 @@ def test_what_has_no_residual_says_none() -> None:
         "zero-stable": (Verdict.FAILS, 0.0),
         "consistent": (Verdict.FAILS, 1.0),
     }
+
+
+def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
+    """Of a file, of a method and of a plain one."""
+    plain = glmref.load("rk4")
+    for method in ("rk4", plain):
+        assert "<table" in glmref.verify(method)._repr_html_()  # type: ignore[attr-defined]
