@@ -802,6 +802,8 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
         return LATEX.of(decimal_of(x, digits or 10))
 
     lines = [header(method, "latex", Comment("", "% ", ""))]
+    if isinstance(method, GLM) and method.multistep is not None:
+        lines += ["", *_multistep_array(*method.multistep, cell)]
     c = stage_times(method) if method.parts == 1 and method.r == 1 else None
     for n, (A, U, B, V) in enumerate(x.matrices for x in method.components):
         plain = c is not None and _is_one(V[0][0])
@@ -812,6 +814,15 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
         lines += ["", f"% {in_comment(method.name)}{which}"]
         lines += _array(A, U, B, V, c if plain else None, more, cell)
     return "\n".join(lines) + "\n"
+
+
+def _multistep_array(alpha: Vector, beta: Vector, cell: Callable[[Scalar], str]) -> list[str]:
+    """Coefficients of a multistep method as in a book, that of the new value last."""
+    lines = ["% sum alpha_m y_(n+m) = h sum beta_m f_(n+m); below as a general linear method"]
+    lines.append(rf"\begin{{array}}{{c|{'c' * len(alpha)}}}")
+    for name, row in ((r"\alpha_m", alpha), (r"\beta_m", beta)):
+        lines.append(f"  {name} & " + " & ".join(map(cell, row)) + r" \\")
+    return [*lines, r"\end{array}"]
 
 
 def _array(

@@ -99,6 +99,16 @@ def test_latex_has_the_abscissae_and_the_embedded_rows_of_the_file() -> None:
     assert len(rows) == 3 and r"\frac{5179}{57600}" in rows[2]
 
 
+def test_latex_of_a_multistep_method_has_alpha_and_beta() -> None:
+    """Of a file, and of a method made by hand; a Runge-Kutta method has none."""
+    ab = glmref.from_lmm(alpha=[0, -1, 1], beta=["-1/2", "3/2", 0])
+    for method in ("ab-2", ab):
+        text = export(method, to="latex")
+        assert r"  \alpha_m & 0 & -1 & 1 \\" in text
+        assert r"  \beta_m & -\frac{1}{2} & \frac{3}{2} & 0 \\" in text
+    assert "alpha" not in export("rk4", to="latex")
+
+
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_which_combination_is_the_solution_survives_json_and_csv(form: str) -> None:
     method = glmref.load("multistep-10")
