@@ -21,7 +21,7 @@ from .linalg import apply, equal, is_exact
 from .numbers import apart, as_real
 from .parity import even_start, start_with_parity
 from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
-from .rule import Bound, Conclusion, Rule
+from .rule import Bound, Conclusion, Replaced, Reversal, Rule
 from .series import Solved
 from .trees import PATHS, size, through
 
@@ -163,7 +163,7 @@ class Proof:
         require(statement["proof"] in self.proofs(), "the proof is another")
         self.known: dict[str, Bound] = {}
         self.shown: list[Conclusion] = []
-        self.reversal = self.row = None
+        self.row = None
         self.claim_text = f"{self.claim} = {self.declared}"
 
     def apply(self, part):
@@ -174,6 +174,8 @@ class Proof:
         else:
             keys(witness, *WITNESS.get(part["rule"], "").split("|"))
             found = rule(self, witness)
+        if isinstance(found, Replaced):
+            self.method = found.method
         if found is not None:
             self.shown.append(found)
         if isinstance(found, Bound):
@@ -258,8 +260,9 @@ class Proof:
             series = sweep.series(sweep.root, order + 1).cut_value
             return sweep.reversal()["o"], series, sweep.q
         known = self.known.get("order")
-        require(self.reversal is not None and known is not None, "symmetry is missing")
-        L, eta = self.reversal["o"], self.series(*known.kind, order, filled=True)
+        reversals = self.all_shown(Reversal)
+        require(reversals and known is not None, "symmetry is missing")
+        L, eta = reversals[0].L["o"], self.series(*known.kind, order, filled=True)
         for t in through(self.method, order, False):
             sign_ = -1 if size(t) % 2 else 1
             equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))], "eta(-h) = L eta(h)")

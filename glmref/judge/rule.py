@@ -11,6 +11,7 @@ from .refusals import NotShown, keys
 from .trees import Tree, show
 
 if TYPE_CHECKING:
+    from .document import Method
     from .proof import Proof
 
 
@@ -97,7 +98,21 @@ class Spectrum:
     spaces: tuple[Space, ...]
 
 
-Conclusion = Bound | Truth | Bounded | Spectrum
+@dataclass(frozen=True)
+class Reversal:
+    """The L by colour that exchange the values of a step with those of its reversal."""
+
+    L: Mapping[str, list]
+
+
+@dataclass(frozen=True)
+class Replaced:
+    """A method that makes the same steps, which the parts that follow are about."""
+
+    method: Method
+
+
+Conclusion = Bound | Truth | Bounded | Spectrum | Reversal | Replaced
 
 
 class Case:

@@ -1,16 +1,20 @@
 """Rules for quadratic forms (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 from .arithmetic import Fraction
+from .document import Method
 from .linalg import (
     apply,
     combine,
     diagonal,
     dot,
     entries,
-    equal,
-    less,
     minus,
     solve,
     star,
@@ -18,88 +22,201 @@ from .linalg import (
     transpose,
 )
 from .numbers import apart, conj, vanishes
-from .refusals import keys, not_covered, require
+from .refusals import keys
+from .rule import Case, Rule, Truth
+
+FORMS = "Butcher, Hewitt, The existence of symplectic general linear methods (2009)"
+QUADRATIC = "Lasagni (1988); Sanz-Serna (1988); Hairer, Lubich, Wanner (2006), section VI.4"
 
 
-def form_defects(method, G, D, star_=star):
-    """Return left - right of each identity; D is a list, for pairs (D_P, D_Q)."""
+class Defects(NamedTuple):
+    """Left minus right side of the identities of a form: lists of matrices."""
+
+    kept: list  # G = V^* G V
+    outside: list  # D U = B^* G V
+    inside: list  # D A + A^* D = B^* G B
+    real: list  # D = D^*
+    alike: list  # G = G^*; of pairs that are not separable D_P = D_Q
+
+    @property
+    def all(self) -> list:
+        """Return the entries of all."""
+        return [x for matrices in self for x in entries(matrices)]
+
+
+def form_defects(method: Method, G: list, D: tuple[list, ...], star_=star) -> Defects:
+    """Return the defects of the form G with the diagonal D, for pairs (D_P, D_Q)."""
     if not method.pair:
-        m = method.parts["o"]
-        B, E = star_(m.B), diagonal(D)
-        return [minus(G, times(star_(m.V), G, m.V)), minus(times(E, m.U), times(B, G, m.V)),
-                minus(combine(times(E, m.A), times(star_(m.A), E)), times(B, G, m.B)),
-                minus([D], star_(transpose([D]))),
-                minus(G, star_(G))]  # fmt: skip
+        m, E = method.parts["o"], diagonal(D[0])
+        B = star_(m.B)
+        return Defects(
+            [minus(G, times(star_(m.V), G, m.V))],
+            [minus(times(E, m.U), times(B, G, m.V))],
+            [minus(combine(times(E, m.A), times(star_(m.A), E)), times(B, G, m.B))],
+            [minus([D[0]], star_(transpose([D[0]])))],
+            [minus(G, star_(G))],
+        )
     q, p, (D_P, D_Q) = method.parts["f"], method.parts["k"], map(diagonal, D)
-    shared = [] if method.separable else [[less(*D)]]
-    return [minus(times(star_(q.V), G, p.V), G), minus(times(D_P, p.U), times(star_(q.B), G, p.V)),
-            minus(times(D_Q, q.U), times(star_(p.B), star_(G), q.V)), *shared,
-            minus(combine(times(D_P, p.A), times(star_(q.A), D_Q)), times(star_(q.B), G, p.B)),
-            minus([D[0] + D[1]], star_(transpose([D[0] + D[1]])))]  # fmt: skip
+    both = [[*D[0], *D[1]]]
+    return Defects(
+        [minus(times(star_(q.V), G, p.V), G)],
+        [
+            minus(times(D_P, p.U), times(star_(q.B), G, p.V)),
+            minus(times(D_Q, q.U), times(star_(p.B), star_(G), q.V)),
+        ],
+        [minus(combine(times(D_P, p.A), times(star_(q.A), D_Q)), times(star_(q.B), G, p.B))],
+        [minus(both, star_(transpose(both)))],
+        [] if method.separable else [minus([D[0]], [D[1]])],
+    )
 
 
-def energy(method, G):
-    """Return u^* G u, for pairs u^* G u^."""
-    first, last = next(iter(method.parts)), list(method.parts)[-1]
-    return dot([conj(x) for x in method.u(first)], apply(G, method.u(last)))
+class Given(NamedTuple):
+    """All that the file gives of a form; what it does not give is missing."""
+
+    G: list | None
+    D: dict[str, list]
 
 
-def given_form(method):
-    """Return (G, {name: D}) of what the file gives; G is None where it gives none."""
+def given(method: Method) -> Given:
+    """Return what the file gives of a form."""
+    names = () if method.kind == "pair-sweep" else names_of_D(method)
     G = method.form() if "G" in method.document else None
-    names = () if method.kind == "pair-sweep" else ("D_P", "D_Q") if method.pair else ("D",)
-    return G, {name: method.list(name) for name in names if name in method.document}
+    return Given(G, {name: method.list(name) for name in names if name in method.document})
 
 
-def form(proof, w):
-    """Rule form: G and D satisfy the identities; they are those of the file if it has some."""
-    method, read = proof.method, proof.method.numbers
-    names = ("D_P", "D_Q") if method.pair else ("D",)
-    keys(w, " ".join(("G", *names)))
-    G, D = read.matrix(w["G"]), {name: read.vector(w[name]) for name in names}
-    own_G, own_D = given_form(method)
-    if own_G is not None:
-        equal(G, own_G, "the G of the file")
-    for name, own in own_D.items():
-        equal(D[name], own, f"the {name} of the file")
-    defects = form_defects(method, G, tuple(D.values()) if method.pair else D["D"])
-    require(vanishes(defects), "an identity of the form does not hold")
-    require(bool(energy(method, G)), "u^* G u is 0")
+def names_of_D(method: Method) -> tuple[str, ...]:
+    """Return the keys of D."""
+    return ("D_P", "D_Q") if method.pair else ("D",)
 
 
-def given_form_fails(proof, w):
-    """Rule given-form-fails: with the G and D of the file one identity does not hold.
+class FormCase(Case):
+    """A part about forms: what the file gives, u^* G u."""
 
-    A D that is not given is B^* G u, the only one that the second identity times u allows.
-    """
-    method = proof.method
-    G, own = given_form(method)
-    require(G is not None, "the file gives no G")
-    m, last = method.parts, list(method.parts)[-1]
-    first = "D_P" if method.pair else "D"
-    if first not in own:
-        own[first] = apply(star(next(iter(m.values())).B), apply(G, method.u(last)))
-    if method.pair and "D_Q" not in own:
-        own["D_Q"] = apply(star(m["k"].B), apply(star(G), method.u("f")))
-    D = (own["D_P"], own["D_Q"]) if method.pair else own["D"]
-    fails = any(map(apart, entries(form_defects(method, G, D))))
-    require(fails or vanishes(energy(method, G)), "the identities may hold")
+    @cached_property
+    def given(self) -> Given:
+        """Return what the file gives of a form."""
+        return given(self.method)
+
+    def energy(self, G: list) -> object:
+        """Return u^* G u, for pairs u^* G u^."""
+        first, last = next(iter(self.method.parts)), list(self.method.parts)[-1]
+        return dot([conj(x) for x in self.method.u(first)], apply(G, self.method.u(last)))
 
 
-def no_form(proof, w):
-    """Rule no-form, for real methods: every form that satisfies the identities has u^* G u = 0."""
-    method = proof.method
-    require("G" not in method.document, "the file gives a form")
-    if any(conj(x) != x for x in entries(M for m in method.parts.values() for M in m)):
-        not_covered("no-form for complex methods")
-    units = list(unit_forms(method))
-    # a combination of the equations is u^* G u
-    combination, _ = solve([entries(form_defects(method, *x)) for x in units],
-                           [energy(method, G) for G, _ in units])  # fmt: skip
-    require(combination is not None, "there is a form")
+class WitnessCase(FormCase):
+    """A part about the form of a witness."""
+
+    @cached_property
+    def G(self) -> list:
+        """Return G."""
+        return self.method.numbers.matrix(self.witness["G"])
+
+    @cached_property
+    def D(self) -> dict[str, list]:
+        """Return D, of pairs D_P and D_Q."""
+        names = names_of_D(self.method)
+        keys(self.witness, " ".join(("G", *names)))
+        return {name: self.method.numbers.vector(self.witness[name]) for name in names}
+
+    @cached_property
+    def defects(self) -> Defects:
+        """Return the defects of the form."""
+        return form_defects(self.method, self.G, tuple(self.D.values()))
 
 
-def unit_forms(method):
+def G_is_that_of_the_file(case: WitnessCase) -> bool:
+    """G is that of the file, where it gives one."""
+    return case.given.G is None or vanishes(minus(case.G, case.given.G))
+
+
+def D_is_that_of_the_file(case: WitnessCase) -> bool:
+    """Each D is that of the file, where it gives it."""
+    return all(vanishes(minus([case.D[name]], [own])) for name, own in case.given.D.items())
+
+
+def V_keeps_G(case: WitnessCase) -> bool:
+    """V^* G V = G, of pairs V^* G V^ = G."""
+    return vanishes(case.defects.kept)
+
+
+def D_fits_U(case: WitnessCase) -> bool:
+    """D U = B^* G V, of pairs D_P U^ = B^* G V^ and D_Q U = B^^* G^* V."""
+    return vanishes(case.defects.outside)
+
+
+def D_fits_A(case: WitnessCase) -> bool:
+    """D A + A^* D = B^* G B, of pairs D_P A^ + A^* D_Q = B^* G B^."""
+    return vanishes(case.defects.inside)
+
+
+def D_is_real(case: WitnessCase) -> bool:
+    """D is real."""
+    return vanishes(case.defects.real)
+
+
+def G_is_hermitian_or_D_shared(case: WitnessCase) -> bool:
+    """G = G^*; of a pair that is not separable D_P = D_Q."""
+    return vanishes(case.defects.alike)
+
+
+def form_is_not_0_at_u(case: WitnessCase) -> bool:
+    """u^* G u is not 0."""
+    return apart(case.energy(case.G))
+
+
+class GivenCase(FormCase):
+    """A part that refutes the form of the file."""
+
+    @cached_property
+    def D(self) -> tuple[list, ...]:
+        """Return D of the file; what is missing is B^* G u, by D U = B^* G V times u."""
+        G, own = self.given
+        m, last = self.method.parts, list(self.method.parts)[-1]
+        first, *second = names_of_D(self.method)
+        found = {first: own.get(first)}
+        if first not in own:
+            found[first] = apply(star(next(iter(m.values())).B), apply(G, self.method.u(last)))
+        for name in second:
+            value = own.get(name)
+            found[name] = value or apply(star(m["k"].B), apply(star(G), self.method.u("f")))
+        return tuple(found.values())
+
+
+def file_gives_G(case: GivenCase) -> bool:
+    """The file gives G."""
+    return case.given.G is not None
+
+
+def given_form_is_none(case: GivenCase) -> bool:
+    """With G and D of the file an identity does not hold, or u^* G u is 0."""
+    if any(map(apart, form_defects(case.method, case.given.G, case.D).all)):
+        return True
+    return vanishes(case.energy(case.given.G))
+
+
+class NoFormCase(FormCase):
+    """A part about all forms of a method."""
+
+
+def file_gives_no_G(case: NoFormCase) -> bool:
+    """The file gives no G."""
+    return case.given.G is None
+
+
+def method_is_real(case: NoFormCase) -> bool:
+    """The method is real: of complex methods this is not covered."""
+    return all(conj(x) == x for x in entries(M for m in case.method.parts.values() for M in m))
+
+
+def form_at_u_follows_from_the_identities(case: NoFormCase) -> bool:
+    """u^* G u is a linear combination of the identities for symmetric G and real D."""
+    units = list(unit_forms(case.method))
+    rows = [form_defects(case.method, *x).all for x in units]
+    combination, _ = solve(rows, [case.energy(G) for G, _ in units])
+    return combination is not None
+
+
+def unit_forms(method: Method) -> Iterator[tuple[list, tuple[list, ...]]]:
     """Yield (G, D) through a basis: each G with D = 0, then each D with G = 0."""
     m, *others = method.parts.values()
     rows, columns, zero = m.r, (others[0].r if others else m.r), Fraction(0)
@@ -111,30 +228,89 @@ def unit_forms(method):
             G[i][j] = Fraction(1)
             if not others:
                 G[j][i] = Fraction(1)
-            yield G, none if others else none[0]
+            yield G, none
     G = [[zero] * columns for _ in range(rows)]
     shared = method.pair and not method.separable
-    for at in range(slopes[0] if not others or shared else sum(slopes)):
+    for at in range(slopes[0] if shared else sum(slopes)):
         places = (at, at + slopes[0]) if shared else (at,)
         flat = [Fraction(int(k in places)) for k in range(sum(slopes))]
-        yield G, (flat[: slopes[0]], flat[slopes[0] :]) if others else flat
+        yield G, (flat[: slopes[0]], flat[slopes[0] :]) if others else (flat,)
 
 
-def quadratic_defects(method):
-    """Return the defects of the form G = 1, D = b of a method with one value (claim symplectic)."""
-    for m in method.parts.values():
-        require(m.r == 1 and m.V == [[1]] and m.U == [[1]] * len(m.U), "not one value carried")
-    D = [m.B[0] for m in method.parts.values()]
-    return entries(form_defects(method, [[Fraction(1)]], D if method.pair else D[0], transpose))
+class QuadraticCase(Case):
+    """A part about the form G = 1, D = b of methods that carry one value."""
+
+    @cached_property
+    def several(self) -> bool:
+        """Tell whether a component carries several values."""
+        return any(m.r > 1 for m in self.method.parts.values())
+
+    @cached_property
+    def defects(self) -> list:
+        """Return the defects, with transposes for conjugate transposes."""
+        D = tuple(m.B[0] for m in self.method.parts.values())
+        return form_defects(self.method, [[Fraction(1)]], D, transpose).all
 
 
-def quadratic(proof, w):
-    """Rule quadratic."""
-    require(vanishes(quadratic_defects(proof.method)), "an identity does not hold")
+def the_solution_is_carried(case: QuadraticCase) -> bool:
+    """Each component carries one value with U = 1 and V = 1."""
+    parts = case.method.parts.values()
+    return all(m.r == 1 and m.V == [[1]] and m.U == [[1]] * len(m.U) for m in parts)
 
 
-def not_quadratic(proof, w):
-    """Rule not-quadratic."""
-    several = any(m.r > 1 for m in proof.method.parts.values())
-    require(several or "several-values" not in w, "one value is carried")
-    require(several or any(map(apart, quadratic_defects(proof.method))), "the identities may hold")
+def products_of_weights_are_met(case: QuadraticCase) -> bool:
+    """b_i a_ij + b_j a_ji = b_i b_j; of pairs b_i a^_ij + b^_j a_ji = b_i b^_j.
+
+    Where the pair is not separable b = b^ too.
+    """
+    return vanishes(case.defects)
+
+
+def several_values_are_carried(case: QuadraticCase) -> bool:
+    """With `several-values` a component carries several values."""
+    return case.several or "several-values" not in case.witness
+
+
+def else_the_solution_is_carried(case: QuadraticCase) -> bool:
+    """Else each component carries one value with U = 1 and V = 1."""
+    return case.several or the_solution_is_carried(case)
+
+
+def else_a_product_of_weights_is_not_met(case: QuadraticCase) -> bool:
+    """Else an identity of `quadratic` does not hold."""
+    return case.several or any(map(apart, case.defects))
+
+
+FORM_RULES = (
+    Rule(
+        "form", "g-symplectic", "holds", "the definition", FORMS, "G | D D_P D_Q", WitnessCase,
+        (G_is_that_of_the_file, D_is_that_of_the_file, V_keeps_G, D_fits_U, D_fits_A, D_is_real,
+         G_is_hermitian_or_D_shared, form_is_not_0_at_u),
+        lambda case: Truth("g-symplectic"),
+    ),
+    Rule(
+        "given-form-fails", "g-symplectic", "fails",
+        "the form is that of the file; a D that it does not give can only be B^* G u",
+        FORMS, "", GivenCase, (file_gives_G, given_form_is_none),
+        lambda case: Truth("g-symplectic", False),
+    ),
+    Rule(
+        "no-form", "g-symplectic", "fails",
+        "a form of a real method has a real part, which is one; where u^* G u is a combination of "
+        "the identities it is 0 for every form",
+        FORMS, "", NoFormCase,
+        (file_gives_no_G, method_is_real, form_at_u_follows_from_the_identities),
+        lambda case: Truth("g-symplectic", False),
+    ),
+    Rule(
+        "quadratic", "symplectic", "holds", "the definition", QUADRATIC, "", QuadraticCase,
+        (the_solution_is_carried, products_of_weights_are_met), lambda case: Truth("symplectic"),
+    ),
+    Rule(
+        "not-quadratic", "symplectic", "fails", "the definition", QUADRATIC, "| several-values",
+        QuadraticCase,
+        (several_values_are_carried, else_the_solution_is_carried,
+         else_a_product_of_weights_is_not_met),
+        lambda case: Truth("symplectic", False),
+    ),
+)  # fmt: skip

@@ -1,12 +1,19 @@
 """Rules for linear stability (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 from .arithmetic import Fraction
+from .document import Component
 from .grammar import rational
 from .linalg import (
     characteristic,
     combine,
+    entries,
     identity,
     inverse_matrix,
     minus,
@@ -15,7 +22,7 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import conj, vanishes
+from .numbers import apart, conj, vanishes
 from .polynomials import (
     OnAxis,
     divide,
@@ -32,8 +39,12 @@ from .polynomials import (
     plus,
     trim,
 )
-from .refusals import not_covered, require
-from .rule import Bounded
+from .rule import Bounded, Case, Rule, Truth
+
+STABILITY = (
+    "Hairer, Wanner, Solving Ordinary Differential Equations II (1996), V.1 and V.9; "
+    "docs/certificates.md, section 5"
+)
 
 
 def stability(m):
@@ -79,24 +90,6 @@ def poles_lie_right(m):
     return bool(backwards[-1]) and is_schur(backwards)  # a pole at z = -1 makes the last one 0
 
 
-def at_infinity(P):
-    """Return the coefficient of the highest power of z in P, a polynomial in w."""
-    high = max(len(p) for p in P) - 1
-    return trim([p[high] if len(p) > high else Fraction(0) for p in P])
-
-
-def on_imaginary_axis(P):
-    """Return the differences of Schur and Cohn of P(w, i y) as polynomials in y.
-
-    None stands for a step of Cohn that fails; a difference that is 0 for all y is [].
-    """
-    real_ = all(conj(c) == c for p in P for c in p)
-    require(real_, "not covered: linear stability of complex methods")
-    found = list(margins(map(OnAxis, P)))
-    # a difference is its own conjugate: even in i y
-    return [None if x is None else [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found]
-
-
 def discriminant(P):
     """Return the resultant of P(w, z) and its derivative by w, a polynomial in z."""
     n = len(P) - 1
@@ -130,29 +123,143 @@ def never_meet(P):
     return no_root_but_zero(gcd(even, odd) if even and odd else even or odd)
 
 
-def a_stable(proof, w):
-    """Rule a-stable; `bounded` for V is another part."""
-    m = proof.method.single()
-    require(proof.all_shown(Bounded), "bounded is not part of the certificate")
-    P = stability_polynomial(m)
-    require(poles_lie_right(m), "(2): a pole does not lie in Re z > 0")
-    last = at_infinity(P)
-    require(len(last) == m.r + 1 and in_disc(last), "(3): an eigenvalue at infinity")
-    found = on_imaginary_axis(P)
-    require(None not in found, "(4): a step of Cohn fails")
-    fine = all(not x or nowhere_negative(x) for x in found)
-    require(fine, "(4): a difference is negative somewhere")
-    # where a difference is 0 eigenvalues of modulus 1 may meet; [] is 0 everywhere
-    apart_ = m.r == 1 or all(x and no_root_but_zero(x) for x in found) or never_meet(P)
-    if not apart_:
-        not_covered("(5): eigenvalues that meet on the imaginary axis")
+class Axis(NamedTuple):
+    """The differences of Schur and Cohn of P(w, i y), real polynomials in y.
+
+    `outside` says that a step of Cohn fails, so that an eigenvalue is outside for almost every y. A
+    difference that is 0 for all y is the empty list: the eigenvalues left are on the circle.
+    """
+
+    differences: list
+    outside: bool
 
 
-def at_imaginary(m, y):
+class StabilityCase(Case):
+    """A part about M(z) = V + z B (I - z A)^-1 U."""
+
+    @cached_property
+    def m(self) -> Component:
+        """Return the component."""
+        return self.method.single()
+
+    @cached_property
+    def P(self) -> list:
+        """Return P(w, z) = det(w I - M(z)) det(I - z A)."""
+        return stability_polynomial(self.m)
+
+    @cached_property
+    def at_infinity(self) -> list:
+        """Return the coefficient of the highest power of z in P, a polynomial in w."""
+        high = max(len(p) for p in self.P) - 1
+        return trim([p[high] if len(p) > high else Fraction(0) for p in self.P])
+
+    @property
+    def stays_finite(self) -> bool:
+        """Tell whether all eigenvalues have finite limits at infinity."""
+        return len(self.at_infinity) == self.m.r + 1
+
+    @cached_property
+    def axis(self) -> Axis:
+        """Return the differences on the imaginary axis."""
+        found = list(margins(map(OnAxis, self.P)))
+        # a difference is its own conjugate: even in i y
+        values = [[c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found if x is not None]
+        return Axis(values, None in found)
+
+    @property
+    def is_negative(self) -> bool:
+        """Tell whether a difference is negative somewhere on the imaginary axis."""
+        return not all(not x or nowhere_negative(x) for x in self.axis.differences)
+
+
+def V_is_power_bounded(case: StabilityCase) -> bool:
+    """(1) The powers of V are shown by `bounded` to be bounded."""
+    return bool(case.proof.all_shown(Bounded))
+
+
+def method_has_real_entries(case: StabilityCase) -> bool:
+    """The method is real: linear stability of complex methods is not covered."""
+    return all(conj(x) == x for x in entries(case.m))
+
+
+def poles_are_on_the_right(case: StabilityCase) -> bool:
+    """(2) All poles of M lie in Re z > 0."""
+    return poles_lie_right(case.m)
+
+
+def limits_are_in_the_disc(case: StabilityCase) -> bool:
+    """(3) The eigenvalues have limits at infinity, in the closed disc."""
+    return case.stays_finite and in_disc(case.at_infinity)
+
+
+def no_step_of_Cohn_fails(case: StabilityCase) -> bool:
+    """(4) No step of Cohn fails on the imaginary axis."""
+    return not case.axis.outside
+
+
+def no_difference_is_negative(case: StabilityCase) -> bool:
+    """(4) No difference of Schur and Cohn is negative on the imaginary axis."""
+    return not case.is_negative
+
+
+def eigenvalues_on_the_circle_do_not_meet(case: StabilityCase) -> bool:
+    """(5) r = 1, or for y other than 0 no eigenvalue is on the circle, or no two of them meet."""
+    inside = all(x and no_root_but_zero(x) for x in case.axis.differences)
+    return case.m.r == 1 or inside or never_meet(case.P)
+
+
+# ---------------------------------------------------------------------------- not stable
+
+
+class NotStableCase(StabilityCase):
+    """A part that names one reason why a method is not A-stable."""
+
+    def unless(self, reason: str, fails: Callable[[], bool]) -> bool:
+        """Tell whether another reason is given, or this one is right."""
+        return reason not in self.witness or fails()
+
+
+def one_reason_is_given(case: NotStableCase) -> bool:
+    """One reason is given, with true as its value but for `y`."""
+    return len(case.witness) == 1 and all(k == "y" or x is True for k, x in case.witness.items())
+
+
+def powers_grow_at_y(case: NotStableCase) -> bool:
+    """For `y` the powers of M(i y) of a real method are not bounded."""
+
+    def fails():
+        y = rational(case.witness["y"])
+        return method_has_real_entries(case) and is_unbounded(at_imaginary(case.m, y))
+
+    return case.unless("y", fails)
+
+
+def a_limit_is_outside(case: NotStableCase) -> bool:
+    """For `infinity` (3) does not hold."""
+    return case.unless("infinity", lambda: not limits_are_in_the_disc(case))
+
+
+def a_pole_is_on_the_left(case: NotStableCase) -> bool:
+    """For `pole` (2) does not hold."""
+    return case.unless("pole", lambda: not poles_are_on_the_right(case))
+
+
+def an_eigenvalue_on_the_axis_is_outside(case: NotStableCase) -> bool:
+    """For `axis` (4) does not hold, of a real method."""
+    return case.unless(
+        "axis", lambda: method_has_real_entries(case) and (case.axis.outside or case.is_negative)
+    )
+
+
+def powers_of_V_grow(case: NotStableCase) -> bool:
+    """For `start` the powers of V are shown by `unbounded` not to be bounded."""
+    return case.unless("start", lambda: Truth("zero-stable", False) in case.proof.shown)
+
+
+def at_imaginary(m: Component, y: object) -> list:
     """Return M(i y) of a real method as a real matrix of twice the size, i as [[0, -1], [1, 0]]."""
 
     def twice(M, real_part):
-        require(all(conj(x) == x for row in M for x in row), "not covered: a complex method")
         zero = [[Fraction(0)] * len(M[0]) for _ in M]
         first, second = (M, zero) if real_part else (zero, scale(y, M))
         above = [[*a, *(-x for x in b)] for a, b in zip(first, second, strict=True)]
@@ -163,33 +270,45 @@ def at_imaginary(m, y):
     return combine(twice(m.V, True), times(B, back, twice(m.U, True)))
 
 
-def not_a_stable(proof, w):
-    """Rule not-a-stable."""
-    require(isinstance(w, dict) and len(w) == 1, "one reason is given")
-    ((reason, value),) = w.items()
-    m = proof.method.single()
-    if reason == "y":
-        require(is_unbounded(at_imaginary(m, rational(value))), "M(i y) is power-bounded")
-        return
-    require(reason in ("infinity", "pole", "axis", "start") and value is True, "no such reason")
-    if reason == "infinity":
-        last = at_infinity(stability_polynomial(m))
-        require(len(last) < m.r + 1 or not in_disc(last), "(3) holds")
-    elif reason == "pole":
-        require(not poles_lie_right(m), "(2) holds")
-    elif reason == "axis":
-        found = on_imaginary_axis(stability_polynomial(m))
-        out = any(x is None or (x and not nowhere_negative(x)) for x in found)
-        require(out, "no difference is negative")
-    else:
-        require("unbounded" in proof.rules, "unbounded is not part of the certificate")
+# ---------------------------------------------------------------------------- the limit
 
 
-def l_limit(proof, w, wanted=True):
-    """Rules l-limit and not-l-limit."""
-    m = proof.method.single()
-    last = at_infinity(stability_polynomial(m))
-    zero = len(last) == m.r + 1 and vanishes(last[:-1])
-    if not wanted and len(last) == m.r + 1:
-        zero = not any(map(bool, last[:-1]))
-    require(zero == wanted, "the limit is (not) a multiple of w^r")
+def limits_are_0(case: StabilityCase) -> bool:
+    """All eigenvalues tend to 0 at infinity."""
+    return case.stays_finite and vanishes(case.at_infinity[:-1])
+
+
+def a_limit_is_not_0(case: StabilityCase) -> bool:
+    """An eigenvalue tends to another limit than 0 at infinity, or to none."""
+    return not case.stays_finite or any(map(apart, case.at_infinity[:-1]))
+
+
+STABILITY_RULES = (
+    Rule(
+        "a-stable", "a-stable", "holds",
+        "by the maximum principle the eigenvalues are in the disc for Re z <= 0 when there is no "
+        "pole and they are on the axis and at infinity; those on the circle are semisimple when "
+        "they are different",
+        STABILITY, "", StabilityCase,
+        (V_is_power_bounded, method_has_real_entries, poles_are_on_the_right,
+         no_step_of_Cohn_fails, no_difference_is_negative,
+         eigenvalues_on_the_circle_do_not_meet),
+        lambda case: Truth("a-stable"),
+    ),
+    Rule(
+        "not-a-stable", "a-stable", "fails",
+        "each of (1) to (4) is necessary, and so are bounded powers at every point of the axis",
+        STABILITY, "| y infinity pole axis start", NotStableCase,
+        (one_reason_is_given, powers_grow_at_y, a_limit_is_outside, a_pole_is_on_the_left,
+         an_eigenvalue_on_the_axis_is_outside, powers_of_V_grow),
+        lambda case: Truth("a-stable", False),
+    ),
+    Rule(
+        "l-limit", "l-stable", "holds", "the definition", STABILITY, "", StabilityCase,
+        (limits_are_0,), lambda case: Truth("l-stable"),
+    ),
+    Rule(
+        "not-l-limit", "l-stable", "fails", "the definition", STABILITY, "", StabilityCase,
+        (a_limit_is_not_0,), lambda case: Truth("l-stable", False),
+    ),
+)  # fmt: skip

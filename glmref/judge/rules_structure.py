@@ -1,33 +1,46 @@
 """Rules for explicit stages, abscissae, error constants, reducibility (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from copy import copy
+from functools import cached_property
 from math import factorial
 
 from .arithmetic import Fraction
-from .document import Component
-from .linalg import apply, dot, equal, kernel, less, multiples, rank, times, transpose
+from .document import Component, Method
+from .linalg import apply, dot, kernel, less, minus, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes
-from .refusals import Refused, require
+from .refusals import Refused
+from .rule import Case, Replaced, Rule, Truth
+from .rules_orders import BUTCHER, ComponentCase, u_and_v_exist
+
+MINIMAL = "Kalman (1963), Mathematical description of linear dynamical systems"
+CONSTANT = "Hairer, Norsett, Wanner (1993), III.2, (2.13)"
 
 
-def needs(method, surely=False):
-    """Return {stage: stages it needs}, exact zeros left out; or those that it surely needs."""
+class StageCase(Case):
+    """A part about the order in which stages are evaluated."""
 
-    def counts(x):
-        return not is_nil(x) and (not surely or apart(x))
+    def needs(self, surely: bool) -> dict:
+        """Return {stage: stages it needs}, exact zeros left out; or those that it surely needs."""
 
-    if not method.separable:
-        n = len(next(iter(method.parts.values())).A)
-        return {i: {j for j in range(n)
-                    if any(counts(m.A[i][j]) for m in method.parts.values())}
-                for i in range(n)}  # fmt: skip
-    q, p = method.parts["f"], method.parts["k"]
-    both = (("Q", "P", q.A), ("P", "Q", p.A))
-    return {f"{x}{i}": {f"{y}{j}" for j, entry in enumerate(row, 1) if counts(entry)}
-            for x, y, A in both for i, row in enumerate(A, 1)}  # fmt: skip
+        def counts(x):
+            return not is_nil(x) and (not surely or apart(x))
+
+        method = self.method
+        if not method.separable:
+            n = len(next(iter(method.parts.values())).A)
+            return {i: {j for j in range(n)
+                        if any(counts(m.A[i][j]) for m in method.parts.values())}
+                    for i in range(n)}  # fmt: skip
+        q, p = method.parts["f"], method.parts["k"]
+        both = (("Q", "P", q.A), ("P", "Q", p.A))
+        return {f"{x}{i}": {f"{y}{j}" for j, entry in enumerate(row, 1) if counts(entry)}
+                for x, y, A in both for i, row in enumerate(A, 1)}  # fmt: skip
 
 
-def later(needed):
+def later(needed: dict) -> set:
     """Return the stages left over when one after another is evaluated: each needs one of them."""
     done = set()
     while ready := {stage for stage, x in needed.items() if x <= done} - done:
@@ -35,108 +48,243 @@ def later(needed):
     return set(needed) - done
 
 
-def explicit(proof, w):
-    """Rule explicit: each stage needs earlier ones only, in some order."""
-    require(not later(needs(proof.method)), "a stage needs a later one")
+def stages_need_earlier_ones(case: StageCase) -> bool:
+    """In some order of the stages each needs earlier ones only: other entries are exact zeros."""
+    return not later(case.needs(False))
 
 
-def implicit(proof, w):
-    """Rule implicit: some stages surely need each other."""
-    require(later(needs(proof.method, surely=True)), "the stages may be explicit")
+def some_stages_need_each_other(case: StageCase) -> bool:
+    """Some stages need each other, by entries that are shown not to be 0."""
+    return bool(later(case.needs(True)))
 
 
-def abscissae_of(proof):
-    """Return c = A 1 + U v of each part, v with 0 in what is read as the solution.
+# ---------------------------------------------------------------------------- abscissae
 
-    Where 1 is a multiple eigenvalue of V, v is known up to N beta, and U v must be the same for all
-    that have 0 there.
+
+class AbscissaeCase(ComponentCase):
+    """A part about c = A 1 + U v of each component, v with 0 in what is read as the solution.
+
+    Where 1 is a multiple eigenvalue of V, v is known up to N beta.
     """
-    require(not proof.method.pair, "the abscissae of pairs")
-    series, found = proof.series(True, False, 1, filled=True), []
-    for colour, m in proof.method.parts.items():
-        leaf, N, w = (colour, ()), series.N[colour], series.w[colour]
-        c = series.stages(leaf)
-        if len(N) > 1:
-            reads = apply(N, w)
-            unseen = [apply(m.U, apply(transpose(N), beta)) for beta in kernel([reads])]
-            require(vanishes(unseen), "v, and with it c, is not the only one")
-            j = next(j for j, x in enumerate(reads) if apart(x))
-            factor = dot(w, series.eta_of(leaf)) * inverse(reads[j])
-            c = less(c, multiples(factor, apply(m.U, N[j])))
-        found += c
-    return found
+
+    @cached_property
+    def parts(self) -> list[tuple[list, list]]:
+        """Return of each component c and U N beta for a basis of the beta with w N beta = 0."""
+        series, found = self.proof.series(True, False, 1, filled=True), []
+        for colour, m in self.method.parts.items():
+            leaf, N, w = (colour, ()), series.N[colour], series.w[colour]
+            c, unseen = series.stages(leaf), []
+            if len(N) > 1:
+                reads = apply(N, w)
+                unseen = [apply(m.U, apply(transpose(N), beta)) for beta in kernel([reads])]
+                j = next(j for j, x in enumerate(reads) if apart(x))
+                factor = dot(w, series.eta_of(leaf)) * inverse(reads[j])
+                c = less(c, multiples(factor, apply(m.U, N[j])))
+            found.append((c, unseen))
+        return found
+
+    @cached_property
+    def c(self) -> list:
+        """Return the abscissae, of one component after the other."""
+        return [x for c, _ in self.parts for x in c]
+
+    @cached_property
+    def declared(self) -> list:
+        """Return the declared list."""
+        return self.proof.claimed(self.proof.declared)
 
 
-def abscissae(proof, w):
-    """Rule abscissae, of a consistent method."""
-    exist = (proof.method.vectors_to_one(c, True)[0] is not None for c in proof.method.parts)
-    require(all(exist), "u does not exist")
-    equal(abscissae_of(proof), proof.claimed(proof.declared), "the list of abscissae")
+def method_is_no_pair(case: AbscissaeCase) -> bool:
+    """The method is no pair, whose stages have two abscissae each."""
+    return not case.method.pair
 
 
-def other_abscissae(proof, w):
-    """Rule other-abscissae: c is the only one there may be, and another one."""
-    c, given = abscissae_of(proof), proof.claimed(proof.declared)
-    fine = len(c) != len(given) or any(map(apart, less(c, given)))
-    require(fine, "the abscissae may be as declared")
+def v_is_seen_once(case: AbscissaeCase) -> bool:
+    """All v with 0 in the solution give the same U v."""
+    return all(vanishes(unseen) for _, unseen in case.parts)
 
 
-def error_constant(proof, w, same=True):
-    """Rules error-constant and other-error-constant."""
-    require(proof.method.kind in ("lmm", "one-leg"), "only multistep methods have one")
-    alpha, beta = proof.method.multistep()
-    for q in range(40):
-        C = dot(alpha, [Fraction(m**q) for m in range(len(alpha))])
-        if q:
-            C = C - q * dot(beta, [Fraction(m ** (q - 1)) for m in range(len(beta))])
-        if C:
-            break
-    require(C, "the order is another one")
-    if not same and vanishes(total(beta)):
-        return  # no error constant
-    C = C * Fraction(1, factorial(q)) * inverse(total(beta))
-    gap = C - proof.claimed([proof.declared])[0]
-    require(vanishes(gap) if same else bool(gap), "the error constant is (not) the declared one")
+def abscissae_are_those_declared(case: AbscissaeCase) -> bool:
+    """The abscissae are those declared."""
+    return len(case.c) == len(case.declared) and vanishes(less(case.c, case.declared))
 
 
-def ranks_are_less(method, c):
-    """Tell whether a value is never seen, and never reached, None where intervals leave it open."""
-    m, seen = method.part(c), list(method.part(c).U)
-    for _ in range(m.r - 1):
-        seen += times(seen[-len(m.U) :], m.V)
+def abscissae_are_others(case: AbscissaeCase) -> bool:
+    """The declared list has another length, or one abscissa is another one."""
+    return len(case.c) != len(case.declared) or any(map(apart, less(case.c, case.declared)))
+
+
+# ---------------------------------------------------------------------------- error constant
+
+
+class ConstantCase(Case):
+    """A part about the error constant of a multistep method."""
+
+    @cached_property
+    def sum_of_beta(self) -> object:
+        """Return sigma(1)."""
+        return total(self.method.multistep()[1])
+
+    @cached_property
+    def first(self) -> object:
+        """Return the first C_q = (sum alpha_m m^q - q sum beta_m m^(q-1)) / q! other than 0.
+
+        No method of k steps has an order above 2 k.
+        """
+        alpha, beta = self.method.multistep()
+        for q in range(2 * len(alpha)):
+            C = dot(alpha, [Fraction(m**q) for m in range(len(alpha))])
+            if q:
+                C = C - q * dot(beta, [Fraction(m ** (q - 1)) for m in range(len(beta))])
+            if C:
+                return C * Fraction(1, factorial(q))
+        return Fraction(0)
+
+    @property
+    def gap(self) -> object:
+        """Return the error constant less the declared one."""
+        return self.first * inverse(self.sum_of_beta) - self.proof.claimed([self.proof.declared])[0]
+
+
+def method_is_multistep(case: ConstantCase) -> bool:
+    """The file is of class `lmm` or `one-leg`."""
+    return case.method.kind in ("lmm", "one-leg")
+
+
+def beta_has_a_sum(case: ConstantCase) -> bool:
+    """The beta do not sum to 0."""
+    return apart(case.sum_of_beta)
+
+
+def constant_is_the_declared_one(case: ConstantCase) -> bool:
+    """The error constant is the declared one."""
+    return vanishes(case.gap)
+
+
+def constant_is_none_or_another(case: ConstantCase) -> bool:
+    """The beta sum to 0, so that there is no error constant, or it is another one."""
+    return vanishes(case.sum_of_beta) or apart(case.gap)
+
+
+# ---------------------------------------------------------------------------- reducibility
+
+
+class ReducibleCase(Case):
+    """A part about values that no stage sees, or that none reaches."""
+
+    @cached_property
+    def found(self) -> set[bool | None]:
+        """Return for all components whether the ranks are below r, None where that is open."""
+        return {x for c in self.method.parts for x in ranks_are_less(self.method, c)}
+
+
+def ranks_are_less(method: Method, colour: str) -> Iterator[bool | None]:
+    """Yield whether a value is never seen, and never reached, None where it is left open."""
+    m = method.part(colour)
+
+    def seen():
+        rows = list(m.U)
+        for _ in range(m.r - 1):
+            rows += times(rows[-len(m.U) :], m.V)
+        return rows
 
     def reached():
-        u, _ = method.vectors_to_one(c)  # the difference of two is never seen
+        u, _ = method.vectors_to_one(colour)  # the difference of two is never seen
         rows = ([u] if u else []) + transpose(m.B)
         for _ in range(m.r - 1):
             rows += [apply(m.V, x) for x in rows[-len(m.B[0]) :]]
         return rows
 
-    for rows in (lambda: seen, reached):
+    for rows in (seen, reached):
         try:
             yield rank(rows()) < m.r
         except Refused:
             yield None
 
 
-def reducible(proof, w, wanted=True):
-    """Rules reducible and irreducible: whether a value is never reached or never seen."""
-    found = {x for c in proof.method.parts for x in ranks_are_less(proof.method, c)}
-    require(True in found if wanted else found == {False}, "the method is reducible, or is not")
+def a_value_is_idle(case: ReducibleCase) -> bool:
+    """A component has values that are never seen, or never reached."""
+    return True in case.found
 
 
-def equivalent(proof, w):
-    """Rule equivalent: the method with the same A and these U, B, V makes the same steps.
+def no_value_is_idle(case: ReducibleCase) -> bool:
+    """All values of every component are seen and reached."""
+    return case.found == {False}
 
-    U V^k B agree for k < r + r'. The parts that follow are about this method.
-    """
-    m, read = proof.method.single(), proof.method.numbers
-    U, B, V = (read.matrix(w[key]) for key in "UBV")
-    other = copy(proof.method)
-    other.parts = {"o": Component(m.A, U, B, V)}
-    other.check_shapes()
-    left, right = m.U, U
-    for _ in range(m.r + len(V)):
-        equal(times(left, m.B), times(right, B), "U V^k B")
-        left, right = times(left, m.V), times(right, V)
-    proof.method = other
+
+class EquivalentCase(Case):
+    """A part about another method with the same A, which makes the same steps."""
+
+    @cached_property
+    def other(self) -> Method:
+        """Return the other method."""
+        read = self.method.numbers
+        U, B, V = (read.matrix(self.witness[key]) for key in "UBV")
+        other = copy(self.method)
+        other.parts = {"o": Component(self.method.single().A, U, B, V)}
+        other.check_shapes()
+        return other
+
+
+def responses_agree(case: EquivalentCase) -> bool:
+    """U V^k B is the same for both methods for k below r + r'."""
+    m, n = case.method.single(), case.other.single()
+    left, right = m.U, n.U
+    for _ in range(m.r + n.r):
+        if not vanishes(minus(times(left, m.B), times(right, n.B))):
+            return False
+        left, right = times(left, m.V), times(right, n.V)
+    return True
+
+
+def both_are_preconsistent(case: EquivalentCase) -> bool:
+    """Both methods have some u with V u = u and U u = 1, or none has."""
+    u, v = (x.vectors_to_one("o")[0] for x in (case.method, case.other))
+    return (u is None) == (v is None)
+
+
+STRUCTURE_RULES = (
+    Rule(
+        "explicit", "explicit", "holds", "the definition", BUTCHER, "", StageCase,
+        (stages_need_earlier_ones,), lambda case: Truth("explicit"),
+    ),
+    Rule(
+        "implicit", "explicit", "fails", "the definition", BUTCHER, "", StageCase,
+        (some_stages_need_each_other,), lambda case: Truth("explicit", False),
+    ),
+    Rule(
+        "abscissae", "abscissae", "holds", "the definition", BUTCHER, "", AbscissaeCase,
+        (method_is_no_pair, u_and_v_exist, v_is_seen_once, abscissae_are_those_declared),
+        lambda case: Truth("abscissae"),
+    ),
+    Rule(
+        "other-abscissae", "abscissae", "fails", "the definition", BUTCHER, "", AbscissaeCase,
+        (method_is_no_pair, u_and_v_exist, v_is_seen_once, abscissae_are_others),
+        lambda case: Truth("abscissae", False),
+    ),
+    Rule(
+        "error-constant", "error-constant", "holds", "the definition", CONSTANT, "", ConstantCase,
+        (method_is_multistep, beta_has_a_sum, constant_is_the_declared_one),
+        lambda case: Truth("error-constant"),
+    ),
+    Rule(
+        "other-error-constant", "error-constant", "fails", "the definition", CONSTANT, "",
+        ConstantCase, (method_is_multistep, constant_is_none_or_another),
+        lambda case: Truth("error-constant", False),
+    ),
+    Rule(
+        "reducible", "reducible", "holds",
+        "values outside the span of (u, B, V B, ..), or in the kernel of (U; U V; ..), can go",
+        MINIMAL, "", ReducibleCase, (a_value_is_idle,), lambda case: Truth("reducible"),
+    ),
+    Rule(
+        "irreducible", "reducible", "fails", "a system that is reached and seen is minimal",
+        MINIMAL, "", ReducibleCase, (no_value_is_idle,), lambda case: Truth("reducible", False),
+    ),
+    Rule(
+        "equivalent", "symmetric-reduced", "holds",
+        "by Cayley and Hamilton the U V^k B are the same for all k, and so are the stages",
+        MINIMAL, "U B V", EquivalentCase, (responses_agree, both_are_preconsistent),
+        lambda case: Replaced(case.other),
+    ),
+)  # fmt: skip

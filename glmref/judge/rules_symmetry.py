@@ -1,126 +1,240 @@
 """Rules for symmetry (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
 from itertools import product
 
 from .arithmetic import Fraction
-from .linalg import combine, equal, identity, inverse_matrix, minus, rank, solve, times
+from .linalg import combine, identity, inverse_matrix, minus, rank, solve, times
 from .numbers import may_vanish, vanishes
-from .refusals import keys, require
+from .refusals import beyond, keys
+from .rule import Case, Reversal, Rule, Truth
+
+SYMMETRY = "Butcher, Hill, Norton, Symmetric general linear methods (2016)"
 
 
-def permutation(p, n):
-    """Return a 0-based involution of n places."""
+class SymmetricCase(Case):
+    """A part about the involutions L and P that exchange a step with its reversal."""
+
+    @cached_property
+    def names(self) -> dict[str, tuple[str, str, str]]:
+        """Return by colour the keys of L, of P on the slopes, of P on the stages."""
+        if self.method.pair:
+            keys(self.witness, "L L_hat P_Q P_P")
+            return {"f": ("L", "P_P", "P_Q"), "k": ("L_hat", "P_Q", "P_P")}
+        keys(self.witness, "L P")
+        self.method.single()
+        return {"o": ("L", "P", "P")}
+
+    @cached_property
+    def L(self) -> dict[str, list]:
+        """Return L by colour."""
+        read = self.method.numbers.matrix
+        return {c: read(self.witness[names[0]]) for c, names in self.names.items()}
+
+    def P(self, colour: str) -> tuple[list, list]:
+        """Return the places of the slopes and of the stages of a component."""
+        _, slopes, stages = self.names[colour]
+        return self.witness[slopes], self.witness[stages]
+
+    @cached_property
+    def back(self) -> dict[str, list]:
+        """Return V^-1 by colour."""
+        return {c: inverse_matrix(m.V) for c, m in self.method.parts.items()}
+
+    def each(self, gap: Callable) -> bool:
+        """Tell whether a difference of matrices, from colour and component, is 0 for all."""
+        return all(vanishes(gap(c, m)) for c, m in self.method.parts.items())
+
+
+def is_involution(p: object, n: int) -> bool:
+    """Tell whether p is a 0-based list of n places that exchanges them."""
     fine = isinstance(p, list) and all(type(x) is int for x in p) and sorted(p) == list(range(n))
-    require(fine and all(p[x] == k for k, x in enumerate(p)), "P is no involution")
-    return p
+    return fine and all(p[x] == k for k, x in enumerate(p))
 
 
-def symmetric(proof, w):
-    """Rule symmetric: L and P exchange a step with its reversal."""
-    method, read = proof.method, proof.method.numbers
-    if method.pair:
-        keys(w, "L L_hat P_Q P_P")
-        L = {"f": read.matrix(w["L"]), "k": read.matrix(w["L_hat"])}
-        slopes, places = {"f": w["P_P"], "k": w["P_Q"]}, {"f": w["P_Q"], "k": w["P_P"]}
-        require(method.separable or w["P_Q"] == w["P_P"], "P_Q and P_P differ")
-    else:
-        keys(w, "L P")
-        L, slopes, places = {"o": read.matrix(w["L"])}, {"o": w["P"]}, {"o": w["P"]}
-    for c, m in method.parts.items():
-        J, back = L[c], inverse_matrix(m.V)
-        P, R = permutation(slopes[c], len(m.B[0])), permutation(places[c], len(m.A))
-        equal(times(J, J), identity(m.r), "L^2 = I")
-        equal(times(J, back, J), m.V, "L V^-1 L = V")
-        equal([[row[x] for x in P] for row in times(m.V, J, m.B)], m.B, "B = V L B P")
-        mirrored = times(m.U, J, m.V)
-        equal([mirrored[x] for x in R], m.U, "U = P U L V")
-        moved = [[m.A[x][y] for y in P] for x in R]
-        equal(combine(m.A, moved), times(m.U, back, m.B), "A + P A P = U V^-1 B")
-    proof.reversal = L
+def P_are_involutions(case: SymmetricCase) -> bool:
+    """Each P is an involution of the stages."""
+    return all(
+        is_involution(p, n)
+        for c, m in case.method.parts.items()
+        for p, n in zip(case.P(c), (len(m.B[0]), len(m.A)), strict=True)
+    )
 
 
-def involutions(method):
-    """Return all P with A + P A P = U V^-1 B, by backtracking; separable pairs: Q, then P."""
-    blocks, kinds = [], None
-    for m in method.parts.values():
-        blocks.append((m.A, times(m.U, inverse_matrix(m.V), m.B)))
-    n = len(blocks[0][0])
-    if method.separable:
-        (A, M), (A_hat, M_hat) = blocks
-        n_P = len(A_hat)
-        kinds = [0] * n + [1] * n_P
-        blocks = [(corners(A, A_hat), corners(M, M_hat))]
-        n += n_P
-    found, steps = [], 0
+def P_agree_where_stages_are_shared(case: SymmetricCase) -> bool:
+    """P_Q = P_P where the pair is not separable."""
+    return not case.method.pair or case.method.separable or case.P("f")[0] == case.P("f")[1]
 
-    def place(P):
-        nonlocal steps
-        steps += 1
-        require(steps <= 100_000, "beyond the limits of this checker")
-        k = next((i for i, x in enumerate(P) if x is None), None)
-        if k is None:
-            found.append(list(P))
-            return
-        for x in range(k, n):
-            if P[x] is None and (kinds is None or kinds[x] == kinds[k]):
-                P[k], P[x] = x, k
-                if fits_all(P, k):
-                    place(P)
-                P[k] = P[x] = None
 
-    def fits_all(P, k):
-        known = [i for i, x in enumerate(P) if x is not None]
-        pairs = [(i, j) for e in (k, P[k]) for o in known for i, j in ((e, o), (o, e))]
-        return all(
-            may_vanish(A[i][j] + A[P[i]][P[j]] - M[i][j]) for A, M in blocks for i, j in pairs
+def L_are_involutions(case: SymmetricCase) -> bool:
+    """L^2 = I."""
+    return case.each(lambda c, m: minus(times(case.L[c], case.L[c]), identity(m.r)))
+
+
+def V_are_regular(case: SymmetricCase) -> bool:
+    """V is regular."""
+    return all(rank(m.V) == m.r for m in case.method.parts.values())
+
+
+def L_reverses_V(case: SymmetricCase) -> bool:
+    """L V^-1 L = V."""
+    return case.each(lambda c, m: minus(times(case.L[c], case.back[c], case.L[c]), m.V))
+
+
+def B_is_reversed(case: SymmetricCase) -> bool:
+    """B = V L B P."""
+    return case.each(
+        lambda c, m: minus(
+            [[row[x] for x in case.P(c)[0]] for row in times(m.V, case.L[c], m.B)], m.B
         )
-
-    place([None] * n)
-    return found
+    )
 
 
-def corners(M, N):
+def U_is_reversed(case: SymmetricCase) -> bool:
+    """U = P U L V."""
+
+    def gap(c, m):
+        mirrored = times(m.U, case.L[c], m.V)
+        return minus([mirrored[x] for x in case.P(c)[1]], m.U)
+
+    return case.each(gap)
+
+
+def A_is_reversed(case: SymmetricCase) -> bool:
+    """A + P A P = U V^-1 B."""
+
+    def gap(c, m):
+        slopes, stages = case.P(c)
+        moved = [[m.A[x][y] for y in slopes] for x in stages]
+        return minus(combine(m.A, moved), times(m.U, case.back[c], m.B))
+
+    return case.each(gap)
+
+
+# ---------------------------------------------------------------------------- no reversal
+
+
+class Search:
+    """All involutions P with A + P A P = U V^-1 B, by backtracking; separable pairs: Q, then P."""
+
+    def __init__(self, case: NotSymmetricCase) -> None:
+        method, blocks = case.method, []
+        for m in method.parts.values():
+            blocks.append((m.A, times(m.U, inverse_matrix(m.V), m.B)))
+        self.n, self.kinds = len(blocks[0][0]), [0] * len(blocks[0][0])
+        if method.separable:
+            (A, M), (A_hat, M_hat) = blocks
+            self.kinds += [1] * len(A_hat)
+            blocks, self.n = [(corners(A, A_hat), corners(M, M_hat))], len(self.kinds)
+        self.blocks, self.steps = blocks, 0
+        self.P: list[int | None] = [None] * self.n
+
+    def found(self) -> Iterator[list[int]]:
+        """Yield every involution that continues what is placed."""
+        self.steps += 1
+        if self.steps > 100_000:
+            beyond()
+        k = next((i for i, x in enumerate(self.P) if x is None), None)
+        if k is None:
+            yield [x for x in self.P if x is not None]
+            return
+        for x in range(k, self.n):
+            if self.P[x] is None and self.kinds[x] == self.kinds[k]:
+                self.P[k], self.P[x] = x, k
+                if self.fits(k, x):
+                    yield from self.found()
+                self.P[k] = self.P[x] = None
+
+    def fits(self, k: int, x: int) -> bool:
+        """Tell whether the condition may hold at two places, with all that are placed."""
+        known = [i for i, y in enumerate(self.P) if y is not None]
+        pairs = [(i, j) for e in (k, x) for o in known for i, j in ((e, o), (o, e))]
+        return all(
+            may_vanish(A[i][j] + A[self.P[i]][self.P[j]] - M[i][j])
+            for A, M in self.blocks for i, j in pairs
+        )  # fmt: skip
+
+
+def corners(M: list, N: list) -> list:
     """Return the matrix with M right above and N left below."""
     zero = Fraction(0)
     return [[zero] * len(M) + row for row in M] + [row + [zero] * len(M[0]) for row in N]
 
 
-def not_symmetric(proof, w):
-    """Rule not-symmetric: a V is singular, or no P that the stages allow has an L."""
-    method = proof.method
-    if "singular" in w:
-        V = method.part(w["singular"]).V
-        require(rank(V) < len(V), "V is regular")
-        return
-    for P in involutions(method):
-        require(any(no_reversal(method, c, P) for c in method.parts), "an involution L exists")
+class NotSymmetricCase(Case):
+    """A part about all involutions that a method may have."""
+
+    @property
+    def is_singular(self) -> bool:
+        """Tell whether the part names a singular V."""
+        return "singular" in self.witness
+
+    def no_reversal(self, colour: str, P: list[int]) -> bool:
+        """Tell whether the linear conditions on L contradict or have one solution, no involution.
+
+        They are U V^-1 = P U L, V^-1 B = L B P, V L = L V^-1.
+        """
+        m, back = self.method.part(colour), inverse_matrix(self.method.part(colour).V)
+        n_Q = len(self.method.parts["f"].A) if self.method.separable else 0
+        Q_of, P_of = (P[:n_Q], [x - n_Q for x in P[n_Q:]]) if n_Q else (P, P)
+        stages, slopes = (P_of, Q_of) if colour == "k" else (Q_of, P_of)
+        x, unique = solve(*conditions(m, back, stages, slopes))
+        if x is None:
+            return True
+        L = [x[i * m.r : i * m.r + m.r] for i in range(m.r)]
+        return unique and not vanishes(minus(times(L, L), identity(m.r)))
 
 
-def no_reversal(method, c, P):
-    """Tell whether the linear conditions on L contradict or have one solution, no involution."""
-    m, back = method.part(c), inverse_matrix(method.part(c).V)
-    n_Q = len(method.parts["f"].A) if method.separable else 0
-    Q_of, P_of = (P[:n_Q], [x - n_Q for x in P[n_Q:]]) if method.separable else (P, P)
-    stages, slopes = (P_of, Q_of) if c == "k" else (Q_of, P_of)
-    left, right, r = times(m.U, back), times(back, m.B), m.r
-    rows, values = [], []
+def conditions(m, back: list, stages: list[int], slopes: list[int]) -> tuple[list, list]:
+    """Return rows and right sides of the linear conditions on the entries of L."""
+    left, right, r, rows, values = times(m.U, back), times(back, m.B), m.r, [], []
 
-    def condition(coefficients, value):
+    def add(value, coefficients):
         row = [Fraction(0)] * (r * r)
         for (i, j), x in coefficients:
             row[i * r + j] = row[i * r + j] + x
         rows.append(row)
         values.append(value)
 
-    for s, j in product(range(len(m.U)), range(r)):  # U V^-1 = P U L
-        condition([((k, j), m.U[stages[s]][k]) for k in range(r)], left[s][j])
-    for i, s in product(range(r), range(len(m.B[0]))):  # V^-1 B = L B P
-        condition([((i, k), m.B[k][slopes[s]]) for k in range(r)], right[i][s])
-    for i, j in product(range(r), range(r)):  # V L = L V^-1
-        condition([((k, j), m.V[i][k]) for k in range(r)]
-                  + [((i, k), -back[k][j]) for k in range(r)], Fraction(0))  # fmt: skip
-    x, unique = solve(rows, values)
-    if x is None:
+    for s, j in product(range(len(m.U)), range(r)):
+        add(left[s][j], [((k, j), m.U[stages[s]][k]) for k in range(r)])
+    for i, s in product(range(r), range(len(m.B[0]))):
+        add(right[i][s], [((i, k), m.B[k][slopes[s]]) for k in range(r)])
+    for i, j in product(range(r), range(r)):
+        add(Fraction(0), [((k, j), m.V[i][k]) for k in range(r)]
+            + [((i, k), -back[k][j]) for k in range(r)])  # fmt: skip
+    return rows, values
+
+
+def the_V_named_is_singular(case: NotSymmetricCase) -> bool:
+    """With `singular` V of the component named is singular."""
+    if not case.is_singular:
         return True
-    L = [x[i * r : i * r + r] for i in range(r)]
-    return unique and not vanishes(minus(times(L, L), identity(r)))
+    V = case.method.part(case.witness["singular"]).V
+    return rank(V) < len(V)
+
+
+def no_P_has_an_L(case: NotSymmetricCase) -> bool:
+    """Else for every P that the stages allow a component has no L."""
+    return case.is_singular or all(
+        any(case.no_reversal(c, P) for c in case.method.parts) for P in Search(case).found()
+    )
+
+
+SYMMETRY_RULES = (
+    Rule(
+        "symmetric", "symmetric", "holds", "the definition", SYMMETRY, "L | P L_hat P_Q P_P",
+        SymmetricCase,
+        (P_are_involutions, P_agree_where_stages_are_shared, L_are_involutions, V_are_regular,
+         L_reverses_V, B_is_reversed, U_is_reversed, A_is_reversed),
+        lambda case: Reversal(case.L),
+    ),
+    Rule(
+        "not-symmetric", "symmetric", "fails", "no L and P satisfy the definition", SYMMETRY,
+        "| singular", NotSymmetricCase, (the_V_named_is_singular, no_P_has_an_L),
+        lambda case: Truth("symmetric", False),
+    ),
+)  # fmt: skip

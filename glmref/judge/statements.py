@@ -11,36 +11,24 @@ from .refusals import Malformed, Refused, require, whole
 from .rule import Bound, Bounded, Rule
 from .rules_digits import not_to_digits, to_digits
 from .rules_enclosed import implied
-from .rules_forms import form, given_form_fails, no_form, not_quadratic, quadratic
+from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
 from .rules_orders import ORDER_RULES
 from .rules_rows import absent, all_zero_or_not, check_rows, dense, differences_of, gaps_of_end, row
-from .rules_stability import a_stable, l_limit, not_a_stable
+from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
-from .rules_structure import (
-    abscissae,
-    equivalent,
-    error_constant,
-    explicit,
-    implicit,
-    other_abscissae,
-    reducible,
-)
-from .rules_symmetry import not_symmetric, symmetric
+from .rules_structure import STRUCTURE_RULES
+from .rules_symmetry import SYMMETRY_RULES
 
 #: Rules by name: records, and functions of (proof, witness) that are not records yet.
-RECORDS = (*ORDER_RULES, *START_RULES, *GROWTH_RULES)
+RECORDS = (
+    *ORDER_RULES, *START_RULES, *GROWTH_RULES, *FORM_RULES, *SYMMETRY_RULES, *STRUCTURE_RULES,
+    *STABILITY_RULES,
+)  # fmt: skip
 RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in RECORDS} | {
-    rule.__name__.replace("_", "-"): rule for rule in (
-        form, given_form_fails, no_form,
-        quadratic, not_quadratic, symmetric, not_symmetric, explicit, implicit, abscissae,
-        other_abscissae, error_constant, reducible, equivalent, a_stable, not_a_stable, l_limit,
-        implied, row, dense, absent, to_digits, not_to_digits,
-    )
+    rule.__name__.replace("_", "-"): rule
+    for rule in (implied, row, dense, absent, to_digits, not_to_digits)
 } | {
-    "irreducible": lambda proof, w: reducible(proof, w, False),
-    "other-error-constant": lambda proof, w: error_constant(proof, w, False),
-    "not-l-limit": lambda proof, w: l_limit(proof, w, False),
     "not-dense": lambda proof, w: dense(proof, w, False),
     "differences": all_zero_or_not(differences_of, True),
     "no-differences": all_zero_or_not(differences_of, False),

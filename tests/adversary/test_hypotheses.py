@@ -8,13 +8,18 @@ from typing import Any
 import pytest
 
 from glmref.judge import statements
+from glmref.judge.proof import Proof
 from glmref.judge.refusals import Refused
 from glmref.judge.rule import HypothesisFails, Rule
+from glmref.judge.rules_forms import FORM_RULES
 from glmref.judge.rules_growth import GROWTH_RULES
+from glmref.judge.rules_stability import STABILITY_RULES
+from glmref.judge.rules_structure import STRUCTURE_RULES
+from glmref.judge.rules_symmetry import SYMMETRY_RULES
 
 from .test_both_ways import ROWS, subject_of
 
-FAMILIES = (GROWTH_RULES,)
+FAMILIES = (GROWTH_RULES, FORM_RULES, SYMMETRY_RULES, STRUCTURE_RULES, STABILITY_RULES)
 VIOLATES = {name: tuple(row["violates"]) for name, row in ROWS.items() if "violates" in row}
 
 
@@ -27,9 +32,11 @@ def certificate_of(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def failing(certificate: dict[str, Any]) -> tuple[str, str]:
-    """Return the rule and the hypothesis that refuse a certificate, empty if none does."""
+    """Return the rule and the hypothesis that refuse a part of a certificate, empty if none does."""
     try:
-        statements.judged(certificate)
+        proof = Proof(certificate, statements.RULES)
+        for part in proof.parts:
+            proof.apply(part)
     except HypothesisFails as error:
         rule, hypothesis, _ = error.args
         return rule, hypothesis.__name__
