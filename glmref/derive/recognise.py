@@ -42,15 +42,20 @@ def exact_text(value: Exact) -> str:
     return to_text(value)
 
 
-def root_text(square: Fraction, *, negative: bool) -> str:
-    """Text of +-sqrt(p/q) as k*sqrt(n)/m with n free of small squares."""
-    inside, outside = square.numerator * square.denominator, 1
-    divisor = 2
-    while divisor * divisor <= inside and divisor < 10_000:
+def square_free(square: Fraction, below: int) -> tuple[int, int]:
+    """Return n, m with square = n m^2/q^2, q its denominator; no square below ``below`` in n."""
+    inside, outside, divisor = square.numerator * square.denominator, 1, 2
+    while divisor * divisor <= inside and divisor < below:
         while inside % divisor**2 == 0:
             inside //= divisor**2
             outside *= divisor
         divisor += 1
+    return inside, outside
+
+
+def root_text(square: Fraction, *, negative: bool) -> str:
+    """Text of +-sqrt(p/q) as k*sqrt(n)/m with n free of small squares."""
+    inside, outside = square_free(square, 10_000)
     factor = Fraction(outside, square.denominator)
     text = f"sqrt({inside})" if inside != 1 else "1"
     if factor.numerator != 1:

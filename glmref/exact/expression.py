@@ -17,7 +17,7 @@ here, LaTeX and MathML in :mod:`glmref.views.notation`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -352,16 +352,16 @@ class _Parser:
             raise self._error(f"parentheses and signs are nested deeper than {MAX_DEPTH}")
 
     def _sum(self) -> Node:
-        terms = [("+", self._product())]
-        while self._peek() in ("+", "-"):
-            terms.append((self._take(), self._product()))
-        return Sum(tuple(terms)) if len(terms) > 1 else terms[0][1]
+        return self._chain(Sum, "+-", self._product)
 
     def _product(self) -> Node:
-        factors = [("*", self._factor())]
-        while self._peek() in ("*", "/"):
-            factors.append((self._take(), self._factor()))
-        return Product(tuple(factors)) if len(factors) > 1 else factors[0][1]
+        return self._chain(Product, "*/", self._factor)
+
+    def _chain(self, kind: type[Sum] | type[Product], signs: str, part: Callable[[], Node]) -> Node:
+        parts = [(signs[0], part())]
+        while self._peek() in (*signs,):
+            parts.append((self._take(), part()))
+        return kind(tuple(parts)) if len(parts) > 1 else parts[0][1]
 
     def _factor(self) -> Node:
         if self._peek() in ("+", "-"):

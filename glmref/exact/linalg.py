@@ -10,7 +10,7 @@ residual of the point found, which encloses the solution if there is one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..errors import ExactnessError
@@ -276,12 +276,7 @@ def solve_affine(rows: Matrix, right: Vector) -> Affine:
     undecided = False
     failed: int | None = None
     for index, (row, value) in enumerate(zip(rows, right, strict=True)):
-        current: list[Scalar] = [*row, value]
-        for column, known in solved.items():
-            factor = current[column]
-            if factor.is_zero() is not True:
-                current = _subtract(current, factor, known)
-                current[column] = _ZERO
+        current = _without(solved, [*row, value])
         at = _pivot(current[:n], set(solved))
         if at is None:
             open_entries = any(x.is_zero() is None for x in current[:n])
@@ -291,11 +286,7 @@ def solve_affine(rows: Matrix, right: Vector) -> Affine:
             continue
         lead = current[at]
         current = [x if x.is_zero() is True else x / lead for x in current]
-        for column, known in solved.items():
-            factor = known[at]
-            if factor.is_zero() is not True:
-                solved[column] = _subtract(known, factor, current)
-                solved[column][at] = _ZERO
+        solved = {column: _without({at: current}, known) for column, known in solved.items()}
         solved[at] = current
     return Affine(*_read_off(solved, n), failed, undecided)
 
@@ -310,12 +301,7 @@ def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
     for index, row in enumerate(rows):
         if enough is not None and len(chosen) == enough:
             break
-        current = list(row)
-        for column, known in solved.items():
-            factor = current[column]
-            if factor.is_zero() is not True:
-                current = _subtract(current, factor, known)
-                current[column] = _ZERO
+        current = _without(solved, list(row))
         at = _pivot(current, set(solved))
         if at is None:
             continue
@@ -323,6 +309,15 @@ def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
         solved[at] = [x if x.is_zero() is True else x / lead for x in current]
         chosen.append(index)
     return chosen
+
+
+def _without(solved: Mapping[int, list[Scalar]], row: list[Scalar]) -> list[Scalar]:
+    """Subtract multiples of the solved rows, so that their columns become zero."""
+    for column, known in solved.items():
+        if row[column].is_zero() is not True:
+            row = _subtract(row, row[column], known)
+            row[column] = _ZERO
+    return row
 
 
 def _subtract(row: list[Scalar], factor: Scalar, other: list[Scalar]) -> list[Scalar]:

@@ -160,6 +160,19 @@ class _Trace:
         return f"({x!r})" if x < 0 else repr(x)
 
 
+def _operators(sign: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the methods of an operator: with the symbol on the left, and on the right."""
+    return (
+        lambda self, x: self._binary(self, sign, x),
+        lambda self, x: self._binary(x, sign, self),
+    )
+
+
+def _function(name: str) -> Callable[[Any], Any]:
+    """Return the method that numpy calls for a function of an array of objects."""
+    return lambda self: self._call(name)
+
+
 class _Symbol:
     """A number that is not known yet."""
 
@@ -185,29 +198,10 @@ class _Symbol:
         # sum() begins with a whole zero, which changes nothing
         return self if isinstance(x, int) and x == 0 else self._binary(x, "+", self)
 
-    def __sub__(self, x: Any) -> Any:
-        return self._binary(self, "-", x)
-
-    def __rsub__(self, x: Any) -> Any:
-        return self._binary(x, "-", self)
-
-    def __mul__(self, x: Any) -> Any:
-        return self._binary(self, "*", x)
-
-    def __rmul__(self, x: Any) -> Any:
-        return self._binary(x, "*", self)
-
-    def __truediv__(self, x: Any) -> Any:
-        return self._binary(self, "/", x)
-
-    def __rtruediv__(self, x: Any) -> Any:
-        return self._binary(x, "/", self)
-
-    def __pow__(self, x: Any) -> Any:
-        return self._binary(self, "**", x)
-
-    def __rpow__(self, x: Any) -> Any:
-        return self._binary(x, "**", self)
+    __sub__, __rsub__ = _operators("-")
+    __mul__, __rmul__ = _operators("*")
+    __truediv__, __rtruediv__ = _operators("/")
+    __pow__, __rpow__ = _operators("**")
 
     def __neg__(self) -> _Symbol:
         return self.trace.operation(f"-{self.name}")
@@ -218,23 +212,8 @@ class _Symbol:
     def copy(self) -> _Symbol:
         return self
 
-    def sin(self) -> _Symbol:
-        return self._call("sin")
-
-    def cos(self) -> _Symbol:
-        return self._call("cos")
-
-    def tan(self) -> _Symbol:
-        return self._call("tan")
-
-    def exp(self) -> _Symbol:
-        return self._call("exp")
-
-    def log(self) -> _Symbol:
-        return self._call("log")
-
-    def sqrt(self) -> _Symbol:
-        return self._call("sqrt")
+    sin, cos, tan = _function("sin"), _function("cos"), _function("tan")
+    exp, log, sqrt = _function("exp"), _function("log"), _function("sqrt")
 
     def arctan2(self, x: Any) -> _Symbol:
         return self._call("atan2", x)

@@ -44,11 +44,10 @@ from typing import Any
 
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, ball, linalg
-from ..exact.expression import parse
 from ..method.component import ROOTED, Palette
 from ..theory.trees import MAX_ORDER, Tree, parse_tree, single, stands, tree, trees
 from .enclosure import WIDTH, root_of
-from .system import Affine
+from .system import Affine, row_reader
 
 _FORMS = {
     "order": r"(?P<tree>\S+)",
@@ -143,12 +142,7 @@ class RungeKuttaSystem:
 
     def read(self, values: Mapping[str, Any]) -> tuple[Below, dict[str, Sequence[Any]]]:
         """What stands below a vertex of each colour, and the rows, at values of the unknowns."""
-        constants: dict[str, Any] = dict(values)
-        for name, text in self.document.get("constants", {}).items():
-            constants[name] = parse(text, constants=constants)
-
-        def row(texts: Sequence[str]) -> tuple[Any, ...]:
-            return tuple(parse(x, constants=constants) for x in texts)
+        row = row_reader(self.document, values)
 
         def matrix(key: str) -> tuple[Any, ...]:
             return tuple(row(x) for x in self.document[key])

@@ -21,7 +21,7 @@ r^ = 1 of two). The file names its unknowns and its equations; this module gives
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -194,6 +194,16 @@ class Equation:
         return cls(text, kind, t, number, colour, found.get("value") or "0")
 
 
+def row_reader(
+    document: Mapping[str, Any], values: Mapping[str, Any]
+) -> Callable[[Sequence[str]], tuple[Any, ...]]:
+    """Return what reads entries of a document at given values of its unknowns."""
+    constants: dict[str, Any] = dict(values)
+    for name, text in document.get("constants", {}).items():
+        constants[name] = parse(text, constants=constants)
+    return lambda texts: tuple(parse(x, constants=constants) for x in texts)
+
+
 class SweepSystem:
     """The unknowns and equations of one document, evaluated over any scalar.
 
@@ -339,12 +349,7 @@ class SweepSystem:
 
     def read(self, values: Mapping[str, Any]) -> tuple[SweepForm, dict[Tree, Any]]:
         """Evaluate the form and the free principal parts at given values of the unknowns."""
-        constants: dict[str, Any] = dict(values)
-        for name, text in self.document.get("constants", {}).items():
-            constants[name] = parse(text, constants=constants)
-
-        def row(texts: Sequence[str]) -> tuple[Any, ...]:
-            return tuple(parse(x, constants=constants) for x in texts)
+        row = row_reader(self.document, values)
 
         D = {c: row(self.document[x]) for c, x in zip(self.colours, self.names, strict=True)}
         if self.is_partitioned:

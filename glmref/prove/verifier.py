@@ -226,25 +226,17 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
             f"the claim {claim!r} of {facts.method.name!r} is unknown; "
             f"known are {', '.join(sorted(CLAIMS))}"
         )
-    if facts.method.rosenbrock:
-        if not CLAIMS[claim].rosenbrock:
-            raise DataError(
-                f"the claim {claim!r} of {facts.method.name!r} has no meaning for a Rosenbrock "
-                f"method; remove it"
-            )
-    elif facts.method.additive:
-        if not CLAIMS[claim].additive:
-            raise DataError(
-                f"the claim {claim!r} of {facts.method.name!r} has no meaning for an additive "
-                f"method; remove it"
-            )
-    elif (
-        not facts.is_single
-        and not CLAIMS[claim].has_meaning(pair=True)
-        and not (CLAIMS[claim].nystrom and (facts.method.document or {}).get("class") == "nystrom")
-    ):
+    known, method = CLAIMS[claim], facts.method
+    if method.rosenbrock:
+        what, fits = "a Rosenbrock method", known.rosenbrock
+    elif method.additive:
+        what, fits = "an additive method", known.additive
+    else:
+        nystrom = known.nystrom and (method.document or {}).get("class") == "nystrom"
+        what, fits = "a pair", facts.is_single or known.has_meaning(pair=True) or nystrom
+    if not fits:
         raise DataError(
-            f"the claim {claim!r} of {facts.method.name!r} has no meaning for a pair; remove it"
+            f"the claim {claim!r} of {method.name!r} has no meaning for {what}; remove it"
         )
     return facts.judge(claim, declared)
 

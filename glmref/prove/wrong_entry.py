@@ -8,7 +8,7 @@ it is subtracted, an abscissa that is not the sum of its row, a weight of the es
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
@@ -297,20 +297,31 @@ def row_apart(A: Matrix, c: Vector) -> str:
 
 def at_row(method: Trial, declared: int) -> list[dict[str, str]]:
     """Return the one entry of the row whose sum is not c that gives the declared order."""
+    if method.gap < COARSE:
+        return []
+    return _mended(
+        method, declared, _short,
+        lambda got: len(got.sizes) >= declared and got.size(declared) <= method.coarse,
+    )  # fmt: skip
+
+
+def _mended(
+    method: Trial, declared: int, text: Callable[[Scalar], str], good: Callable[[Any], bool]
+) -> list[dict[str, str]]:
+    """Return the one entry of the row whose sum is not c that gives a good order once it fits c."""
     k, part = method.gap_row, method.gap_part
     given = method.c[part] if method.kind in ("rk", "additive") and method.c else None
-    if given is None or method.gap < COARSE or declared > 8:
+    if given is None or declared > 8:
         return []
     row, found = method.A[part][k], []
     for j, x in enumerate(row):
         if complex(x) == 0:
             continue
         row[j] = x + given[k] - sum(row, Exact(0))
-        got = reach(method.scheme(), declared, stop=0.5 * method.scale)
-        if len(got.sizes) >= declared and got.size(declared) <= method.coarse:
+        if good(reach(method.scheme(), declared, stop=0.5 * method.scale)):
             name = "a_implicit" if part else "a"
             found.append(
-                {"entry": f"{name}[{k + 1}][{j + 1}]", "is": _short(x), "should be": _short(row[j])}
+                {"entry": f"{name}[{k + 1}][{j + 1}]", "is": text(x), "should be": text(row[j])}
             )
         row[j] = x
     return found if len(found) == 1 else []
@@ -367,23 +378,9 @@ def digit(method: Trial, declared: int, size: float) -> list[dict[str, str]]:
     That is, their residuals, at most ``size``, shrink to a millionth; of entries of a rounded row
     each one mends the sum, and none the conditions of higher order.
     """
-    k, part = method.gap_row, method.gap_part
-    c = method.c[part] if method.kind in ("rk", "additive") and method.c else None
-    if c is None or declared > 8 or len(method.b[0]) > 16:
+    if len(method.b[0]) > 16:
         return []
-    row, found = method.A[part][k], []
-    for j, x in enumerate(row):
-        if complex(x) == 0:
-            continue
-        row[j] = x + c[k] - sum(row, Exact(0))
-        left = reach(method.scheme(), declared, stop=0.5 * method.scale).size(declared)
-        if left < 1e-6 * size:
-            name = "a_implicit" if part else "a"
-            found.append(
-                {"entry": f"{name}[{k + 1}][{j + 1}]", "is": _long(x), "should be": _long(row[j])}
-            )
-        row[j] = x
-    return found if len(found) == 1 else []
+    return _mended(method, declared, _long, lambda got: got.size(declared) < 1e-6 * size)
 
 
 def beside_weights(method: Trial, k: int) -> list[dict[str, str]]:

@@ -137,6 +137,19 @@ def is_nonnegative(p: Polynomial) -> bool:
     return real_roots(_odd_part(p)) == 0
 
 
+def _end_sizes(p: Polynomial) -> int:
+    """Sign of |p_n| - |p_0|."""
+    low, high = p[0], p[-1]
+    return (high * high.conjugate() - low * low.conjugate()).real.sign()
+
+
+def _schur_step(p: Polynomial) -> Polynomial:
+    """Return (conj(p_n) p - p_0 p~)/x, which has one root less inside the circle."""
+    low, high = p[0], p[-1].conjugate()
+    mirrored = tuple(a.conjugate() for a in reversed(p))
+    return monic(trim([high * a - low * b for a, b in zip(p, mirrored, strict=True)][1:]))
+
+
 def is_schur(p: Polynomial) -> bool:
     """Whether all roots lie inside the unit circle (Schur, Cohn), decided by signs.
 
@@ -144,16 +157,9 @@ def is_schur(p: Polynomial) -> bool:
     """
     p = trim(p)
     while len(p) > 1:
-        low, high = p[0], p[-1]
-        if low.is_zero() is True:
-            p = p[1:]
-            continue
-        if (high * high.conjugate() - low * low.conjugate()).real.sign() <= 0:
+        if _end_sizes(p) <= 0:
             return False
-        mirrored = tuple(a.conjugate() for a in reversed(p))
-        p = monic(
-            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
-        )
+        p = _schur_step(p)
     return True
 
 
@@ -167,11 +173,7 @@ def in_closed_disc(p: Polynomial) -> bool:
     """
     p = trim(p)
     while len(p) > 1:
-        low, high = p[0], p[-1]
-        if low.is_zero() is True:
-            p = p[1:]
-            continue
-        sign = (high * high.conjugate() - low * low.conjugate()).real.sign()
+        sign = _end_sizes(p)
         if sign < 0:
             return False
         if sign == 0:
@@ -179,10 +181,7 @@ def in_closed_disc(p: Polynomial) -> bool:
                 return False
             p = derivative(p)
             continue
-        mirrored = tuple(a.conjugate() for a in reversed(p))
-        p = monic(
-            trim([high.conjugate() * a - low * b for a, b in zip(p, mirrored, strict=True)][1:])
-        )
+        p = _schur_step(p)
     return True
 
 

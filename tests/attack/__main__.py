@@ -1,7 +1,7 @@
 """``python -m tests.attack NAME --count N --seed S``: run one attack and print what came of it.
 
-Each module but those that several use is an attack. It offers ``main(count, seed)``, which prints counts and
-violations and returns the exit code, and ``COUNT``, the number of cases in full.
+Each module but those that several use is an attack. It offers ``COUNT``, the number of cases in full, and either
+``main(count, seed)``, which prints counts and violations and returns the exit code, or what :mod:`.texts` runs.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ import argparse
 import importlib
 import sys
 from pathlib import Path
+
+from . import texts
 
 FOLDER = Path(__file__).parent
 
@@ -26,7 +28,9 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     module = importlib.import_module(f".{given.name}", __package__)
     count = module.COUNT if given.count is None else given.count
-    return int(module.main(count, given.seed) or 0)
+    if hasattr(module, "main"):
+        return int(module.main(count, given.seed) or 0)
+    return texts.main(module, count, given.seed)
 
 
 if __name__ == "__main__":

@@ -16,10 +16,9 @@ from glmref.catalogue.files import data_root
 from glmref.scenes.campaign import load_campaign
 
 from .scenes import MUTATIONS, change, toml
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "campaigns and problems"
 COUNT = 2000
 SECONDS = 5.0
 PROBLEMS = (
@@ -63,13 +62,3 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
             except ArithmeticError:  # as Python says that there is no value
                 return "no value", ()
         return "problem", [] if found.shape == (made.dimension,) else [f"f: {found.shape}"]
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("campaigns and problems", count, seed, attack(count, seed))

@@ -22,12 +22,12 @@ from glmref.judge import command
 from glmref.judge.refusals import Unreadable
 from glmref.prove.verifier import verify
 
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "certificates"
 COUNT = 2000
 SECONDS = 10.0
+LIMIT = 2 * SECONDS
 NAMES = ("rk4", "heun-2", "gauss-2", "leapfrog", "gsymplectic-n", "stormer-verlet", "ab-2")
 
 
@@ -38,6 +38,11 @@ def sound() -> tuple[dict[str, Any], ...]:
         write_certificates(list(NAMES), Path(name))
         paths = sorted(Path(name).rglob("*.json"))
         return tuple(json.loads(p.read_text(encoding="utf-8")) for p in paths)
+
+
+def prepare() -> None:
+    """Read what all cases need."""
+    sound()
 
 
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
@@ -74,14 +79,3 @@ def _false(certificate: dict[str, Any]) -> Iterable[str]:
     (found,) = (x for x in findings if x.claim == statement["claim"])
     if str(found.verdict) not in (statement["verdict"], "open"):
         yield f"accepted as {statement['verdict']}, and it {found.verdict}: {statement}"
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    sound()
-    return attacked(count, seed, judge, 2 * SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("certificates", count, seed, attack(count, seed))

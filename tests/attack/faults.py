@@ -46,6 +46,5 @@ def attack(count: int, seed: int) -> Tally:
 
 def main(count: int = COUNT, seed: int = 1) -> int:
     """Print counts and violations; 1 where there is a violation."""
-    tally = attack(count, seed)
-    print(f"seed {seed}\n{tally.text()}", flush=True)
-    return 1 if tally.violations else 0
+    print(f"seed {seed}")
+    return attack(count, seed).printed()

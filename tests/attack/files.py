@@ -897,6 +897,4 @@ def attack(count: int, seed: int, say: Callable[[str], None] = lambda _: None) -
 
 def main(count: int = COUNT, seed: int = 1) -> int:
     """Print counts and violations; 1 where there is a violation."""
-    tally = attack(count, seed, lambda line: print(line, flush=True))
-    print(tally.text(), flush=True)
-    return 1 if tally.violations else 0
+    return attack(count, seed, lambda line: print(line, flush=True)).printed()

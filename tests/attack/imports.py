@@ -20,10 +20,8 @@ from glmref.exchange.import_tables import FORMATS, read_table
 from glmref.system.terminal import escaped
 
 from .tableaux import SPLINTERS, _splintered
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish
 
+CASES = "tables"
 COUNT = 2000
 SECONDS = 5.0
 NAMES = (
@@ -77,13 +75,3 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
     found = read_table(mutated, target)
     load_document(found)
     return "read", wrong
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("tables", count, seed, attack(count, seed))

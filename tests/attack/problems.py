@@ -16,10 +16,7 @@ import numpy as np
 
 from glmref import Problem, solve
 
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish
-
+CASES = "problems"
 COUNT = 2000
 SECONDS = 3.0
 ATOMS = (
@@ -88,13 +85,3 @@ def _values(problem: Problem, y: np.ndarray, bits: int) -> np.ndarray:
     context.prec = bits
     found = problem.on(context).f(context.mpf("0.25"), [context.mpf(x) for x in y])
     return np.array([complex(x) for x in found])
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("problems", count, seed, attack(count, seed))

@@ -20,10 +20,9 @@ from glmref.compute.records import CHECKSUM, lines_of, made
 from glmref.errors import DataError, GlmrefError
 from glmref.report.store import read as read_report
 
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "record files"
 COUNT = 2000
 SECONDS = 3.0
 
@@ -120,13 +119,3 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
 
 def _measured(record: dict[str, Any]) -> dict[str, Any]:
     return {k: x for k, x in record.items() if k not in ("format", "key", "task", CHECKSUM)}
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("record files", count, seed, attack(count, seed))

@@ -22,10 +22,9 @@ from glmref.prove import verdict_cache as kept
 from glmref.system import cache
 
 from .files import SENTENCE
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "surroundings"
 COUNT = 1000
 SECONDS = 10.0
 NAMES = ("rk4", "ab-2", "yoshida-4-sign")
@@ -80,6 +79,12 @@ def right(name: str) -> tuple[int, str]:
     return code, out
 
 
+def prepare() -> None:
+    """Read what all cases need."""
+    for name in NAMES:
+        right(name)
+
+
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
     """Verify one method, in hostile surroundings or with a damaged entry."""
     name = draw.choice(NAMES)
@@ -121,15 +126,3 @@ def _damaged(draw: random.Random, name: str, folder: Path) -> dict[str, str | No
         content = bytearray(hashlib.sha256(text).digest() + text)
     entry.write_bytes(content)
     return variables
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    for name in NAMES:
-        right(name)
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("surroundings", count, seed, attack(count, seed))

@@ -22,10 +22,9 @@ from glmref.cli import main as glmref
 from tests.unit import test_audit as pieces
 
 from .files import SENTENCE
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "sources and tableaux"
 COUNT = 2000
 SECONDS = 10.0
 SOURCES = {
@@ -127,13 +126,3 @@ def _false(document: dict[str, Any], found: list[dict[str, Any]]) -> Iterable[st
 def _number(x: Any) -> float:
     above, _, below = str(x).partition("/")
     return float(above) / float(below or 1)
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("sources and tableaux", count, seed, attack(count, seed))

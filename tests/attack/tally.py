@@ -28,3 +28,8 @@ class Tally:
         total = sum(self.outcomes.values())
         lines.append(f"{total} cases, {len(self.violations)} violations")
         return "\n".join(lines)
+
+    def printed(self) -> int:
+        """Print counts and violations; 1 where there is a violation."""
+        print(self.text(), flush=True)
+        return 1 if self.violations else 0

@@ -13,7 +13,17 @@ from glmref.exact import Exact
 from glmref.exact.linalg import conjugate_transpose
 from glmref.system.budget import limited
 
-from . import campaigns, certificates, imports, problems, records, surroundings, tableaux, vectors
+from . import (
+    campaigns,
+    certificates,
+    imports,
+    problems,
+    records,
+    surroundings,
+    tableaux,
+    texts,
+    vectors,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -32,7 +42,7 @@ from . import campaigns, certificates, imports, problems, records, surroundings,
     ],
 )
 def test_what_was_mutated_is_read_or_refused_with_a_sentence(attack, count, ends):
-    tally = attack.attack(count, 3)
+    tally = texts.attack(attack, count, 3)
     assert not tally.violations, tally.text()
     assert sum(tally.outcomes.values()) == count
     assert all(tally.outcomes[x] for x in ends), tally.text()
@@ -44,7 +54,7 @@ def test_the_attack_sees_a_record_that_nobody_wrote(monkeypatch):
             return ({**record, "error": 0.25} for record in super().__iter__())
 
     monkeypatch.setattr(records, "Records", Wrong)
-    tally = records.attack(5, 1)
+    tally = texts.attack(records, 5, 1)
     assert any("a run reads what nobody wrote" in x for x in tally.violations)
 
 

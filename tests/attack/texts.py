@@ -8,16 +8,12 @@ import random
 import signal
 import time
 import traceback
-from collections.abc import Callable, Iterable
 from typing import Any
 
 from glmref.errors import GlmrefError
 
 from .files import SENTENCE, VALUES, _at, _broken_text, _places, _put, _ring, _shape, _TooLong
 from .tally import Tally
-
-#: ``judge(draw)`` carries out one case: its end, and what it violates.
-Judge = Callable[[random.Random], tuple[str, Iterable[str]]]
 
 
 def _digit(draw: random.Random, doc: Any) -> Any:
@@ -70,9 +66,14 @@ def mutated(draw: random.Random, doc: Any, *, text: float = 0.1) -> bytes:
     return _broken_text(draw, written) if draw.random() < text else written.encode()
 
 
-def attack(count: int, seed: int, judge: Judge, seconds: float) -> Tally:
-    """Run cases, each within so much processor time; count what comes of them."""
-    tally = Tally()
+def attack(module: Any, count: int, seed: int) -> Tally:
+    """Run cases of a module, each within its processor time; count what comes of them.
+
+    ``module.judge(draw)`` carries out one case: its end, and what it violates. ``module.prepare``,
+    where it is there, is called once before.
+    """
+    getattr(module, "prepare", lambda: None)()
+    tally, seconds = Tally(), getattr(module, "LIMIT", module.SECONDS)
     before = signal.signal(signal.SIGPROF, _ring)
     try:
         for number in range(1, count + 1):
@@ -80,7 +81,7 @@ def attack(count: int, seed: int, judge: Judge, seconds: float) -> Tally:
             signal.setitimer(signal.ITIMER_PROF, seconds)
             wrong: list[str] = []
             try:
-                end, found = judge(random.Random(f"{seed}:{number}"))
+                end, found = module.judge(random.Random(f"{seed}:{number}"))
                 wrong += found
             except GlmrefError as error:
                 end, said = "refused", str(error)
@@ -108,7 +109,7 @@ def _at_line(error: BaseException) -> str:
     return " at " + " < ".join(f"{f.filename.rpartition('/')[2]}:{f.lineno}" for f in frames[::-1])
 
 
-def finish(name: str, count: int, seed: int, tally: Tally) -> int:
-    """Print counts and violations; 1 where there is a violation."""
-    print(f"{count} {name}, seed {seed}\n{tally.text()}", flush=True)
-    return 1 if tally.violations else 0
+def main(module: Any, count: int, seed: int) -> int:
+    """Attack and print counts and violations; 1 where there is a violation."""
+    print(f"{count} {module.CASES}, seed {seed}", flush=True)
+    return attack(module, count, seed).printed()

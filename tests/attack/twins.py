@@ -204,6 +204,4 @@ def attack(count: int, seed: int) -> Tally:
 
 def main(count: int, seed: int) -> int:
     """Attack with twins and print what came of it."""
-    tally = attack(count, seed)
-    print(tally.text())
-    return int(bool(tally.violations))
+    return attack(count, seed).printed()

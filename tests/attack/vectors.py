@@ -16,10 +16,9 @@ from glmref.conformance.adapters.reference import Adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 
-from .tally import Tally
-from .texts import attack as attacked
-from .texts import finish, mutated
+from .texts import mutated
 
+CASES = "vector files"
 COUNT = 1000
 SECONDS = 20.0
 NAMES = ("rk4", "ab-2", "stormer-verlet", "gauss-2")
@@ -30,6 +29,11 @@ def sound() -> dict[str, Any]:
     """Vector files of some methods, and the problems."""
     folder = reader.folder()
     return {x: json.loads((folder / f"{x}.json").read_text()) for x in (*NAMES, "problems")}
+
+
+def prepare() -> None:
+    """Read what all cases need."""
+    sound()
 
 
 def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
@@ -54,14 +58,3 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
 def _forget() -> None:
     reader.problems.cache_clear()
     reader.vectors_of.cache_clear()
-
-
-def attack(count: int, seed: int) -> Tally:
-    """Run cases and count what comes of them."""
-    sound()
-    return attacked(count, seed, judge, SECONDS)
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations."""
-    return finish("vector files", count, seed, attack(count, seed))

@@ -31,6 +31,7 @@ from math import isqrt, lcm
 
 from ...errors import UsageError
 from ...exact import Exact
+from ..recognise import square_free
 
 
 @dataclass(frozen=True)
@@ -172,12 +173,7 @@ def _root_term(q: Fraction, n: int) -> str:
 
 def _square_root(value: Fraction) -> tuple[Fraction, int]:
     """Write sqrt(value) as q sqrt(n) with n free of squares."""
-    n, outside, divisor = value.numerator * value.denominator, 1, 2
-    while divisor * divisor <= n and divisor < 100_000:
-        while n % divisor**2 == 0:
-            n //= divisor**2
-            outside *= divisor
-        divisor += 1
+    n, outside = square_free(value, 100_000)
     root = isqrt(n)
     if root * root == n:
         outside, n = outside * root, 1
