@@ -2,9 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+from glmref.catalogue.lookup import data_root
+
+
+def measured(name: str) -> dict[str, Any]:
+    """Return a file of data/measurements."""
+    path = data_root() / "measurements" / f"{name}.json"
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def row(*cells: object) -> str:
+    """Return a row of a table in Markdown."""
+    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
+
+
+def table(head: Sequence[str], rows: Sequence[str]) -> str:
+    """Return a table in Markdown."""
+    return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
 
 
 def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:

@@ -15,27 +15,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from campaigns.pages import write
+from campaigns.pages import measured, row, table, write
 from glmref.catalogue.lookup import data_root
 
 PAGE = Path(__file__).parents[1] / "docs" / "scene-results.md"
 FOLDER = data_root() / "measurements"
-
-
-def measured(name: str) -> dict[str, Any]:
-    """Return a file of data/measurements."""
-    found: dict[str, Any] = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
-    return found
-
-
-def row(*cells: object) -> str:
-    """Return a row of a table in Markdown."""
-    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
-
-
-def table(head: list[str], rows: list[str]) -> str:
-    """Return a table in Markdown."""
-    return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
 
 
 def scenes() -> str:

@@ -7,35 +7,16 @@ computes them anew from the files in data/measurements.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from campaigns.order6 import bound
-from campaigns.pages import write
+from campaigns.pages import measured, row, table, write
 from campaigns.partitioned.long_runs import kepler_table
-from glmref.catalogue.lookup import data_root
 
 TARGETS = ("1e-06", "1e-09")
 BASE = "gauss-3"
-
-
-def measured(name: str) -> dict[str, Any]:
-    """Return a file of data/measurements."""
-    path = data_root() / "measurements" / f"{name}.json"
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return found
-
-
-def row(*cells: object) -> str:
-    """Return a row of a table in Markdown."""
-    return "| " + " | ".join(map(str, cells)) + " |"
-
-
-def table(head: list[str], rows: list[str]) -> str:
-    """Return a table in Markdown."""
-    return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
 
 
 def number(value: float | None, digits: int = 2) -> str:
@@ -262,10 +243,5 @@ PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
 }
 
 
-def main() -> None:
-    """Put the tables into their pages."""
-    write(PAGES)
-
-
 if __name__ == "__main__":
-    main()
+    write(PAGES)

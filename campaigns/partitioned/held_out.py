@@ -30,7 +30,7 @@ from campaigns.driver import TIMED, arguments, carried_out, complete, note
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
-from campaigns.partitioned.work import Case, Need, case_of, mean, needed, needs, per_step, task_of
+from campaigns.partitioned.work import Case, case_of, mean, needed, needs, per_step, task_of
 from glmref.engine.solve import solve
 from glmref.measure.timing import circumstances
 
@@ -126,24 +126,16 @@ def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict
     return {name: x for name, x in rounded.items() if x is not None}
 
 
-def _counted(need: Need) -> dict[str, Any]:
-    return {
-        "method": need.method,
-        "start_evaluations": need.start_evaluations,
-        "needed": {f"{t:.0e}": round(n) for t, n in need.needed.items()},
-    }
-
-
 def count_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Count one method in a case, in JSON."""
-    return _counted(needs(case_of(task), task["methods"])[0])
+    return needs(case_of(task), task["methods"])[0].counted()
 
 
 def case_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Count and time the methods of a case in JSON."""
     case, key = case_of(task), TOLERANCES[-1]
     found = {x.method: x for x in needs(case, task["methods"]) if x.start != "enhanced"}
-    rows = {name: _counted(need) for name, need in found.items()}
+    rows = {name: need.counted() for name, need in found.items()}
     counts = {name: row["needed"].get(key) for name, row in rows.items()}
     steps = {name: max(1, round(n / per_step(name))) for name, n in counts.items() if n}
     for name, seconds in _seconds(case, steps).items():

@@ -111,17 +111,9 @@ def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
     record["cases"] = []
     for case in cases:
         found = [need_of(x) for _ in methods for x in next(counted)]
-        counts = [_counted(need) for need in found if need.start != "enhanced"]
+        counts = [need.counted() for need in found if need.start != "enhanced"]
         record["cases"].append({"case": case.name, "measure": case.measure, "methods": counts})
     complete(path, record)
-
-
-def _counted(need: work.Need) -> dict[str, Any]:
-    return {
-        "method": need.method,
-        "start_evaluations": need.start_evaluations,
-        "needed": {f"{t:.0e}": round(n) for t, n in need.needed.items()},
-    }
 
 
 def add(path: Path, method: str) -> None:
@@ -135,7 +127,7 @@ def add(path: Path, method: str) -> None:
     ):
         entry = entries[case.name]
         others = [x for x in entry["methods"] if x["method"] != method]
-        entry["methods"] = [*others, *(_counted(need_of(x)) for x in found)]
+        entry["methods"] = [*others, *(need_of(x).counted() for x in found)]
     complete(path, record)
 
 
@@ -443,21 +435,6 @@ def scan_row(task: Mapping[str, Any]) -> dict[str, Any]:
         "largest": three_digits(max(good, default=0.0) * frequency),
         "holes": [three_digits(h * frequency) for h in found.holes],
     }
-
-
-def scan_table(document: Mapping[str, Any]) -> str:
-    """Holes by method and problem, in Markdown."""
-    lines = [
-        "| method | problem | interval | largest $h \\omega$, error < 0.01 | holes | the first |",
-        "|---" * 6 + "|",
-    ]
-    for x in document["scans"]:
-        first = ", ".join(f"{h:g}" for h in x["holes"][:4]) or "-"
-        lines.append(
-            f"| `{x['method']}` | {x['problem']} | {x['end']:g} | {x['largest']:g} | "
-            f"{len(x['holes'])} of {x['sizes']} | {first} |"
-        )
-    return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":

@@ -7,13 +7,12 @@ computes them anew from the files in data/measurements and data/methods/partitio
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from campaigns.pages import write
+from campaigns.pages import measured, write
 from campaigns.partitioned.long_runs import (
     FURTHER,
     ONE_VALUE,
@@ -23,8 +22,8 @@ from campaigns.partitioned.long_runs import (
 )
 from campaigns.partitioned.starts import runs_table, starts_table
 from campaigns.partitioned.work import CASES, PAIRS
-from glmref.catalogue.lookup import data_root, load
 from glmref.catalogue.lookup import document as file_of
+from glmref.catalogue.lookup import load
 from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import parasitic_curvature
 
@@ -245,13 +244,6 @@ def growth_table() -> str:
     return "\n".join(lines)
 
 
-def record(name: str) -> dict[str, Any]:
-    """Return a file of data/measurements."""
-    path = data_root() / "measurements" / f"{name}.json"
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return found
-
-
 _TIMED = [case.name for case in CASES if case.timed]
 _SINGLE = (
     *("pair-6-7", "pair-6-8", "pair-8-24", "pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-8-16"),
@@ -260,31 +252,26 @@ _SHIPPED = ("pairs", "pairs-long", "pairs-starts", "kepler-long")
 #: Page -> name of a table -> what writes it.
 PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
     ROOT / "campaigns" / "partitioned" / "README.md": {
-        "evaluations-9": lambda: needs_table(record("pairs"), "1e-09"),
-        "evaluations-6": lambda: needs_table(record("pairs"), "1e-06"),
-        "one-pair": lambda: one_pair_table(record("pairs"), _SINGLE, "1e-09"),
-        "starts": lambda: starts_table(record("pairs-starts")),
-        "enhanced-start": lambda: start_table(record("pairs"), _TIMED, "1e-09"),
-        "times": lambda: time_table(record("pairs"), "1e-09"),
-        "long-runs": lambda: long_table(record("pairs-long")),
-        "long-runs-own-start": lambda: runs_table(record("pairs-starts"), record("pairs-long")),
+        "evaluations-9": lambda: needs_table(measured("pairs"), "1e-09"),
+        "evaluations-6": lambda: needs_table(measured("pairs"), "1e-06"),
+        "one-pair": lambda: one_pair_table(measured("pairs"), _SINGLE, "1e-09"),
+        "starts": lambda: starts_table(measured("pairs-starts")),
+        "enhanced-start": lambda: start_table(measured("pairs"), _TIMED, "1e-09"),
+        "times": lambda: time_table(measured("pairs"), "1e-09"),
+        "long-runs": lambda: long_table(measured("pairs-long")),
+        "long-runs-own-start": lambda: runs_table(measured("pairs-starts"), measured("pairs-long")),
         "kepler-long": lambda: kepler_table(
-            record("kepler-long")["runs"], [*pair_names(), *ONE_VALUE]
+            measured("kepler-long")["runs"], [*pair_names(), *ONE_VALUE]
         ),
-        "kepler-restarted": lambda: kepler_table(record("kepler-long")["restarted"], RESTARTED),
-        "kepler-further": lambda: kepler_table(record("kepler-long")["further"], FURTHER),
+        "kepler-restarted": lambda: kepler_table(measured("kepler-long")["restarted"], RESTARTED),
+        "kepler-further": lambda: kepler_table(measured("kepler-long")["further"], FURTHER),
     },
     ROOT / "docs" / "pairs.md": {
-        "shipped": lambda: shipped_table({x: record(x) for x in _SHIPPED}),
+        "shipped": lambda: shipped_table({x: measured(x) for x in _SHIPPED}),
     },
     ROOT / "docs" / "pairs-theory.md": {"growth": growth_table},
 }
 
 
-def main() -> None:
-    """Put the tables into their pages."""
-    write(PAGES)
-
-
 if __name__ == "__main__":
-    main()
+    write(PAGES)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.pages import measured
 from campaigns.partitioned.long_runs import (
     FURTHER,
     KEPLER,
@@ -38,13 +39,9 @@ PAIRS, ORDER6 = (ROOT / "campaigns" / x / "README.md" for x in ("partitioned", "
 LIMIT = "100,000 steps"
 
 
-def record(name="kepler-long"):
-    return json.loads((MEASURED / f"{name}.json").read_text(encoding="utf-8"))
-
-
 def changed(method, eccentricity, key="runs", **values):
     """The record with one run changed."""
-    other = record()
+    other = measured("kepler-long")
     found = [x for x in other[key] if (x["method"], x["eccentricity"]) == (method, eccentricity)]
     assert len(found) == 1
     found[0].update(values)
@@ -58,7 +55,7 @@ def bounded(runs):
 
 @pytest.mark.slow
 def test_every_method_is_run_at_every_eccentricity():
-    stored = record()
+    stored = measured("kepler-long")
     wanted = {"runs": kepler_methods(), "restarted": RESTARTED, "further": FURTHER}
     for key, methods in wanted.items():
         expected = [
@@ -84,7 +81,7 @@ def expected_labels(stored):
 
 
 def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
-    assert labels("kepler-long.json") == expected_labels(record())
+    assert labels("kepler-long.json") == expected_labels(measured("kepler-long"))
     assert {name: kepler_notes(name) for name in labels("kepler-long.json")} == labels(
         "kepler-long.json"
     )  # what recipes write
@@ -125,8 +122,8 @@ def recommended(stored):
 def steady_pairs(stored):
     """Pairs bounded on Kepler's problem; of these, those bounded in every other long run, too."""
     pairs = [x for x in bounded(stored["runs"]) if x in pair_names()]
-    starts = record("pairs-starts")
-    others = record("pairs-long")["runs"] + starts["runs"] + starts["further"]
+    starts = measured("pairs-starts")
+    others = measured("pairs-long")["runs"] + starts["runs"] + starts["further"]
     own = starts["runs"] + starts["further"] + stored["further"]
     unsteady = {x["method"] for x in own if not x["bounded"]}
     assert {x["method"] for x in others} >= set(pairs)
@@ -134,7 +131,7 @@ def steady_pairs(stored):
 
 
 def test_what_is_recommended_for_long_runs_survived_all_of_them():
-    stored = record()
+    stored = measured("kepler-long")
     page = named(CHOOSE, f"Recommended for more than {LIMIT}:", r"They carry one value")
     assert sorted(page) == recommended(stored)
     pairs, all_problems = steady_pairs(stored)
@@ -147,7 +144,7 @@ def test_what_is_recommended_for_long_runs_survived_all_of_them():
 
 @pytest.mark.slow
 def test_a_pair_that_stayed_bounded_everywhere_would_be_named():
-    stored = record()
+    stored = measured("kepler-long")
     for x in stored["further"]:
         x["bounded"] = True
     assert steady_pairs(stored)[1] == ["pair-6-10"]
@@ -158,12 +155,14 @@ def test_a_pair_that_stayed_bounded_everywhere_would_be_named():
     [("kahan-li-8", "runs"), ("gauss-3", "further"), ("blanes-moan-rkn-6-14", "runs")],
 )
 def test_other_data_would_recommend_others(method, key):
-    assert recommended(changed(method, "0.1", key, bounded=False)) != recommended(record())
+    assert recommended(changed(method, "0.1", key, bounded=False)) != recommended(
+        measured("kepler-long")
+    )
 
 
 def test_no_page_recommends_a_growing_method_without_a_limit():
     """Each method of the table that grows in some run stands behind a limit it survived."""
-    stored = record()
+    stored = measured("kepler-long")
     grows = grown(stored["runs"])
     rows = [x for x in CHOOSE.read_text(encoding="utf-8").splitlines() if x.startswith("| ")]
     seen = set()
@@ -182,7 +181,7 @@ def test_no_page_recommends_a_growing_method_without_a_limit():
 
 @pytest.mark.slow
 def test_the_counts_of_the_pages_are_those_of_the_data():
-    stored = record()
+    stored = measured("kepler-long")
     texts = grown(stored["runs"])
     grows = [x for x in pair_names() if x in texts]
     lost = [x for x in grows if "lost" in texts[x]]
@@ -210,7 +209,7 @@ def test_the_counts_of_the_pages_are_those_of_the_data():
 
 
 def test_new_starts_keep_every_run_bounded_but_those_the_page_names():
-    stored = record()
+    stored = measured("kepler-long")
     assert bounded(stored["restarted"]) == list(RESTARTED)
     assert not set(bounded(stored["runs"])) & set(RESTARTED) - {"pair-6-10"}
 
@@ -220,7 +219,9 @@ def test_the_beginning_of_a_run_is_that_of_the_record():
     for name in ("blanes-moan-rkn-6-14", "gauss-3", "pair-rkn-6-8b"):
         again = follow_method(name, KEPLER[1], 100_000)
         stored = next(
-            x for x in record()["runs"] if (x["method"], x["eccentricity"]) == (name, "0.3")
+            x
+            for x in measured("kepler-long")["runs"]
+            if (x["method"], x["eccentricity"]) == (name, "0.3")
         )
         assert again.h == stored["h"]
         # samples lie closer in a short run: its largest is no smaller but for rounding

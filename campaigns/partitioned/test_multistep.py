@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from campaigns import world
+from campaigns.pages import measured
 from campaigns.partitioned import error_front, held_out, multistep
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import Case
@@ -41,7 +42,7 @@ from campaigns.partitioned.stages_search import (
     interval,
     ranges,
 )
-from glmref.catalogue.lookup import data_root, document, load
+from glmref.catalogue.lookup import document, load
 from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.record import survey_notes
@@ -50,25 +51,20 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "multivalue.md"
 
 
-def record(name):
-    path = data_root() / "measurements" / f"{name}.json"
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
 def filled(text):
     tables = {
-        "multistep-1e-09": table(record("multistep"), "1e-09"),
-        "multistep-1e-06": table(record("multistep"), "1e-06"),
-        "multistep-means": mean_table(record("multistep")),
-        "multistep-long": long_table(record("multistep-long")),
-        "multistep-growth": growth_table(record("multistep-growth")),
-        "multistep-front": front_table(record("multistep-front")),
-        "error-front": error_front.table(record("error-front")),
-        "world": world.table(record("world")),
-        "held-out-summary": held_out.summary(record("held-out")),
-        "held-out-singles": held_out.singles(record("held-out")),
-        "held-out-long": held_out.table(record("held-out"), "energy"),
-        "held-out-short": held_out.table(record("held-out"), "state"),
+        "multistep-1e-09": table(measured("multistep"), "1e-09"),
+        "multistep-1e-06": table(measured("multistep"), "1e-06"),
+        "multistep-means": mean_table(measured("multistep")),
+        "multistep-long": long_table(measured("multistep-long")),
+        "multistep-growth": growth_table(measured("multistep-growth")),
+        "multistep-front": front_table(measured("multistep-front")),
+        "error-front": error_front.table(measured("error-front")),
+        "world": world.table(measured("world")),
+        "held-out-summary": held_out.summary(measured("held-out")),
+        "held-out-singles": held_out.singles(measured("held-out")),
+        "held-out-long": held_out.table(measured("held-out"), "energy"),
+        "held-out-short": held_out.table(measured("held-out"), "state"),
     }
     for name, lines in tables.items():
         pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end of table -->)"
@@ -83,13 +79,13 @@ def test_the_tables_of_the_page_are_those_of_the_data():
 
 
 def test_every_shipped_method_is_measured():
-    assert set(SHIPPED) <= {x["method"] for x in record("multistep-long")["runs"]}
-    for entry in record("multistep")["cases"]:
+    assert set(SHIPPED) <= {x["method"] for x in measured("multistep-long")["runs"]}
+    for entry in measured("multistep")["cases"]:
         assert set(SHIPPED) <= {x["method"] for x in entry["methods"]}
 
 
 def test_every_held_out_problem_is_measured_with_every_method():
-    document = record("held-out")
+    document = measured("held-out")
     found = {x["case"]: [m["method"] for m in x["methods"]] for x in document["cases"]}
     missing = document["not measured"]
     wanted = [x for name in PROBLEMS for x in (name, f"{name}, long") if x not in missing]
@@ -105,7 +101,7 @@ def test_counts_on_a_held_out_problem_are_those_of_the_record():
     case = next(x for x in held_out.CASES if x.name == "double well")
     few = ["multistep-rkn-8", "quinlan-tremaine-8"]
     again = held_out.case_row(held_out.task_of(case, *few))
-    (stored,) = (x for x in record("held-out")["cases"] if x["case"] == case.name)
+    (stored,) = (x for x in measured("held-out")["cases"] if x["case"] == case.name)
     known = {x["method"]: x["needed"] for x in stored["methods"]}
     for found in again["methods"]:
         assert found["needed"] == known[found["method"]]
@@ -114,7 +110,7 @@ def test_counts_on_a_held_out_problem_are_those_of_the_record():
 
 @pytest.mark.slow
 def test_a_method_counted_later_is_put_in_its_place(tmp_path):
-    (stored,) = (x for x in record("held-out")["cases"] if x["case"] == "double well")
+    (stored,) = (x for x in measured("held-out")["cases"] if x["case"] == "double well")
     rows = [x for x in stored["methods"] if x["method"] != "dormand-prince-rkn-12-10"]
     path = tmp_path / "few.json"
     path.write_text(json.dumps({"notes": ["One."], "cases": [stored | {"methods": rows}]}))
@@ -128,7 +124,7 @@ def test_a_method_counted_later_is_put_in_its_place(tmp_path):
 
 @pytest.mark.slow
 def test_a_method_timed_later_gets_the_ratio_times_the_recorded_time(tmp_path, monkeypatch):
-    (stored,) = (x for x in record("held-out")["cases"] if x["case"] == "double well")
+    (stored,) = (x for x in measured("held-out")["cases"] if x["case"] == "double well")
     path, name = tmp_path / "few.json", "multivalue-rkn-12"
     note = f"{name} was counted in a later run, without times."
     path.write_text(json.dumps({"notes": [note], "cases": [stored]}))
@@ -148,7 +144,7 @@ def test_a_method_timed_later_gets_the_ratio_times_the_recorded_time(tmp_path, m
 
 @pytest.mark.slow
 def test_a_method_of_the_world_measured_later_is_put_in_its_place(tmp_path, monkeypatch):
-    document = record("world")
+    document = measured("world")
     stored = next(x for x in document["cases"] if x["case"] == "henon-heiles")
     case = next(x for x in world.CASES if x.name == "henon-heiles")
     path, name = tmp_path / "few.json", "multivalue-rkn-12"
@@ -194,7 +190,7 @@ def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_pat
     monkeypatch.setattr(multistep, "ROWS", few)
     monkeypatch.setattr(multistep, "SHIPPED", {"multistep-8": SHIPPED["multistep-8"]})
     monkeypatch.setattr(multistep, "PUBLISHED", ())
-    (stored,) = (x for x in record("multistep")["cases"] if x["case"] == case.name)
+    (stored,) = (x for x in measured("multistep")["cases"] if x["case"] == case.name)
     known = {x["method"]: x["needed"] for x in stored["methods"]}
     found = []
     for on in ("here", "local:2"):
@@ -214,7 +210,7 @@ def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_pat
 
 
 def test_files_say_where_they_grow():
-    grown = {x["method"] for x in record("multistep-long")["runs"] if not x["bounded"]}
+    grown = {x["method"] for x in measured("multistep-long")["runs"] if not x["bounded"]}
     for name, shipped in SHIPPED.items():
         (said,) = shipped.notes
         assert ("grow on" if name in grown else "stays bounded") in said
@@ -231,7 +227,7 @@ def test_the_best_of_some_is_found():
 def test_a_long_run_is_repeated(name):
     case = LONG[1]
     stored = next(
-        x for x in record("multistep-long")["runs"]
+        x for x in measured("multistep-long")["runs"]
         if (x["method"], x["problem"]) == (name, case.problem)
     )  # fmt: skip
     again = follow(name, case, stored["h"], 100_000).as_json()

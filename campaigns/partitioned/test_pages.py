@@ -8,7 +8,7 @@ import pytest
 from campaigns.pages import filled
 from campaigns.partitioned import tables
 from campaigns.partitioned.starts import started_pairs
-from campaigns.partitioned.tables import PAGES, RECOMMENDED, record, shipped_table
+from campaigns.partitioned.tables import PAGES, RECOMMENDED, measured, shipped_table
 
 #: What takes seconds: the periodicity of every pair, in balls.
 SLOW = {"growth"}
@@ -56,12 +56,12 @@ def _other(found):
 )
 def test_other_data_give_another_table(page, name, monkeypatch):
     for pair in ("pair-6-8", "pair-rkn-6-8b"):
-        monkeypatch.setattr(tables, "record", lambda x, pair=pair: changed(record(x), pair))
+        monkeypatch.setattr(tables, "measured", lambda x, pair=pair: changed(measured(x), pair))
         assert filled(text(page), {name: PAGES[page][name]}) != text(page)
 
 
 def test_other_data_give_another_table_of_longer_runs(monkeypatch):
-    monkeypatch.setattr(tables, "record", lambda x: changed(record(x), "gauss-3"))
+    monkeypatch.setattr(tables, "measured", lambda x: changed(measured(x), "gauss-3"))
     page = text(README)
     assert filled(page, {"kepler-further": PAGES[README]["kepler-further"]}) != page
 
@@ -98,7 +98,7 @@ def counted(records):
 
 
 def test_the_sentences_of_the_short_page_are_those_of_the_data():
-    records = {x: record(x) for x in ("pairs", "pairs-long", "pairs-starts", "kepler-long")}
+    records = {x: measured(x) for x in ("pairs", "pairs-long", "pairs-starts", "kepler-long")}
     page = " ".join(text(SHORT).split())
     assert counted(records) == (14, 11, 8, 6)
     assert "eleven of the fourteen pairs grow, and eight lose the orbit" in page

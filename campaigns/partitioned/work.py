@@ -166,6 +166,13 @@ class Need:
     needed: dict[float, float]
     seconds: dict[float, float] = field(default_factory=dict)
 
+    def counted(self) -> dict[str, Any]:
+        """Return the evaluations in JSON's types."""
+        needed = {f"{t:.0e}": round(n) for t, n in self.needed.items()}
+        return {
+            "method": self.method, "start_evaluations": self.start_evaluations, "needed": needed,
+        }  # fmt: skip
+
 
 @cache
 def _method(name: str) -> PartitionedGLM:
