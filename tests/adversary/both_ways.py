@@ -18,10 +18,10 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
 from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
+from tests.build import SOURCE
 
 Document = Mapping[str, Any]
 Part = tuple[str, Mapping[str, Any]]
-SOURCE = {"citation": "an adversary", "where": "nowhere", "status": "derived"}
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 SECOND = {
     "stage-order": "stage-order",

@@ -12,19 +12,11 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.findings import Finding, Proof, Verdict
 from glmref.prove.verifier import verify
-
-SOURCE = {"citation": "an adversary", "where": "nowhere", "status": "derived"}
+from tests.build import method_document
 
 
 def doc(kind: str, claims: Mapping[str, Any], **keys: Any) -> dict[str, Any]:
-    return {
-        "format": "glmref-method-1",
-        "name": "deceiver",
-        "class": kind,
-        **keys,
-        "claims": dict(claims),
-        "source": SOURCE,
-    }
+    return {**method_document(kind, claims, **keys), "name": "deceiver"}
 
 
 def texts(rows: Sequence[Sequence[Any]]) -> list[list[str]]:

@@ -15,9 +15,9 @@ from glmref.judge.numbers import around
 from glmref.judge.proof import record_of
 from glmref.judge.towers import Tower
 from glmref.prove.verifier import facts_for
+from tests.build import SOURCE
 
 HEAD = {"format": "glmref-method-1", "name": "x"}
-SOURCE = {"citation": "-", "where": "-", "status": "derived"}
 #: The generator 2 with the polynomial x^2 - 4: g1 - 2 is 0, and does not reduce to 0.
 TWO = {
     "kind": "tower",

@@ -21,6 +21,7 @@ from glmref.errors import GlmrefError
 from glmref.judge import command
 from glmref.judge.refusals import Unreadable
 from glmref.prove.verifier import verify
+from tests.build import SOURCE
 
 from .texts import mutated
 
@@ -71,7 +72,7 @@ def _false(certificate: dict[str, Any]) -> Iterable[str]:
     statement = certificate["statement"]
     document = {**certificate["document"], "claims": {statement["claim"]: statement["declared"]}}
     document.pop("broken", None)
-    document.setdefault("source", {"citation": "x", "where": "x", "status": "derived"})
+    document.setdefault("source", SOURCE)
     try:
         findings = verify(load_document(document, where="x"), budget=SECONDS / 2)
     except GlmrefError:

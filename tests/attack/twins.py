@@ -27,13 +27,13 @@ from glmref.findings import Proof, Verdict
 from glmref.prove.verifier import verify
 from glmref.system.budget import limited
 from tests.adversary.test_verdicts_have_certificates import without_a_certificate
+from tests.build import SOURCE
 
 from .tally import Tally
 
 COUNT = 500
 SECONDS = 5.0
 TINY = Fraction(1, 10**80)
-SOURCE = {"citation": "an adversary", "where": "nowhere", "status": "derived"}
 #: Last values of V, with the traps that they are: simple, on the circle, a Jordan block, outside.
 TRAPS: tuple[list[list[str]], ...] = (
     [], [["0"]], [["-1"]], [["1"]], [["1/2"]], [["9/8"]], [["-1", "1"], ["0", "-1"]],

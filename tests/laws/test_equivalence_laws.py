@@ -19,7 +19,7 @@ from glmref.engine.solve import solve
 from glmref.errors import DataError
 from glmref.exact import exact, linalg
 from glmref.exact.expression import parse
-from glmref.method import GLM, PartitionedGLM, StartingMethod, as_matrix
+from glmref.method import GLM, PartitionedGLM, StartingMethod
 from glmref.method.preconsistency import (
     abscissae,
     consistency_vector,
@@ -30,6 +30,7 @@ from glmref.method.preconsistency import (
 from glmref.prove.analysis import analyze
 from glmref.prove.facts import facts_of
 from glmref.prove.finders import proposal_for
+from tests.build import invertible
 
 SMALL = st.integers(-2, 2)
 LAWS = settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -48,17 +49,6 @@ SAME = (
     "explicit", "preconsistent", "consistent", "zero_stable", "order", "principal",
     "order_identity", "stage_order", "parasitism_free", "proof",
 )  # fmt: skip
-
-
-@st.composite
-def invertible(draw, r):
-    """Random integer matrix of determinant 1 or -1, times a rational: T = L P R."""
-    lower = [[draw(SMALL) if j < i else int(i == j) for j in range(r)] for i in range(r)]
-    upper = [[draw(SMALL) if j > i else int(i == j) for j in range(r)] for i in range(r)]
-    order = draw(st.permutations(range(r)))
-    scale = draw(st.sampled_from([Fraction(1), Fraction(-2), Fraction(3, 5)]))
-    first = as_matrix([lower[i] for i in order], "T")
-    return linalg.scale(exact(scale), linalg.matmul(first, as_matrix(upper, "T")))
 
 
 def symmetric_reduced(m: GLM) -> bool | None:

@@ -20,6 +20,7 @@ from glmref.errors import DataError
 from glmref.exact import Ball, Exact
 from glmref.exact.expression import parse
 from glmref.method import GLM, PartitionedGLM
+from tests.build import SOURCE
 from tests.examples import examples
 
 #: One small document of each class, with and without starting methods, constants, decimals.
@@ -122,8 +123,7 @@ def test_random_json_gives_a_data_error(doc: Any) -> None:
 @given(st.sampled_from(sorted(BLOCKS)), st.dictionaries(st.sampled_from(KEYS), values, max_size=8))
 def test_a_document_of_random_members_gives_a_data_error(kind: str, members: Any) -> None:
     head = {"format": "glmref-method-1", "class": kind, "name": "fuzz"}
-    source = {"citation": "c", "where": "w", "status": "derived"}
-    loads_or_says_why({**head, "claims": {"order": 1}, "source": source, **members})
+    loads_or_says_why({**head, "claims": {"order": 1}, "source": SOURCE, **members})
 
 
 @examples(200)

@@ -25,22 +25,12 @@ from glmref.theory.stability import at_infinity, stability_polynomial
 from glmref.theory.stability_interval import real_interval
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import find_forms, g_symplectic, g_symplectic_residual
+from tests.build import invertible
 from tests.examples import examples
 
 SMALL = st.integers(-3, 3)
 LAWS = settings(max_examples=8, deadline=None)
 METHODS = ["gsymplectic-n", "gsymplectic-p", "g4123", "s4-symmetric", "thesis-3-8", "leapfrog"]
-
-
-@st.composite
-def unimodular(draw, r):
-    """Random integer matrix of determinant 1 or -1, times a rational: T = L P R, invertible."""
-    lower = [[draw(SMALL) if j < i else int(i == j) for j in range(r)] for i in range(r)]
-    upper = [[draw(SMALL) if j > i else int(i == j) for j in range(r)] for i in range(r)]
-    order = draw(st.permutations(range(r)))
-    scale = draw(st.sampled_from([Fraction(1), Fraction(-2), Fraction(3, 5)]))
-    first = as_matrix([lower[i] for i in order], "T")
-    return linalg.scale(exact(scale), linalg.matmul(first, as_matrix(upper, "T")))
 
 
 def same(a, b):
@@ -53,7 +43,7 @@ def same(a, b):
 @LAWS
 def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
     m = glmref.load(name).bare()
-    T = data.draw(unimodular(m.r))
+    T = data.draw(invertible(m.r, 3))
     order = data.draw(st.permutations(range(m.s)))
     other = m.transform(T).permute_stages(order)
     assert g_symplectic(other).holds is g_symplectic(m).holds
@@ -69,7 +59,7 @@ def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
 @LAWS
 def test_forms_and_involutions_move_with_the_values(name, data):
     m = glmref.load(name).bare()
-    T = data.draw(unimodular(m.r))
+    T = data.draw(invertible(m.r, 3))
     other = m.transform(T)
     G = g_symplectic(m).G
     back = linalg.inverse(T)

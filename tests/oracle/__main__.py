@@ -20,7 +20,8 @@ from glmref.findings import Verdict
 from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
 from glmref.system.budget import limited
-from tests.adversary.both_ways import SOURCE, accepted, contradicts
+from tests.adversary.both_ways import accepted, contradicts
+from tests.build import SOURCE
 
 from .claims import Oracle
 from .draw import Draw, claims_of

@@ -14,6 +14,7 @@ import pytest
 from glmref.catalogue.lookup import names, path_of
 from glmref.cli import main
 from glmref.exchange.export import TARGETS
+from tests.build import SOURCE
 
 METHODS = names("methods")
 BROKEN = names("broken")
@@ -93,7 +94,7 @@ OWN = {
     "format": "glmref-method-2", "name": "mine", "class": "rosenbrock",
     "alpha": [["0", "0"], ["1", "0"]], "gamma": [["g", "0"], ["-2*g", "g"]], "b": ["1/2", "1/2"],
     "constants": {"g": "1-sqrt(2)/2"},
-    "claims": {"order": 2}, "source": {"citation": "x", "where": "y", "status": "derived"},
+    "claims": {"order": 2}, "source": SOURCE,
 }  # fmt: skip
 
 

@@ -10,8 +10,7 @@ from glmref.prove.analysis import SHARES, _Questions, analyze
 from glmref.prove.facts import facts_of
 from glmref.system.budget import limited
 from glmref.views.facts import analysis_rows
-
-SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
+from tests.build import SOURCE
 
 
 def turned(tmp_path: Path, *entries: str, **keys: object) -> Path:

@@ -27,6 +27,7 @@ from glmref.exact.field import MINIMAL
 from glmref.prove import analysis, verifier
 from glmref.system import process
 from glmref.system.process import OVER, Say, apart
+from tests.build import SOURCE
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs processes that fork")
 
@@ -52,7 +53,7 @@ def written(folder: Path, **keys: object) -> str:
         "format": "glmref-method-1", "name": "heun", "class": "rk",
         "A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"],
         "claims": {"order": 2, "symplectic": True, "explicit": True},
-        "source": {"citation": "a test", "where": "here", "status": "derived"}, **keys,
+        "source": SOURCE, **keys,
     }  # fmt: skip
     path = folder / "heun.json"
     path.write_text(json.dumps(doc))

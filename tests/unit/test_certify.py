@@ -25,6 +25,7 @@ from glmref.prove.krawczyk import Outcome
 from glmref.prove.verifier import facts_for
 from glmref.theory.symplectic import GSymplecticity
 from tests.adversary.deceive import shipped
+from tests.build import SOURCE
 
 SCHEMA = data_root() / "schema" / "glmref-certificate-1.schema.json"
 
@@ -192,7 +193,7 @@ STABILITY: dict[str, tuple[dict[str, Any], list[Any], list[Any]]] = {
 def test_each_way_of_losing_stability_has_its_certificate(name: str, tmp_path: Path) -> None:
     d, *wanted = STABILITY[name]
     head = {"format": "glmref-method-1", "class": "glm",
-            "source": {"citation": "made", "where": "here", "status": "derived"}}  # fmt: skip
+            "source": SOURCE}  # fmt: skip
     (tmp_path / "x.json").write_text(
         json.dumps({**head, **d, "name": "x", "claims": {"a-stable": True, "l-stable": True}})
     )
@@ -256,7 +257,7 @@ def test_order_2_is_refuted_where_values_may_be_exchanged(
     """Two values that V keeps both: the series has an unknown more, which no number removes."""
     d = {"format": "glmref-method-1", "class": "glm", "name": "x", "claims": {"order": order},
          "A": [["0", "0"], [below, "0"]], "U": U, "B": B, "V": [["1", "0"], ["0", "1"]],
-         "source": {"citation": "made", "where": "here", "status": "derived"}}  # fmt: skip
+         "source": SOURCE}  # fmt: skip
     (tmp_path / "x.json").write_text(json.dumps(d), encoding="utf-8")
     _, missing = write_certificates([str(tmp_path / "x.json")], tmp_path / "c")
     (path,) = (tmp_path / "c").iterdir()
@@ -264,9 +265,6 @@ def test_order_2_is_refuted_where_values_may_be_exchanged(
     accepted, why = judge.verdict(found)
     assert accepted and not missing, why
     assert found["statement"]["verdict"] == ("holds" if order == 1 else "fails")
-
-
-SOURCE = {"citation": "made", "where": "here", "status": "derived"}
 
 
 def certified(d: dict[str, Any], claim: str, facts: Any = None) -> dict[str, Any]:

@@ -22,8 +22,8 @@ from glmref.prove.certificate_enclosed import equation_numbers, method_proof
 from glmref.prove.field import Tower
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import shipped
+from tests.build import SOURCE
 
-SOURCE = {"citation": "-", "where": "-", "status": "derived"}
 HEAD = {"format": "glmref-method-1", "name": "x", "source": SOURCE}
 Rows = list[list[Any]]
 

@@ -22,6 +22,7 @@ from glmref.findings import Verdict
 from glmref.problems import problem
 from glmref.prove import kernel
 from glmref.prove.facts import Facts, facts_of
+from tests.build import SOURCE
 
 #: Two kicks a step, of order 6.
 TWO = {"p": "-1/2 1/4", "slopes": "1/2 -2/3", "weight": "3/8"}
@@ -36,8 +37,7 @@ def document(cosines: Cosines) -> dict[str, Any]:
     q, p = ([Fraction(x) for x in half] for half in cosines)
     found = multistep_document("found", q, p)
     claims = claims_of(2 * len(p) + 2, second=not q)
-    source = {"citation": "-", "where": "-", "status": "derived"}
-    return {**found, "title": "found", "claims": claims, "source": source}
+    return {**found, "title": "found", "claims": claims, "source": SOURCE}
 
 
 def facts(cosines: Cosines) -> Facts:

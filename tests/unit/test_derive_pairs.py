@@ -10,8 +10,7 @@ from glmref.derive.recipes.shipped_pairs import SHIPPED
 from glmref.errors import UsageError
 from glmref.prove.system import SweepSystem
 from glmref.theory.stability import parasitic_curvature
-
-SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
+from tests.build import SOURCE
 
 
 def test_an_ansatz_says_its_stages_rows_and_equations():

@@ -14,6 +14,7 @@ from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
 from glmref.prove.verifier import verify
 from tests.adversary.deceive import shipped
+from tests.build import SOURCE
 
 
 def searched(method):
@@ -51,8 +52,7 @@ def test_of_a_separable_pair_with_one_value_each_colour_has_such_a_tree():
 
 def runge_kutta(A, b, **more):
     """A Runge-Kutta method from its entries as texts."""
-    source = {"citation": "c", "where": "w", "status": "derived"}
-    doc = {"format": "glmref-method-1", "name": "one", "title": "t", "source": source}
+    doc = {"format": "glmref-method-1", "name": "one", "title": "t", "source": SOURCE}
     return load_document({**doc, "class": "rk", "A": A, "b": b, "claims": {"order": 1}, **more})
 
 
@@ -208,7 +208,7 @@ def test_dense_output_in_decimals_is_not_exact(one, exact):
     method = load_document({
         "format": "glmref-method-2", "name": "euler", "class": "rk", "A": [["0"]], "b": ["1"],
         "digits": 3, "dense": [[one]], "claims": {"dense-order": 1},
-        "source": {"citation": "nobody", "where": "nowhere", "status": "derived"},
+        "source": SOURCE,
     })  # fmt: skip
     assert Kernel(method).range("dense-order").exact is exact
 
@@ -456,8 +456,7 @@ def test_a_start_and_a_finish_of_a_method_in_time_are_not_judged() -> None:
 
 def judged(claim: str, value: Any, **document: Any) -> Verdict:
     """The verdict about a claim of a file."""
-    source = {"citation": "none", "where": "none", "status": "derived"}
-    d = {"format": "glmref-method-2", "name": "judged", "source": source, **document}
+    d = {"format": "glmref-method-2", "name": "judged", "source": SOURCE, **document}
     return facts_of(load_document({**d, "claims": {claim: value}})).judge(claim, value).verdict
 
 

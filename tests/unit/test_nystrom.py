@@ -18,6 +18,7 @@ from glmref.prove.rows import nystrom_gaps
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import nystrom_order_of, order_of
 from glmref.theory.trees import is_nystrom, parse_tree, trees
+from tests.build import SOURCE
 
 
 def test_a_vertex_f_with_two_children_does_not_count():
@@ -84,7 +85,7 @@ def test_shared_stages_and_no_end_of_the_search():
 VERLET = {
     "format": "glmref-method-2", "name": "verlet", "title": "Verlet", "class": "nystrom",
     "A": [["0", "0"], ["1/2", "0"]], "b": ["1/2", "0"], "b_prime": ["1/2", "1/2"], "c": ["0", "1"],
-    "claims": {}, "source": {"citation": "c", "where": "w", "status": "derived"},
+    "claims": {}, "source": SOURCE,
 }  # fmt: skip
 
 

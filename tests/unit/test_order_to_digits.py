@@ -25,6 +25,7 @@ from glmref.prove.digits import LARGE, MANY, _Fixed, _Vector, rounded_up, step_b
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, trees, trees_up_to
+from tests.build import SOURCE
 
 KEY = ORDER_TO_DIGITS.key
 #: Heun's method of order 3 with thirds of four digits, and an embedded row of order 2.
@@ -36,7 +37,7 @@ ROUNDED: dict[str, Any] = {
     "b": ["1/4", "0", "3/4"],
     "embedded": [{"name": "low", "b": ["0", "1", "0"]}],
     "claims": {KEY: {"b": [3, "3.4e-5"], "low": [1, "1.0e-9"]}},
-    "source": {"citation": "none", "where": "none", "status": "derived"},
+    "source": SOURCE,
 }
 
 

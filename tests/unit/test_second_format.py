@@ -22,12 +22,12 @@ from glmref.prove.analysis import analyze
 from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import claims_of, facts_for, verify
 from glmref.views.show import show
+from tests.build import SOURCE
 
 CERTIFICATE = json.loads(
     (data_root() / "schema" / "glmref-certificate-1.schema.json").read_text(encoding="utf-8")
 )
 G = "1+sqrt(2)/2"
-SOURCE = {"citation": "x", "where": "y", "status": "derived"}
 HEAD = {"format": "glmref-method-2", "name": "t", "source": SOURCE}
 
 

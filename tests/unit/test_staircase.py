@@ -15,8 +15,7 @@ from glmref.catalogue.lookup import document as shipped
 from glmref.catalogue.reader import load_document
 from glmref.prove.analysis import analyze
 from glmref.views.facts import analysis_rows
-
-SOURCE = {"citation": "c", "where": "w", "status": "derived"}
+from tests.build import SOURCE
 
 
 def extrapolated_midpoint(columns: int) -> tuple[list[list[Fraction]], list[Fraction]]:

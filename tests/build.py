@@ -1,0 +1,34 @@
+"""Documents of methods that tests make up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from hypothesis import strategies as st
+
+from glmref.exact import exact, linalg
+from glmref.exact.linalg import Matrix
+from glmref.method import as_matrix
+
+#: Where a made-up method comes from.
+SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
+
+
+def method_document(kind: str, claims: Mapping[str, Any], **keys: Any) -> dict[str, Any]:
+    """Return a method document with these claims."""
+    head = {"format": "glmref-method-1", "name": "made-up", "class": kind}
+    return {**head, **keys, "claims": dict(claims), "source": SOURCE}
+
+
+@st.composite
+def invertible(draw: st.DrawFn, r: int, largest: int = 2) -> Matrix:
+    """Random integer matrix of determinant 1 or -1, times a rational: T = L P R."""
+    small = st.integers(-largest, largest)
+    lower = [[draw(small) if j < i else int(i == j) for j in range(r)] for i in range(r)]
+    upper = [[draw(small) if j > i else int(i == j) for j in range(r)] for i in range(r)]
+    order = draw(st.permutations(range(r)))
+    scale = draw(st.sampled_from(["1", "-2", "3/5"]))
+    first = as_matrix([lower[i] for i in order], "T")
+    factor = as_matrix([[scale]], "scale")[0][0]
+    return linalg.scale(exact(factor), linalg.matmul(first, as_matrix(upper, "T")))
