@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .prove.analysis import Analysis, analyze
     from .prove.verifier import verify
     from .scenes.comparing import Comparison, compare
+    from .scenes.modified import Modified, modified
     from .theory.series import Series
     from .theory.starting_series import StartingSeries
     from .theory.trees import Tree
@@ -57,6 +58,7 @@ _HOMES = {
         "PartitionedGLM",
         "StartingMethod",
     ),
+    "scenes.modified": ("Modified", "modified"),
     "problems": ("Problem", "problem"),
     "theory.series": ("Series",),
     "theory.starting_series": ("StartingSeries",),
@@ -89,6 +91,7 @@ __all__ = [
     "FinishingMethod",
     "GlmrefError",
     "Interrupted",
+    "Modified",
     "PairStartingMethod",
     "PartitionedGLM",
     "Problem",
@@ -112,6 +115,7 @@ __all__ = [
     "from_rk",
     "from_splitting",
     "load",
+    "modified",
     "names",
     "plot",
     "problem",

@@ -25,7 +25,16 @@ from ..method.component import ROOTED, Method, Palette
 from ..method.stage_order import is_shared
 from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
 from .starting_series import tableau_series
-from .trees import Tree, contractions, coproduct, pruned, single, trees, trees_up_to
+from .trees import (
+    Tree,
+    contractions,
+    coproduct,
+    edge_cuts,
+    pruned,
+    single,
+    trees,
+    trees_up_to,
+)
 
 
 class Series(Mapping[Tree, Coefficient]):
@@ -310,6 +319,134 @@ def _contracted(t: Tree, field: Mapping[Tree, Any], series: Series, *, whole: bo
     return total
 
 
+def lie_derivative(field: Series, series: Series) -> Series:
+    """Return the derivative of a series along a field: the linear part of ``exponential``.
+
+    ``(d_b a)(t) = a(empty) b(t) + sum of b(part cut off) a(rest)`` over the edges of t.
+
+    Raises
+    ------
+    UsageError
+        For different palettes.
+    """
+    order = _check_palettes(field, series)
+    known, values = field.support(), {}
+    for t in trees_up_to(order, series.palette):
+        total = times(field[t], series.empty(t.colour))
+        for (part, rest), ways in edge_cuts(t).items():
+            if part in known:
+                total = plus(total, times(times(ways, known[part]), series[rest]))
+        values[t] = total
+    empty = {c: times(0, x) for c, x in series._empty.items()}
+    return Series(values, empty, order, series.palette)
+
+
+def bracket(first: Series, second: Series) -> Series:
+    """Return ``second' first - first' second``, the change of a field along the flow of another."""
+    left, right = lie_derivative(first, second), lie_derivative(second, first)
+    values = {t: _minus(left[t], right[t]) for t in left}
+    return Series(values, 0, left.order, left.palette)
+
+
+def conjugated(field: Series, along: Series) -> Series:
+    """Return a field in the coordinates that the flow of ``along`` for h changes: exp(ad) field.
+
+    If the flow of ``field`` is the map Phi and that of ``along`` the map chi, it is the field of
+    ``chi^-1 Phi chi``.
+    """
+    total = term = field
+    for j in range(1, field.order):
+        term = bracket(along, term).map(partial(times, Fraction(1, j)))
+        if not term.support():
+            break
+        total = Series({t: plus(total[t], term[t]) for t in total}, 0, field.order, field.palette)
+    return total
+
+
+class Iterates:
+    """Iterated derivatives along a field, found with the field tree by tree.
+
+    Parameters
+    ----------
+    empty : Mapping[str, Coefficient]
+        Coefficient of the empty tree of the series that is differentiated, by colour.
+
+    Attributes
+    ----------
+    field : dict[Tree, Any]
+        The field as far as it is known; zeros are left out.
+
+    ``exp(d_b) a`` is a after the flow of b for h (Hairer, Lubich, Wanner 2006, lemma III.5.1), so
+    that no other cuts than those of single edges are needed.
+    """
+
+    def __init__(self, empty: Mapping[str, Coefficient]) -> None:
+        self.empty, self.field = empty, dict[Tree, Any]()
+        self._of: dict[Tree, list[Coefficient]] = {}  # j-th entry: (d_b^j a)(t) / j!
+
+    def beyond(self, t: Tree) -> list[Coefficient]:
+        """Return the terms j = 1, 2, .. of ``exp(d_b) a`` at t without ``a(empty) b(t)``."""
+        terms: list[list[tuple[Any, Coefficient]]] = []
+        for (part, rest), ways in edge_cuts(t).items():
+            factor = self.field.get(part)
+            if factor is None:
+                continue
+            factor = times(ways, factor)
+            for j, value in enumerate(self._of[rest]):
+                if j == len(terms):
+                    terms.append([])
+                if type(value) is not int or value != 0:
+                    terms[j].append((factor, value))
+        return [
+            times(Fraction(1, j), combination(found)) if found else 0
+            for j, found in enumerate(terms, 1)
+        ]
+
+    def settle(self, t: Tree, value: Coefficient, slope: Any, beyond: list[Coefficient]) -> None:
+        """Take in a(t), b(t) and what :meth:`beyond` returned for t."""
+        if is_zero(slope) is not True:
+            self.field[t] = slope
+            first = times(slope, self.empty[t.colour])
+            beyond = [_sum([*beyond[:1], first]), *beyond[1:]]
+        self._of[t] = [0 if is_zero(x) is True else x for x in (value, *beyond)]
+
+
+def _sum(values: Iterable[Coefficient]) -> Coefficient:
+    """Sum of coefficients; the int 0 stands for any zero."""
+    total: Coefficient = 0
+    for x in values:
+        if type(x) is not int or x != 0:
+            total = plus(total, x)
+    return total
+
+
+def exponential(field: Series, series: Series | None = None) -> Series:
+    """Return the series: follow the flow of a field for h, then apply ``series``.
+
+    Without ``series`` it is the map of the flow itself; :func:`modified_equation` is the inverse.
+
+    Raises
+    ------
+    UsageError
+        For different palettes.
+    """
+    series = identity(field.order, field.palette) if series is None else series
+    order, values = _check_palettes(field, series), {}
+    iterates = Iterates(series._empty)
+    for t in trees_up_to(order, series.palette):
+        beyond = iterates.beyond(t)
+        first = times(field[t], series.empty(t.colour))
+        values[t] = plus(series[t], _sum([first, *beyond]))
+        iterates.settle(t, series[t], field[t], beyond)
+    return Series(values, series._empty, order, series.palette)
+
+
+def _check_palettes(first: Series, second: Series) -> int:
+    if dict(first.palette) != dict(second.palette):
+        raise UsageError("series over different palettes cannot be combined")
+    return min(first.order, second.order)
+
+
 def modified_equation(series: Series, of: Series | None = None) -> Series:
     """Return the vector field f~ whose exact flow is the map of a series: backward error analysis.
 
@@ -318,7 +455,8 @@ def modified_equation(series: Series, of: Series | None = None) -> Series:
     series : Series
         Of a consistent one-step method, a(o) = 1.
     of : Series or None
-        The map for f~ is that of this series in place of the exact flow. With the flow as
+        The map for f~ is that of this series in place of the exact flow; all colours of its
+        palette stand below each. With the flow as
         ``series`` and the method as ``of``, f~ is the modifying integrator: the method applied to
         f~ gives the exact solution of f.
 
@@ -336,10 +474,21 @@ def modified_equation(series: Series, of: Series | None = None) -> Series:
     ----------
     Hairer, Lubich, Wanner (2006), section IX.9; Chartier, Hairer, Vilmart (2010), section 3.
     """
-    of = flow(series.order, 1, series.palette) if of is None else of
+    if of is None:
+        return _logarithm(series)
     if any(is_zero(_minus(of[single(c)], 1)) is not True for c in of.palette):
         raise UsageError("a modified equation needs a consistent method: a(o) = 1")
     order, values = _check_fields(series, of), {}
     for t in trees_up_to(order, series.palette):
         values[t] = _minus(series[t], _contracted(t, values, of, whole=False))
+    return Series(values, 0, order, series.palette)
+
+
+def _logarithm(series: Series) -> Series:
+    order = _check_pair(series, series)
+    iterates, values = Iterates(series._empty), {}
+    for t in trees_up_to(order, series.palette):
+        beyond = iterates.beyond(t)
+        values[t] = _minus(series[t], _sum(beyond[1:]))
+        iterates.settle(t, 0, values[t], beyond)
     return Series(values, 0, order, series.palette)

@@ -59,7 +59,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from math import factorial
-from typing import Any
+from typing import Any, Self
 
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
@@ -494,7 +494,7 @@ class StartingSeries:
         else:
             self.eta[t] = value
 
-    def through(self, order: int) -> StartingSeries:
+    def through(self, order: int) -> Self:
         """The series itself, after as many orders at least."""
         while self.order < order:
             self.advance()

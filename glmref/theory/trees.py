@@ -17,6 +17,8 @@ Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from math import comb, factorial
 from operator import attrgetter
@@ -477,3 +479,84 @@ def contractions(t: Tree) -> Mapping[Contraction, int]:
                 key = whole, rest, tuple(sorted((*others, *parts), key=_key))
                 found[key] = found.get(key, 0) + ways * more
     return MappingProxyType(found)
+
+
+@cache
+def edge_cuts(t: Tree) -> Mapping[tuple[Tree, Tree], int]:
+    """Cut one edge in all ways: (part cut off, rest with the root) with the number of edges.
+
+    The Lie derivative of a series along a series of vector fields is a sum over these cuts.
+    """
+    if not t.children:
+        return MappingProxyType({})
+    last = t.children[-1]
+    rest = _MADE[t.colour][t.children[:-1]]
+    found: dict[tuple[Tree, Tree], int] = {(last, rest): 1}
+    for (part, kept), ways in edge_cuts(rest).items():
+        key = part, _insert(kept, last)
+        found[key] = found.get(key, 0) + ways
+    for (part, kept), ways in edge_cuts(last).items():
+        key = part, _insert(rest, kept)
+        found[key] = found.get(key, 0) + ways
+    return MappingProxyType(found)
+
+
+def halves(t: Tree) -> Iterator[tuple[Tree, Tree]]:
+    """Yield the pairs (u, v) with ``t = u * v``, each once: moving the root gives ``v * u``."""
+    for i, child in enumerate(t.children):
+        if i == 0 or t.children[i - 1] is not child:
+            yield tree(t.children[:i] + t.children[i + 1 :], t.colour), child
+
+
+@dataclass(frozen=True, eq=False)
+class FreeTree:
+    """A tree without a root: all the rooted trees that differ by the place of the root only.
+
+    Attributes
+    ----------
+    root : Tree
+        The rooted tree that stands for it, the first in the order of :attr:`Tree.key`.
+    signs : Mapping[Tree, int]
+        Each of the rooted trees with +1 or -1, by the parity of the distance of its root from that
+        of ``root``. Elementary Hamiltonians differ by these signs.
+    superfluous : bool
+        Whether an edge joins two equal halves; the elementary Hamiltonian is then zero.
+
+    References
+    ----------
+    Hairer, Lubich, Wanner (2006), section IX.9.2.
+    """
+
+    root: Tree
+    signs: Mapping[Tree, int]
+    superfluous: bool
+
+    @property
+    def symmetry(self) -> Fraction:
+        """Number of automorphisms: the sum of 1/sigma over the rooted trees is order/symmetry."""
+        return self.root.order / sum((Fraction(1, t.symmetry) for t in self.signs), Fraction(0))
+
+
+def free_tree(t: Tree) -> FreeTree:
+    """Return the free tree to which a rooted tree belongs."""
+    signs, superfluous, waiting = {t: 1}, False, [t]
+    while waiting:
+        at = waiting.pop()
+        for u, v in halves(at):
+            superfluous |= u is v
+            if v * u not in signs:
+                signs[v * u] = -signs[at]
+                waiting.append(v * u)
+    root = min(signs, key=_key)
+    return FreeTree(root, {x: sign * signs[root] for x, sign in signs.items()}, superfluous)
+
+
+@cache
+def free_trees(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[FreeTree, ...]:
+    """Return all free trees of an order; a palette by its items."""
+    found: dict[Tree, FreeTree] = {}
+    for t in trees(order, dict(colours)):
+        if t not in found:
+            free = free_tree(t)
+            found |= dict.fromkeys(free.signs, free)
+    return tuple(dict.fromkeys(found.values()))

@@ -204,7 +204,7 @@ def test_series_of_methods_are_their_weights_and_several_values_are_refused():
     with pytest.raises(UsageError, match="one value"):
         Series.of(load("ab-2"), 2)
     with pytest.raises(UsageError, match="below each"):
-        modified_equation(verlet)
+        modified_equation(verlet, verlet)
     with pytest.raises(UsageError, match="consistent"):
         modified_equation(flow(3), flow(3, 2))
 

@@ -1,0 +1,487 @@
+"""Backward error analysis: underlying one-step methods, modified equations, conjugacy, H~."""
+
+from __future__ import annotations
+
+import doctest
+from fractions import Fraction as F
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import glmref
+from glmref import Tree, from_rk, load, modified
+from glmref.engine.reference import stepper
+from glmref.errors import UsageError
+from glmref.exact.expression import parse
+from glmref.method.component import ROOTED, SEPARABLE
+from glmref.problems.nilpotent import Derivatives
+from glmref.scenes import modified as modified_module
+from glmref.theory.backward import (
+    LARGEST_CONJUGATE,
+    _change_equations,
+    coefficient,
+    composed,
+    conjugacy,
+    elementary_hamiltonians,
+    energy_reach,
+    hamiltonian_defects,
+    hamiltonian_reach,
+    over_free_trees,
+    symplectic_defects,
+)
+from glmref.theory.coefficients import is_zero
+from glmref.theory.series import (
+    Series,
+    bracket,
+    compose,
+    conjugated,
+    exponential,
+    flow,
+    inverse,
+    lie_derivative,
+    modified_equation,
+    shift,
+    substitute,
+)
+from glmref.theory.symplectic import g_symplectic
+from glmref.theory.trees import edge_cuts, free_trees, trees, trees_up_to
+from glmref.theory.underlying import UnderlyingMethod
+from tests.shipped import shipped
+
+G_SYMPLECTIC = [n for n in glmref.names() if shipped(n).get("claims", {}).get("g-symplectic")]
+
+
+def _random_field(seed: int, order: int, palette=ROOTED) -> Series:
+    values = {
+        t: F((seed * 7919 + 31 * i) % 13 - 6, 5) for i, t in enumerate(trees_up_to(order, palette))
+    }
+    return Series(values, 0, order, palette)
+
+
+# -- series of maps and fields
+
+
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=10, deadline=None)
+def test_laws_of_the_exponential(seed):
+    for palette in (ROOTED, SEPARABLE):
+        b, c = _random_field(seed, 5, palette), _random_field(seed + 1, 5, palette)
+        phi, chi = exponential(b), exponential(c)
+        assert modified_equation(phi) == b
+        assert exponential(b, chi) == compose(phi, chi)
+        minus = Series({t: -x for t, x in b.support().items()}, 0, 5, palette)
+        assert exponential(minus) == inverse(phi)
+        assert modified_equation(compose(compose(chi, phi), inverse(chi))) == conjugated(b, c)
+        # the bracket is a Lie bracket
+        d = _random_field(seed + 2, 5, palette)
+        total = [bracket(x, bracket(y, z)) for x, y, z in ((b, c, d), (c, d, b), (d, b, c))]
+        assert all(sum(s[t] for s in total) == 0 for t in b)
+
+
+def test_the_field_of_the_flow_is_that_of_the_problem():
+    f = Series({Tree("o"): 1}, 0, 6)
+    assert exponential(f) == flow(6) and modified_equation(flow(6)) == f
+    assert exponential(f, exponential(_random_field(5, 6))) == shift(
+        exponential(_random_field(5, 6))
+    )
+
+
+def test_cutting_edges_agrees_with_contracting_them():
+    heun = Series.of(from_rk([[0, 0], [1, 0]], [F(1, 2), F(1, 2)]), 6)
+    assert substitute(modified_equation(heun), flow(6)) == heun
+
+
+def test_numbers_of_trees_cuts_and_free_trees():
+    # numbers of free trees: Cayley; HLW (2006), table IX.9.1 counts those that are not superfluous
+    colours = tuple(ROOTED.items())
+    free = [free_trees(n, colours) for n in range(1, 9)]
+    assert [len(x) for x in free] == [1, 1, 1, 2, 3, 6, 11, 23]
+    assert [sum(not t.superfluous for t in x) for x in free] == [1, 0, 1, 1, 3, 4, 11, 19]
+    assert all(sum(len(t.signs) for t in x) == len(trees(n)) for n, x in enumerate(free, 1))
+    assert [t.symmetry for t in free_trees(4, colours)] == [6, 2]
+    assert all(sum(edge_cuts(t).values()) == t.order - 1 for t in trees_up_to(8))
+
+
+# -- the underlying one-step method
+
+
+@pytest.mark.parametrize("name", ["rk4", "gauss-2", "stormer-verlet"])
+def test_a_one_step_method_is_its_own_underlying_method(name):
+    found = UnderlyingMethod.of_method(load(name)).through(6)
+    assert found.map == Series.of(load(name), 6)
+    assert found.field == modified_equation(found.map)
+    assert not found.eta
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "ab-2", "bdf-2", "gsymplectic-n-pair"])
+def test_the_definition_holds(name):
+    method = load(name)
+    for form in (None, g_symplectic(method).G):
+        found = UnderlyingMethod.of_method(method, form=form).through(5)
+        eta = Series(found.eta, {c: x.u for c, x in found.components.items()}, 5, found.palette)
+        right = compose(found.map, eta)
+        for t in trees_up_to(5, found.palette):
+            V = method.components[list(found.palette).index(t.colour)].V
+            left = found.output(t)
+            for i, row in enumerate(V):
+                value = sum((v * x for v, x in zip(row, found.value(t), strict=True)), left[i])
+                assert is_zero(value - right[t][i]) is True
+
+
+def test_ab2_is_the_recursion_of_its_output():
+    # y_2 = y_1 + h (3 f(y_1) - f(y_0)) / 2 along y_k = Phi^k(y): known from the definition alone
+    phi = UnderlyingMethod.of_method(load("ab-2")).through(4).map
+    slope = Series({Tree("o"): 1}, 0, 5)
+    after = Series({t: compose(phi, slope.truncate(4))[t] for t in trees_up_to(4)}, 0, 4)
+    twice = compose(phi, phi)
+    for t in trees_up_to(4):
+        assert twice[t] - phi[t] == F(3, 2) * after[t] - F(1, 2) * slope[t]
+
+
+def test_a_multiple_eigenvalue_is_refused():
+    with pytest.raises(UsageError, match="not unique"):
+        modified(_doubled(), 3)
+    with pytest.raises(UsageError, match="additive"):
+        modified("ars-2-2-2", 3)
+
+
+def _doubled():
+    """Two independent copies of the implicit midpoint rule."""
+    return glmref.GLM(A=[[F(1, 2)]], U=[[1, 0]], B=[[1], [1]], V=[[1, 0], [0, 1]])
+
+
+# -- which fields are Hamiltonian
+
+
+def test_the_kernel_of_the_change_equations_is_the_hamiltonian_fields():
+    # so a failure excludes every change of variables; the orders beyond are in the slow test
+    for palette, most in ((ROOTED, 5), (SEPARABLE, 4)):
+        _check_ranks(palette, range(1, most + 1))
+
+
+@pytest.mark.slow
+def test_the_kernel_through_the_largest_order():
+    _check_ranks(ROOTED, range(6, LARGEST_CONJUGATE))
+    _check_ranks(SEPARABLE, range(5, LARGEST_CONJUGATE))
+
+
+def _check_ranks(palette, orders):
+    colours = tuple(palette.items())
+    for n in orders:
+        hamiltonian = sum(not free.superfluous for free in free_trees(n, colours))
+        assert _change_equations(n, colours)[2] == len(trees(n, palette)) - hamiltonian
+
+
+def test_a_symplectic_map_has_a_hamiltonian_field():
+    for name in ("gauss-3", "stormer-verlet", "symplectic-euler-a"):
+        found = UnderlyingMethod.of_method(load(name)).through(7)
+        for n in range(1, 8):
+            assert all(is_zero(x) is True for _, x in symplectic_defects(found.map, n))
+            assert all(is_zero(x) is True for _, x in hamiltonian_defects(found.field, n))
+    rk4 = UnderlyingMethod.of_method(load("rk4")).through(6)
+    assert [
+        any(is_zero(x) is False for _, x in symplectic_defects(rk4.map, n)) for n in (4, 5)
+    ] == [
+        False,
+        True,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "hamiltonian", "conjugate", "energy"),
+    [
+        # the orders of the study and of Hairer, Zbinden (2013); None: through the order computed
+        ("implicit-midpoint", 7, None, None, 2),
+        ("trapezoidal", 7, 2, None, 2),
+        ("gauss-2", 7, None, None, 4),
+        ("rk4", 6, 4, 4, 4),
+        ("lobatto-iiia-3", 8, 4, 6, 4),
+        ("gsymplectic-n", 7, 4, None, 4),
+        ("s4-symmetric", 6, 4, None, 4),
+        ("g6245-w3", 8, 6, None, 6),
+        ("stormer-verlet", 7, None, None, 2),
+        ("symplectic-euler-b", 6, None, None, 1),
+    ],
+)
+def test_orders_of_conservation(name, order, hamiltonian, conjugate, energy):
+    found = modified(name, order)
+    reaches = (found.hamiltonian, found.conjugate_symplectic, found.energy)
+    for reach, known in zip(reaches, (hamiltonian, conjugate, energy), strict=True):
+        assert (reach.order, reach.fails) == ((order, False) if known is None else (known, True))
+        assert reach.residual == 0.0
+
+
+def test_the_defects_of_the_study():
+    """First failures of the Hamiltonian condition in the output gauge, to the digits known."""
+    for name, order, size in (("trapezoidal", 3, 0.25), ("gsymplectic-n", 5, 6.446e-3),
+                              ("s4-symmetric", 5, 1.481e-2), ("g6245-w3", 7, 4.168e-4)):  # fmt: skip
+        field = UnderlyingMethod.of_method(load(name)).through(order).field
+        sizes = [
+            abs(complex(x)) for _, x in hamiltonian_defects(field, order) if is_zero(x) is False
+        ]
+        assert max(sizes) == pytest.approx(size, rel=1e-3)
+
+
+def test_the_averaged_vector_field_preserves_energy():
+    # y_1 = y_0 + h int f((1 - s) y_0 + s y_1) ds: a B-series with a([t1..tm]) = prod a(ti)/(m + 1)
+    values: dict[Tree, F] = {}
+    for t in trees_up_to(7):
+        values[t] = F(1, len(t.children) + 1)
+        for child in t.children:
+            values[t] *= values[child]
+    field = modified_equation(Series(values, 1, 7))
+    assert energy_reach(field) == energy_reach(flow_field(7))
+    assert hamiltonian_reach(field).order == 2 and conjugacy(field).reach.order == 4
+
+
+def flow_field(order):
+    """The field of the problem itself."""
+    return Series({Tree("o"): 1}, 0, order)
+
+
+# -- G-symplecticity implies conjugate symplecticity (D'Ambrosio, Hairer, Zbinden 2013)
+
+
+def _check_theorem(name, order):
+    method = load(name)
+    found = UnderlyingMethod.of_method(method, form=g_symplectic(method).G).through(order)
+    plain = UnderlyingMethod.of_method(method).through(order)
+    for n in range(1, order + 1):
+        for _, x in (*symplectic_defects(found.map, n), *hamiltonian_defects(found.field, n)):
+            # exact, or within the digits of the file
+            assert is_zero(x) is True or (not method.is_exact and x.magnitude() < 1e-12)
+    # both gauges are conjugate by what the output reads off the start
+    change = found.reading
+    moved = compose(compose(change, plain.map), inverse(change))
+    assert all(is_zero(moved[t] - found.map[t]) is not False for t in moved)
+
+
+@pytest.mark.sampled(6, "gsymplectic-n", "pair-4-4")
+@pytest.mark.parametrize("name", G_SYMPLECTIC)
+def test_g_symplectic_methods_are_conjugate_symplectic(name):
+    _check_theorem(name, 6)
+
+
+def test_the_form_of_a_complex_method_is_hermitian():
+    # G is real and the values are not: without the conjugates it fails first at order 7
+    _check_theorem("g6245-w3-complex", 7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", G_SYMPLECTIC)
+def test_g_symplectic_methods_are_conjugate_symplectic_to_order_8(name):
+    _check_theorem(name, 8)
+
+
+@pytest.mark.sampled(6, "gsymplectic-n", "pair-4-4")
+@pytest.mark.parametrize("name", G_SYMPLECTIC)
+def test_wrong_twins_are_not(name):
+    twin = _twin(load(name))
+    reach = conjugacy(UnderlyingMethod.of_method(twin).through(4).field).reach
+    assert reach.fails and reach.order < 4
+
+
+def _twin(method):
+    """The method with 1/1000 added to an entry of A."""
+    A = tuple(tuple(x + F(1, 1000) if (i, j) == (0, 0) else x for j, x in enumerate(row))
+              for i, row in enumerate(method.A))  # fmt: skip
+    return method.bare(A=A)
+
+
+# -- modified Hamiltonians
+
+
+@pytest.mark.parametrize(
+    ("name", "terms"),
+    [
+        ("implicit-midpoint", {"[oo]": "-1/24", "[oooo]": "7/5760", "[[[oo]]]": "1/480",
+                               "[[o][o]]": "1/160"}),
+        ("gauss-2", {"[oo]": "0", "[oooo]": "-1/4320", "[[[oo]]]": "-1/720",
+                     "[[o][o]]": "-1/1440"}),
+        ("gsymplectic-n", {"[oo]": "0", "[oooo]": "-1/4320", "[[[oo]]]": "(10*sqrt(3)-17)/1440",
+                           "[[o][o]]": "(5*sqrt(3)-8)/720"}),
+        # logarithm of exp(hT) exp(hU): Baker, Campbell, Hausdorff; H(f[k[f]]) = -U_qq T_p^2
+        ("symplectic-euler-a", {"f[kk]": "1/12", "f[k[f]]": "-1/12"}),
+        ("symplectic-euler-b", {"f[kk]": "1/12", "f[k[f]]": "-1/12"}),
+        # kick, drift, kick: h^2 (U_qq T_p^2/12 - T_pp U_q^2/24); HLW (2006), section IX.9
+        ("stormer-verlet", {"f[k]": "0", "f[kk]": "-1/24", "f[k[f]]": "-1/12"}),
+        ("position-verlet", {"f[k]": "0", "f[kk]": "1/12", "f[k[f]]": "1/24"}),
+    ],
+)  # fmt: skip
+def test_modified_hamiltonians_that_are_known(name, terms):
+    found = modified(name, 5).hamiltonian_terms
+    for tree, value in terms.items():
+        assert is_zero(coefficient(found, Tree(tree)) - parse(value)) is True
+
+
+def test_the_gauge_of_the_study():
+    method = load("gsymplectic-n")
+    found = UnderlyingMethod.of_method(method, form=g_symplectic(method).G).through(4)
+    t = Tree("[o[o]]")
+    w, eta = found.components["o"].W[0], found.value(t)
+    assert is_zero(sum(x * eta[j] for j, x in w) + parse("(2*sqrt(3)-3)/288")) is True
+
+
+def test_a_hamiltonian_of_any_representative_is_wrong():
+    # b/sigma of one rooted tree is not the coefficient: [[o[o]]] belongs to the free tree of [[[oo]]]
+    field = modified("implicit-midpoint", 5).field
+    t = Tree("[[o[o]]]")
+    terms = over_free_trees(elementary_hamiltonians(field))
+    assert coefficient(terms, t) == F(-1, 480) and field[t] / t.symmetry != F(-1, 480)
+
+
+def _series(terms, order, palette):
+    values = {free.root: x * free.root.symmetry for free, x in terms.items()}
+    return Series(values, 0, order, palette)
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "lobatto-iiia-3", "trapezoidal", "pair-4-4"])
+def test_the_outputs_conserve_the_invariant(name):
+    found = modified(name, 6)
+    order = found.conjugate_field.order
+    invariant = _series(found.invariant_terms, order, found.field.palette)
+    change = over_free_trees(lie_derivative(found.field.truncate(order), invariant))
+    assert all(abs(complex(x)) < 1e-60 and is_zero(x) is not False for x in change.values())
+    after = over_free_trees(composed(invariant, found.map.truncate(order)))
+    for free, x in found.invariant_terms.items():
+        assert abs(complex(x - coefficient(after, free.root))) < 1e-60
+    # the Hamiltonian of the changed variables is not conserved by the output
+    if name != "pair-4-4":
+        other = _series(found.hamiltonian_terms, order, found.field.palette)
+        assert over_free_trees(lie_derivative(found.field.truncate(order), other))
+
+
+# -- values at a state
+
+
+def test_derivatives_of_every_function():
+    names = ("sin(y[0])", "cos(y[0])", "tan(y[0])", "exp(y[0])", "log(y[0])", "sqrt(y[0])",
+             "y[0]**5", "y[0]**-2", "y[0]**1.5", "1/(2 + y[0])", "2**y[0]", "y[0]**y[0]",
+             "atan2(y[0], 3 - y[0])", "y[0]/3 - 1")  # fmt: skip
+    context = mpmath.MPContext()
+    context.dps = 60
+    for text in names:
+        problem = glmref.Problem(f=(text,), y0=(F(7, 10),))
+        slope = problem.on(context).f
+        point = context.mpf(7) / 10
+        along = Derivatives(problem.f, [point], context, timed=True)
+        for m in range(5):
+            (found,) = along.along([([context.mpf(2)], m)] if m else [])
+            known = 2**m * context.diff(lambda x, f=slope: f(0, [x])[0], point, m)
+            assert abs(found - known) < 1e-10 * (1 + abs(known)), (text, m)
+
+
+def test_derivatives_along_several_directions_are_multilinear():
+    problem = glmref.problem("henon-heiles")
+    a, b = np.array([1.0, 2, 3, 4]), np.array([-1.0, 0.5, 2, 1])
+    at = Derivatives(problem.f, [0.1, 0.2, 0.3, 0.4], None, timed=True)
+    both = np.array(at.along([(a + b, 2)]))
+    parts = np.array(at.along([(a, 2)])) + np.array(at.along([(b, 2)]))
+    parts += 2 * np.array(at.along([(a, 1), (b, 1)]))
+    assert np.allclose(both, parts, rtol=1e-14)
+    # f is a quadratic polynomial
+    assert not np.any(at.along([(a, 3)]))
+
+
+def test_energies_of_the_oscillator_in_closed_form():
+    """Every map below turns the ellipse Q by an angle theta: H~ = theta Q / (2 sin theta) there."""
+    problem = glmref.problem("harmonic-oscillator")
+    h, q, p = mpmath.mpf("0.1"), mpmath.mpf("0.7"), mpmath.mpf("-0.4")
+    with mpmath.workdps(40):
+        theta = mpmath.acos(1 - h * h / 2)
+        scale = theta / (2 * mpmath.sin(theta))
+        known = {
+            "implicit-midpoint": (q * q + p * p) / h * mpmath.atan(h / 2),
+            "symplectic-euler-a": scale * h * (p * p + q * q - h * p * q) / h,
+            "symplectic-euler-b": scale * h * (p * p + q * q + h * p * q) / h,
+        }
+        for name, energy in known.items():
+            found = modified(name, 8)
+            errors = [
+                abs(found.energy_at(problem, [q, p], h, order=n, digits=40) - energy)
+                for n in (2, 4, 6, 8)
+            ]
+            assert errors[-1] < h**8
+            assert all(later < h * earlier for earlier, later in pairwise(errors))
+
+
+def test_energy_in_doubles_and_with_digits_agree():
+    problem = glmref.problem("henon-heiles")
+    found = modified("gsymplectic-n", 6)
+    y = [0.1, 0.2, 0.3, -0.1]
+    few = found.energy_at(problem, y, 0.125)
+    assert float(found.energy_at(problem, y, 0.125, digits=30)) == pytest.approx(few, rel=1e-14)
+    assert found.energy_at(problem, y, 0.125, order=1) == problem.hamiltonian(np.array(y))
+
+
+def test_problems_that_have_no_modified_energy_are_refused():
+    found = modified("stormer-verlet", 3)
+    with pytest.raises(UsageError, match="not separable"):
+        found.energy_at(glmref.problem("double-pendulum"), [1, 1, 0, 0], 0.1)
+    with pytest.raises(UsageError, match="Hamiltonian"):
+        found.energy_at(glmref.Problem(f=("-y[0]", "y[1]"), y0=(1, 1)), [1, 1], 0.1)
+    with pytest.raises(UsageError, match="state of 2"):
+        found.energy_at(glmref.problem("pendulum"), [1, 1, 1], 0.1)
+    with pytest.raises(UsageError, match="`order`"):
+        found.energy_at(glmref.problem("pendulum"), [1, 1], 0.1, order=4)
+    own = glmref.Problem(dq=lambda p: p, dp=lambda q: -abs(q), y0=(1, 1), canonical=True,
+                         hamiltonian="y[0]")  # fmt: skip
+    with pytest.raises(UsageError, match="expressions"):
+        found.energy_at(own, [1, 1], 0.1)
+
+
+def _drifts(name, orders, digits):
+    """Largest drift of H~ of each order at h = 1/10 and 1/20, on the pendulum through T = 10."""
+    method, problem = load(name), glmref.problem("pendulum")
+    found, drifts = modified(method, max(orders)), []
+    for steps in (100, 200):
+        engine = stepper(method, problem, digits=digits)
+        with mpmath.workdps(digits):
+            h = mpmath.mpf(10) / steps
+            values = found.start_at(
+                problem, [mpmath.mpf(6) / 5, mpmath.mpf(3) / 10], h, digits=digits
+            )
+            energies = []
+            for k in range(steps + 1):
+                if k % (steps // 50) == 0:
+                    y = engine.solution(values)
+                    energies.append(
+                        [found.energy_at(problem, y, h, order=n, digits=digits) for n in orders]
+                    )
+                values = engine.step(0, values, h).values
+        drifts.append(
+            [max(abs(e[i] - energies[0][i]) for e in energies) for i in range(len(orders))]
+        )
+    return [float(mpmath.log(a / b, 2)) for a, b in zip(*drifts, strict=True)]
+
+
+def test_drift_of_a_pair_on_the_pendulum():
+    slopes = _drifts("stormer-verlet", (1, 3, 5), 30)
+    assert slopes == pytest.approx([2, 4, 6], abs=0.2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["gsymplectic-n", "gauss-2"])
+def test_drift_of_modified_energies_on_the_pendulum(name):
+    slopes = _drifts(name, (1, 5, 7, 9), 45)
+    assert slopes == pytest.approx([4, 6, 8, 10], abs=0.2)
+
+
+def test_the_oscillation_of_the_energy_is_predicted():
+    problem = glmref.problem("pendulum")
+    found, h = modified("stormer-verlet", 5), 0.05
+    run = glmref.solve(problem, "stormer-verlet", h=h, t_end=20, every=1)
+    energies = np.array([problem.hamiltonian(y) for y in run.y])
+    measured = np.max(np.abs(energies - energies[0]))
+    orbit = np.array([problem.solution(t) for t in np.linspace(0, 20, 101)])
+    assert found.oscillation(problem, orbit, h) == pytest.approx(measured, rel=0.02)
+
+
+@pytest.mark.parametrize("module", [modified_module])
+def test_the_examples_are_as_printed(module):
+    found = doctest.testmod(module)
+    assert found.attempted and not found.failed
