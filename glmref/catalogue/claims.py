@@ -319,7 +319,9 @@ GROWTH = ClaimSpec(
         "that belongs to the principal component, which is 1, is left out. A method that is "
         "not zero-stable has no growth parameters; pairs (only whether they are 0 is "
         "independent of the scaling): zeta^{-1} w B U^ v^ and zeta^{-1} w^ B^ U v at each "
-        "eigenvalue that V and V^ share"
+        "eigenvalue that V and V^ share; a pair that is not separable and whose V and V^ share "
+        "the simple eigenvalue 1 only: zeta^{-1} w B U v at each eigenvalue of V but 1, and then "
+        "zeta^{-1} w^ B^ U^ v^ at each of V^"
     ),
 )
 A_STABLE = ClaimSpec(

@@ -63,33 +63,43 @@ SPACING, TWO_KICK_SPACING = Fraction(1), Fraction(1, 2)
 Series = list[Fraction]
 
 
-def _factorial(n: int) -> int:
-    return 1 if n < 2 else n * _factorial(n - 1)
+def factorial(n: int) -> int:
+    """Return n!."""
+    return 1 if n < 2 else n * factorial(n - 1)
 
 
 def _product(a: Series, b: Series) -> Series:
     return [sum((a[i] * b[k - i] for i in range(k + 1)), Fraction(0)) for k in range(len(a))]
 
 
-def _quotient(a: Series, b: Series) -> Series:
+def quotient(a: Series, b: Series) -> Series:
+    """Return the series a/b, with b[0] not 0, of the length of a."""
     out: Series = []
     for k, x in enumerate(a):
         out.append((x - sum((out[i] * b[k - i] for i in range(k)), Fraction(0))) / b[0])
     return out
 
 
-def _exponential(rate: Fraction, length: int) -> Series:
-    return [rate**k / _factorial(k) for k in range(length)]
+def exponential(rate: Fraction, length: int) -> Series:
+    """Return exp(rate x)."""
+    return [rate**k / factorial(k) for k in range(length)]
 
 
-def _even_odd(rate: Fraction, length: int, parity: int) -> Series:
+def even_odd(rate: Fraction, length: int, parity: int) -> Series:
     """2 cosh(rate x) or 2 sinh(rate x)."""
     return [
-        2 * x if k % 2 == parity else Fraction(0) for k, x in enumerate(_exponential(rate, length))
+        2 * x if k % 2 == parity else Fraction(0) for k, x in enumerate(exponential(rate, length))
     ]
 
 
-def _solve(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
+def solve(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
+    """Solve a square system of rational equations.
+
+    Raises
+    ------
+    ExactnessError
+        When it is singular.
+    """
     exact = linalg.solve(
         tuple(tuple(Exact(x) for x in row) for row in rows), tuple((Exact(x),) for x in right)
     )
@@ -120,19 +130,19 @@ class Half:
         self.m = len(self.cosines)
         n = self.length = 2 * self.m + 6
         half = Fraction(1, 2)
-        self.sinh = _even_odd(half, n, 1)
-        self.pairs = [_even_odd(Fraction(1), n, 0) for _ in self.cosines]
+        self.sinh = even_odd(half, n, 1)
+        self.pairs = [even_odd(Fraction(1), n, 0) for _ in self.cosines]
         for pair, c in zip(self.pairs, self.cosines, strict=True):
             pair[0] -= 2 * c
         one = [Fraction(1), *[Fraction(0)] * (n - 1)]
         # all times x, so that they are power series
-        main = _quotient(one, [*self.sinh[1:], Fraction(0)])
+        main = quotient(one, [*self.sinh[1:], Fraction(0)])
         target = [*self.sinh[1:], Fraction(0)] if second else one
-        mids = [[Fraction(0), *_quotient(self.sinh, p)[:-1]] for p in self.pairs]
+        mids = [[Fraction(0), *quotient(self.sinh, p)[:-1]] for p in self.pairs]
         self.alpha = self._fit(mids, target, main)
-        cosh = _even_odd(half, n, 0)
+        cosh = even_odd(half, n, 0)
         ends = [
-            [Fraction(0), *(x / 2 for x in _quotient(_even_odd(Fraction(1), n, 1), p)[:-1])]
+            [Fraction(0), *(x / 2 for x in quotient(even_odd(Fraction(1), n, 1), p)[:-1])]
             for p in self.pairs
         ]
         self.beta = self._fit(ends, one, _product([x / 2 for x in cosh], main))
@@ -142,12 +152,12 @@ class Half:
             return []
         powers = range(2, 2 * self.m + 1, 2)
         rows = [[column[k] for column in columns] for k in powers]
-        return _solve(rows, [target[k] - main[k] for k in powers])
+        return solve(rows, [target[k] - main[k] for k in powers])
 
     @property
     def V(self) -> list[list[Fraction]]:
         """(r, r), r = 2 m + 1."""
-        return _turning(self.cosines)
+        return turning(self.cosines)
 
     @property
     def entry(self) -> list[Fraction]:
@@ -177,12 +187,12 @@ class Half:
         n, half = self.length, Fraction(1, 2)
         rows = []
         for pair, c in zip(self.pairs, self.cosines, strict=True):
-            later, earlier = _exponential(half, n), _exponential(-half, n)
+            later, earlier = exponential(half, n), exponential(-half, n)
             if ended:
-                later = [x / 2 for x in _even_odd(Fraction(1), n, 1)]
+                later = [x / 2 for x in even_odd(Fraction(1), n, 1)]
                 later[0] += c
                 earlier = [Fraction(int(k == 0)) for k in range(n)]
-            rows += [_quotient(later, pair), _quotient(earlier, pair)]
+            rows += [quotient(later, pair), quotient(earlier, pair)]
         return rows
 
 
@@ -225,12 +235,12 @@ class TwoKicks:
         m = self.m = len(self.cosines)
         n = self.length = 2 * m + 6
         zero, one, half = Fraction(0), Fraction(1), Fraction(1, 2)
-        self.V = _turning(self.cosines)
+        self.V = turning(self.cosines)
         # values over h k in the middle of the first kick: (E - V)^-1 of what the kicks add
-        step, middle = _exponential(one, n), _exponential(half, n)
+        step, middle = exponential(one, n), exponential(half, n)
         added = [weight * (x + (k == 0)) / 2 for k, x in enumerate(step)]
         added = [x + (1 - weight) * y for x, y in zip(added, middle, strict=True)]
-        sums = _quotient(added, [*step[1:], zero])  # times x, the last power unknown
+        sums = quotient(added, [*step[1:], zero])  # times x, the last power unknown
         alone: list[tuple[Series, Series]] = []  # by the first kick, by the second with s_j = 1
         other: list[tuple[Series, Series]] = []
         for c in self.cosines:
@@ -244,7 +254,7 @@ class TwoKicks:
             ]
             columns += [kicked, [x + d * y for x, y in zip(v, v_, strict=True)]]
         columns = [[zero, *column[:-1]] for column in columns]  # times x, as the sums
-        target = _exponential(half, n + 1)[1:]
+        target = exponential(half, n + 1)[1:]
         known = [(x + weight / 2 * (k == 1)) / 2 for k, x in enumerate(sums)]
         found = self._fit(columns, target, known, range(1, 2 * m + 1))
         if not all(found[::2]):
@@ -276,11 +286,11 @@ class TwoKicks:
     @staticmethod
     def _pair(c: Fraction, u: Series, u_: Series) -> tuple[Series, Series]:
         """(E - V)^-1 of two series, V the block of a pair."""
-        step = _exponential(Fraction(1), len(u))
+        step = exponential(Fraction(1), len(u))
         determinant = [x * 2**k - 2 * c * x + (k == 0) for k, x in enumerate(step)]
         upper = [x - y for x, y in zip(_product(step, u), u_, strict=True)]
         lower = [x + y - 2 * c * z for x, y, z in zip(u, _product(step, u_), u_, strict=True)]
-        return _quotient(upper, determinant), _quotient(lower, determinant)
+        return quotient(upper, determinant), quotient(lower, determinant)
 
     @staticmethod
     def _fit(
@@ -288,7 +298,7 @@ class TwoKicks:
     ) -> list[Fraction]:
         rows = [[column[k] for column in columns] for k in powers]
         try:
-            return _solve(rows, [target[k] - main[k] for k in powers])
+            return solve(rows, [target[k] - main[k] for k in powers])
         except ExactnessError:
             raise UsageError("these numbers determine no method: a drift is singular") from None
 
@@ -314,8 +324,8 @@ class TwoKicks:
             "output": [one],
         }
         p = {
-            "A": [[_dot(self.phi, ended), zero, zero],
-                  [_dot(back, turned), _dot(back, self.second), zero]],
+            "A": [[dot(self.phi, ended), zero, zero],
+                  [dot(back, turned), dot(back, self.second), zero]],
             "U": [self.phi, _times(back, self.V)],
             "B": [list(row) for row in zip(turned, self.second, ended, strict=True)],
             "V": self.V,
@@ -324,7 +334,7 @@ class TwoKicks:
         return q, p
 
 
-def _turning(cosines: Sequence[Fraction]) -> list[list[Fraction]]:
+def turning(cosines: Sequence[Fraction]) -> list[list[Fraction]]:
     """V, (r, r) with r = 2 m + 1: 1, and a block for each pair."""
     r = 2 * len(cosines) + 1
     V = [[Fraction(int(i == j == 0)) for j in range(r)] for i in range(r)]
@@ -334,18 +344,19 @@ def _turning(cosines: Sequence[Fraction]) -> list[list[Fraction]]:
     return V
 
 
-def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+def dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    """Return the sum of the products."""
     return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
 
 
-def _integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
+def integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
     """Weights on the nodes of the integral from 0 to the point, exact for all polynomials."""
     powers = range(len(nodes))
     rows = [[x**k for x in nodes] for k in powers]
-    return _solve(rows, [point ** (k + 1) / (k + 1) for k in powers])
+    return solve(rows, [point ** (k + 1) / (k + 1) for k in powers])
 
 
-def _ring(n: int, spacing: Fraction) -> list[Fraction]:
+def ring_points(n: int, spacing: Fraction) -> list[Fraction]:
     """The points +-1, .., +-n times the spacing."""
     return [s * i * spacing for i in range(1, n + 1) for s in (1, -1)]
 
@@ -367,8 +378,8 @@ def _start(
     def add(to: list, nodes: list[int], of: list, ring: int) -> list[int]:
         first = len(to)
         abscissae = [of[i][0] for i in nodes]
-        for c in _ring(ring, spacing):
-            to.append((c, dict(zip(nodes, _integrals(abscissae, c), strict=True))))
+        for c in ring_points(ring, spacing):
+            to.append((c, dict(zip(nodes, integrals(abscissae, c), strict=True))))
         return [0, *range(first, len(to))]
 
     at_P, at_Q = [0], [0]
@@ -387,7 +398,7 @@ def _start(
         moments = [[x**k for x in points] for k in powers]
         lines = []
         for row in half.series(ended=half is ended):
-            solved = _solve(moments, [row[k] * _factorial(k) for k in powers])
+            solved = solve(moments, [row[k] * factorial(k) for k in powers])
             known = dict(zip(nodes, solved, strict=True))
             lines.append([known.get(j, zero) for j in range(len(of))])
         # the first value is what makes the solution exact
@@ -409,11 +420,11 @@ def _start(
 
 
 def _times(row: Sequence[Fraction], V: list[list[Fraction]]) -> list[Fraction]:
-    return [_dot(row, column) for column in zip(*V, strict=True)]
+    return [dot(row, column) for column in zip(*V, strict=True)]
 
 
 def _apply(V: list[list[Fraction]], column: Sequence[Fraction]) -> list[Fraction]:
-    return [_dot(row, column) for row in V]
+    return [dot(row, column) for row in V]
 
 
 def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -426,7 +437,7 @@ def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
     middle = {
         "A": [
             [
-                half * _dot(outer.stage, outer.entry),
+                half * dot(outer.stage, outer.entry),
                 Fraction(0),
             ]
         ],
@@ -441,7 +452,7 @@ def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
     ends = {
         "A": [
             [Fraction(0)],
-            [_dot(inner.stage, inner.entry)],
+            [dot(inner.stage, inner.entry)],
         ],
         "U": [inner.stage, _times(inner.stage, inner.V)],
         "B": [[x] for x in inner.entry],
@@ -495,13 +506,13 @@ def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str
     return _partitioned(name, title, q, p, start, 2)
 
 
-def _written(value: Any) -> Any:
+def written(value: Any) -> Any:
     """The document with its fractions as text."""
     if isinstance(value, Fraction):
         return str(value)
     if isinstance(value, dict):
-        return {key: _written(x) for key, x in value.items()}
-    return [_written(x) for x in value] if isinstance(value, list | tuple) else value
+        return {key: written(x) for key, x in value.items()}
+    return [written(x) for x in value] if isinstance(value, list | tuple) else value
 
 
 def _partitioned(
@@ -513,7 +524,7 @@ def _partitioned(
     order: int,
 ) -> dict[str, Any]:
     """The document of two blocks and a start of an order on separable problems."""
-    return _written({
+    return written({
         "format": "glmref-method-1",
         "name": name,
         "title": title,

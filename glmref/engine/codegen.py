@@ -287,6 +287,9 @@ class Builder(KickWriter):
         if self.direct or self.leaps:
             (self._direct_stages if self.direct else self._leap)()
             return
+        if self.form.together:
+            self._shared_stages()
+            return
         if self.factored_newton:
             self.w("slow = False")
         for block in self.form.blocks:

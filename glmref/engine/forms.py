@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -72,13 +72,15 @@ class StepForm:
     components: tuple[Rows, ...]
     #: Stages in the order of computation, numbered through the components.
     blocks: tuple[StageBlock, ...]
-    c: Row = ()  #: (s,) abscissae of a single method.
+    c: Row = ()  #: (s,) abscissae of a single method, or of stages evaluated together.
     #: (r, r) form that a running form conserves, in its basis, or ``None``.
     G: tuple[Row, ...] | None = None
     M_residue: Row = ()  #: (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
     #: What is carried in place of value k of p is p_k + kick_k h dp(q), see :func:`.sweep.merged`
     #: and :func:`.sweep.merged_multistep`; empty where values are carried as they are.
     kick: Row = ()
+    #: Whether the stages of two components are evaluated together: block i is that of (Q_i, P_i).
+    together: bool = False
 
     U, M, weights, V = map(_first, ("U", "M", "weights", "V"))
     R, R_residue, large = map(_first, ("R", "R_residue", "large"))
@@ -169,14 +171,14 @@ class StepForm:
     def kept(self, component: int) -> tuple[bool, ...]:
         """Which values of a component are kept together with their rounding errors.
 
-        All but those that oscillate in a multistep method with merged kicks. Their sums V y have
-        factors like 2 cos(theta), whose products are rounded and not put back, so that the error
-        of the last addition alone is not worth its operations; no multiple of the solution is
-        among them, and their errors do not add up.
+        All but those that oscillate in a multistep method with merged kicks, or with stages that
+        are evaluated together. Their sums V y have factors like 2 cos(theta), whose products are
+        rounded and not put back, so that the error of the last addition alone is not worth its
+        operations; no multiple of the solution is among them, and their errors do not add up.
         """
         V = self.components[component].V
         kept = [True] * len(V)
-        for k, row in enumerate(V) if component and len(self.kick) > 1 else ():
+        for k, row in enumerate(V) if self.together or (component and len(self.kick) > 1) else ():
             before = [j for j, x in enumerate(row) if x]
             kept[k] = all(abs(row[j]) == 1.0 and (j == k or kept[j]) for j in before)
         return tuple(kept)
@@ -302,6 +304,12 @@ def standard_form(method: Any) -> StepForm:
     c = floats(stage_times(method)) if method.parts == 1 else ()
     blocks = method.stage_blocks(SEPARABLE if method.parts > 1 else None)
     return StepForm("standard", False, tuple(components), blocks, c)
+
+
+def shared_form(method: Any) -> StepForm:
+    """Return the same of a pair whose stages are evaluated together: no Q_i without its P_i."""
+    form, c = standard_form(method), floats(method.times[0])
+    return replace(form, blocks=method.stage_blocks(), together=True, c=c)
 
 
 def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:

@@ -17,7 +17,7 @@ from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
 from ..system.arguments import one_of
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
-from .forms import StepForm
+from .forms import StepForm, shared_form
 from .kept import ByIdentity, T, form_of_method, recalled
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .plan import check_arithmetic
@@ -339,15 +339,21 @@ def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm, Sha
     Raises
     ------
     UsageError
-        For an additive method.
+        For an additive method, or a pair with implicit stages on a problem that is not separable.
     """
     if method.additive:
         raise UsageError("kernels are not made for additive methods; use engine='reference'")
-    split = True if method.parts == 2 else None
+    joint = method.parts == 2 and method.shared and not problem.separable
+    if joint and not method.is_explicit:
+        raise UsageError(
+            f"{problem.name} is not separable, where {method.name or 'the pair'} has implicit "
+            f"stages, for which no kernel is made; use engine='reference'"
+        )
+    split = not joint if method.parts == 2 else None
     # the shape is that of the functions, whatever the initial value
     given = (problem.f, problem.dq, problem.dp, problem.force, problem.jacobian)
     shape = _shapes(given, (problem.dimension, split), lambda: shape_of(problem, split=split))
-    return form_of_method(method, form), shape
+    return (shared_form(method) if joint else form_of_method(method, form)), shape
 
 
 def _assembled(

@@ -74,6 +74,8 @@ class StageWriter(NewtonWriter):
         """The parts of the right-hand side that are evaluated at a stage."""
         if len(self.sides) == 1:
             return self.shape.parts
+        if self.form.together:  # once for Q and P, and counted at Q
+            return () if self.form.place(i)[0] else self.shape.parts
         return (self.shape.parts[1 - self.form.place(i)[0]],)
 
     def _at(self, part: Part, stages: Sequence[int]) -> list[int]:
@@ -163,6 +165,23 @@ class StageWriter(NewtonWriter):
             self.t.call(part, source, slope, f"s{i}")
         self._increment(i, slope)
         self._count([i])
+
+    def _shared_stages(self) -> None:
+        """Explicit stages (Q_i, P_i): both halves of the point, one evaluation, both increments."""
+        (part,), n = self.shape.parts, len(self.form.U)
+        done: list[int] = []
+        for block in self.form.blocks:
+            (i,) = block.stages
+            self.t.local[f"Y{i}"] = range(*self.all)
+            for side, stage in enumerate((i, n + i)):
+                z, a = self._base(stage, done)
+                text = z if a == "0.0" else f"{z} + {a}"
+                self.t.vec([f"@Y{i} = {text}"], self.sides[side].part)
+            self._evaluate(part, [i])
+            for stage in (i, n + i):
+                self._increment(stage, f"F{i}")
+            self._count([i])
+            done += [i, n + i]
 
     def _increment(self, i: int, slope: str) -> None:
         """L of a stage, and what it adds to running values."""

@@ -127,8 +127,19 @@ def conditions_hold(case: OrderCase) -> bool | Fails:
 
 
 def paths_stand_for_trees(case: OrderCase) -> bool:
-    """Trees without branches decide for separable pairs with the simple eigenvalue 1 of each V."""
-    return not case.along_paths or (case.method.separable and case.series(case.order).simple)
+    """Trees without branches decide for pairs with the simple eigenvalue 1 of each V."""
+    if not case.along_paths:
+        return True
+    known = case.method.separable or case.kind[1] == "paths"
+    return known and case.method.pair and case.series(case.order).simple
+
+
+def shared_stages_have_one_time(case: OrderCase) -> bool:
+    """Along trees without branches, shared stages have the same abscissae for Q and P."""
+    if not case.along_paths or case.method.separable:
+        return True
+    series = case.series(case.order)
+    return vanishes(less(*(series.stages((c, ())) for c in "fk")))
 
 
 def stages_are_right_along_paths(case: OrderCase) -> bool:
@@ -323,7 +334,7 @@ ORDER_RULES = (
         "Butcher (1972), An algebraic theory of integration methods", "order principal trees",
         OrderCase,
         (stages_begin_at_the_solution, conditions_hold, paths_stand_for_trees,
-         stages_are_right_along_paths),
+         shared_stages_have_one_time, stages_are_right_along_paths),
         lambda case: case.bound(low=case.order),
     ),
     Rule(

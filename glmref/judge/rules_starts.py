@@ -124,9 +124,16 @@ def uses_right_stages(case: StartCase, p: int) -> bool:
         links = {"f": (A, "k", 1), "k": (A_hat, "f", 1)}
         used = [(B, "k", p - 1), (B_hat, "f", p - 1)]
     orders = {c: path_orders(method, start, c, p) for c in links}
+    if not method.separable:  # a stage is used as a stage Q and as a stage P
+        times_of = [start.stages((c, ())) for c in "fk"]
+        if len(A) != len(A_hat) or not vanishes(less(*times_of)):
+            return False
     before = None
     while before != orders:
         before = {c: list(x) for c, x in orders.items()}
+        if not method.separable:
+            both = [min(pair) for pair in zip(orders["f"], orders["k"], strict=True)]
+            orders = {"f": list(both), "k": list(both)}
         for c, (M, other, gain) in links.items():
             for i, row in enumerate(M):
                 least = [orders[other][j] + gain for j, x in enumerate(row) if not is_nil(x)]

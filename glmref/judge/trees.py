@@ -158,11 +158,16 @@ def counted(name):
 
 
 def paths(palette, order):
-    """Return the trees of an order without branches."""
+    """Return the trees of an order without branches, colours alternating where there are two."""
     if order == 1:
         return [(colour, ()) for colour, _ in palette]
     below = paths(palette, order - 1)
-    return [(colour, (t,)) for colour, children in palette for t in below if t[0] in children]
+    return [
+        (colour, (t,))
+        for colour, children in palette
+        for t in below
+        if t[0] in children and (t[0] != colour or len(children) == 1)
+    ]
 
 
 def pool_of(method, order, nystrom):

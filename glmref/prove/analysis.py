@@ -41,6 +41,7 @@ from ..system.shown import Shown
 from ..theory.error_constants import error_norm
 from ..theory.order import order_of
 from ..theory.periodicity import periodicity
+from ..theory.residues import rates_on_one_sign, residues
 from ..theory.stability_interval import imaginary_interval, real_interval
 from .digits import rounded_up
 from .facts import Facts, facts_of
@@ -119,7 +120,12 @@ class Analysis(Shown):
         values that are not needed or follow from others, and ``"why"``. ``None`` for an additive
         method.
     growth : list[dict[str, Any]]
-        ``[{"eigenvalue", "mu"}, ...]``.
+        ``[{"eigenvalue", "mu"}, ...]``; of a pair ``"mu_q"`` and ``"mu_p"`` at an eigenvalue that V
+        and V^ share, ``"mu_qq"`` or ``"mu_pp"`` at one of V or V^ only.
+    growth_rates : dict[str, float] or None
+        Of a pair whose V and V^ share only the eigenvalue 1 and whose stages are shared: to first
+        order in h, the parasitic part grows at this rate times the mean of |H_pq| on a Hamiltonian
+        of one degree of freedom whose H_pq has one sign, by that sign. ``None`` for others.
     proof : Proof
         The kind of proof all of this has.
     undecided : dict[str, str] or None
@@ -155,6 +161,7 @@ class Analysis(Shown):
     order_parts: list[int] | None = None
     order_embedded: dict[str, int] | None = None
     order_dense: int | None = None
+    growth_rates: dict[str, float] | None = None
     order_w: int | None = None
     order_to_digits: str | None = None
     wrong_entry: str | None = None
@@ -180,7 +187,7 @@ class Analysis(Shown):
 
 #: What only methods have that it applies to.
 _OF_SOME = (
-    *("order_parts", "order_embedded", "order_dense", "order_w", "order_to_digits"),
+    *("order_parts", "order_embedded", "order_dense", "order_w", "order_to_digits", "growth_rates"),
     *("wrong_entry", "g_symplectic", "symmetric", "stability_parts", "undecided"),
 )
 
@@ -567,6 +574,7 @@ def _analyzed(q: _Questions) -> Analysis:
         | {"P": exchanges[0] if single else exchanges}
         | (_reduced(q) if single and holds is False and values != [1] else {}),
         growth=q.ask("growth", lambda f: _growth(f, single), []),
+        growth_rates=None if single else q.ask("growth rates", _growth_rates),
         abscissae=q.ask("abscissae", lambda f: _vector(f.abscissae)),
         stability=stability,
         order_nystrom=q.range(NYSTROM_ORDER.key).value if nystrom else None,
@@ -605,10 +613,20 @@ def _growth(facts: Facts, single: bool) -> list[dict[str, Any]]:
         | (
             {"mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix)}
             if single
-            else {"mu_q": _matrix(g.mu_q), "mu_p": _matrix(g.mu_p)}
+            else {name: _matrix(g.matrices[name]) for name in ("mu_q", "mu_p")}
+            if "mu_q" in g.matrices
+            else {name: shown_number(m[0][0]) for name, m in g.matrices.items()}
         )
         for g in facts.parasitism.growths
     ]
+
+
+def _growth_rates(facts: Facts) -> dict[str, float] | None:
+    found = residues(facts.method)
+    if found is None:
+        return None
+    rates = rates_on_one_sign(found)
+    return {f"H_pq {'>' if sign > 0 else '<'} 0": x for sign, x in rates.items()}
 
 
 def _periodicity(facts: Facts) -> float | None:

@@ -661,9 +661,18 @@ class _Writer:
         bounded = [self._bounded(c) for c in self.kernel.blocks]
         return [*bounded, {"rule": "unshared", "witness": {}}]
 
+    def _halves(self) -> list[Part]:
+        """Of a pair that shares the stages and the eigenvalue 1; empty where that is not so."""
+        if (found := self.kernel._residues) is None:
+            return []
+        cosines = {c: [str(x.cosine) for x in half] for c, half in found.items()}
+        return [{"rule": "residues", "witness": {"cosines": cosines}}]
+
     def _growth(self) -> list[Part]:
         if self.kernel._unstable():
             return [self._unbounded()]
+        if halves := self._halves():
+            return halves
         if unshared := self._unshared():
             return unshared
         parts, proposed = self._eigen()
@@ -700,13 +709,15 @@ class _Writer:
     def _parasitism_free(self) -> list[Part]:
         if self.kernel._unstable():
             return self._growth()
+        if halves := self._halves():
+            return halves
         if self._truth() and (unshared := self._unshared()):
             return unshared
         parts, proposed = self._eigen()
         self._real_growth(proposed)
         if self._truth():
             return [*parts, {"rule": "growth", "witness": {}}]
-        matrices = self.kernel._growth_matrices(self._witness())
+        matrices = self.kernel._growth_matrices(self._witness(), one_is_enough=True)
         for k, (zeta, found) in enumerate(matrices):
             if not self.kernel.is_pair and (zeta - 1).is_zero():
                 if self.kernel._only_principal(found[0]) is False:

@@ -168,12 +168,21 @@ class Facts:
         """Growth parameters by increasing argument of the eigenvalue.
 
         Mu at each unimodular eigenvalue of V but the principal one; of a partitioned method mu_q
-        and mu_p at each that V and V^ share.
+        and mu_p at each that V and V^ share, or, where its stages are shared and no eigenvalue but
+        1, mu_qq at each of V and then mu_pp at each of V^.
         """
         growths = self.parasitism.growths
         if self.is_single:
             return tuple(g.mu for g in growths if g.mu is not None)
-        return tuple(x for g in growths for m in (g.mu_q, g.mu_p) for row in m for x in row)
+        shared = any("mu_q" in g.matrices for g in growths)
+        return tuple(
+            x
+            for g in growths
+            for name, m in g.matrices.items()
+            if name in ("mu_q", "mu_p") or not shared
+            for row in m
+            for x in row
+        )
 
     @cached_property
     def reduction(self) -> Reduction:

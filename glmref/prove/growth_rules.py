@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
+from ..theory.residues import Residue, in_order, residues
 from ..theory.root_location import is_schur
 from .algebra import all_of, bounded, compared, is_exact, vanishes
 from .ranges import Known
@@ -75,9 +77,12 @@ class GrowthRules:
         return list(parts)
 
     def _growth_matrices(
-        self, witness: Mapping[str, Any]
+        self, witness: Mapping[str, Any], *, one_is_enough: bool = False
     ) -> list[tuple[Exact, tuple[Matrix, ...]]]:
         """zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
+
+        With ``one_is_enough`` only the shared eigenvalues of a pair are looked at where one of
+        their matrices is not 0, which refutes that nothing grows whatever the others are.
 
         For a pair the coupled matrices at the shared eigenvalues other than 1, and where stages are
         shared also those within each half. At zeta = 1 of one method the principal component is in
@@ -127,11 +132,18 @@ class GrowthRules:
                     ),
                 )
             )
+        if one_is_enough and any(vanishes(m) is False for _, row in found for m in row):
+            return found
         if self.shared and len(found) < max(len(x) for x in others.values()):
             raise ExactnessError(
                 "V and V^ have different eigenvalues and the stages are shared: not supported"
             )
         return found
+
+    @cached_property
+    def _residues(self) -> Mapping[str, tuple[Residue, ...]] | None:
+        """The growth parameters of each half, where shared stages and simple roots allow them."""
+        return residues(self.method) if self.is_pair and self.shared and self.exact else None
 
     def _unstable(self) -> bool:
         """Whether some V is proved not to be power-bounded: then growth has no meaning."""
@@ -142,8 +154,10 @@ class GrowthRules:
         if self._unstable():
             exact = self._exact_values()
             return Known(False, exact, "V is not power-bounded: parasitic components grow anyway")
+        if self._residues is not None:
+            return Known(all(x.mu.is_zero() for half in self._residues.values() for x in half))
         answers: list[bool | None] = []
-        for zeta, matrices in self._growth_matrices(witness):
+        for zeta, matrices in self._growth_matrices(witness, one_is_enough=True):
             if (zeta - 1).is_zero():  # of one method: pairs have others only
                 answers.append(self._only_principal(matrices[0]))
             else:
@@ -167,7 +181,8 @@ class GrowthRules:
 
         Within one multiple eigenvalue of V their order does not matter: compared are characteristic
         polynomials. For a pair: mu_q and then mu_p at each shared eigenvalue, both of which are
-        zero or not whatever the eigenvectors are; other values are not defined.
+        zero or not whatever the eigenvectors are; other values are not defined. Of a pair whose
+        halves share the stages and only the eigenvalue 1: those of q, and then those of p.
         """
         if self._unstable():
             exact = self._exact_values()
@@ -179,6 +194,13 @@ class GrowthRules:
                     False, False, f"{count} growth parameters found, {len(declared)} declared"
                 )
             return compared([_ZERO] * count, declared, exact=False)
+        if self._residues is not None:
+            found = in_order(self._residues)
+            if len(found) != len(declared):
+                return Known(
+                    False, True, f"{len(found)} growth parameters found, {len(declared)} declared"
+                )
+            return compared(found, declared, exact=True)
         matrices = self._growth_matrices(witness)
         blocks = [
             (zeta, m, bool((zeta - 1).is_zero()))

@@ -414,7 +414,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             return Range(0, 0, exact=self.exact, reason=f"not preconsistent: {reason}")
         except ExactnessError as reason:
             return Range(0, None, exact=self.exact, reason=str(reason))
-        if not self.shared:
+        if not self.shared or (
+            set(components) == set("fk") and not (nystrom or self.method.system)
+        ):
             found = self._along_paths(components, free=free, nystrom=nystrom)
             if found is not None:
                 return found
@@ -496,6 +498,10 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         the solution, so that E acts on them as it does on the N_n. All else is linear. Multistep
         formulas are of this kind: they ask for quadrature alone.
 
+        Where both functions are evaluated at the same stages (Q_i, P_i), colours may follow in any
+        order. The same induction holds, with s the path on which they alternate, if the abscissae
+        of Q and P agree.
+
         On second-order systems f is linear: a vertex f has one child, u, ``xiD(t) = xi(u)`` and
         gamma(t) = |t| gamma(u), so that the stages P need not be the solution.
 
@@ -516,7 +522,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             level = {t: first_nonzero(series.residual(t)) for t in series.advance()}
             failing = next((t for t, x in level.items() if x.is_zero() is False), None)
             if failing is not None:
-                if not nystrom and n <= MAX_ORDER[1]:
+                if not nystrom and n <= (6 if self.shared else MAX_ORDER[1]):
                     return None
                 residual = level[failing]
                 if free:
@@ -529,11 +535,18 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
                 return Range(n - 1, n - 1, str(failing), size, exact=self.exact, value=n - 1)
             series.settle()
             zero = all(x.is_zero() is True for x in level.values())
-            if not (zero and on_solution):
+            if not (zero and on_solution) or (n == 1 and not self._at_one_time(series)):
                 return None
             # of the next order a tree may still fail: that needs no other trees
             on_solution = self._on_solution(series, n, "f" if nystrom else "fk")
         return None
+
+    def _at_one_time(self, series: StartingSeries) -> bool:
+        """Whether shared stages have the same abscissae for Q and P."""
+        if not self.shared:
+            return True
+        c = [scalars(series.stage(single(x), series.value(single(x)))) for x in "fk"]
+        return is_zero(difference(*c)) is True
 
     def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
         """Whether ``xi(t) = c^n / n!`` at the stages of these colours, t the path of order n."""
@@ -802,6 +815,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         A stage is the solution to order q when it is on the paths through order q and the stages
         that it uses are to order q - 1. The values must use stages that are to order p - 1. On
         second-order systems f is linear: what counts is how stages Q use stages Q, two orders up.
+        Shared stages are used as stages Q and as stages P, whose abscissae must agree.
         """
         start: Any = self.method.starting
         if not series.along_paths or start is None:
@@ -814,7 +828,14 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             links = {"f": (f.A, "k", 1), "k": (k.A, "f", 1)}
             values = ((f.B, "k", p - 1), (k.B, "f", p - 1))
         orders = self._path_orders(f.A, k.A, p)
+        if self.shared:
+            sums = (linalg.row_sums(f.A), linalg.row_sums(k.A))
+            if len(sums[0]) != len(sums[1]) or is_zero(difference(*sums)) is not True:
+                return False
         for _ in range(p):
+            if self.shared:
+                both = [min(pair) for pair in zip(orders["f"], orders["k"], strict=True)]
+                orders = {"f": both, "k": both}
             for at, (A, used, gain) in links.items():
                 reached = [
                     [orders[used][j] + gain for j, x in enumerate(row) if not x.vanishes()]

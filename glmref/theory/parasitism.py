@@ -8,7 +8,7 @@ For a pair ``q' = f(p), p' = k(q)`` the components at a common eigenvalue are co
 ``phi_q' = mu_q f' phi_p, phi_p' = mu_p k' phi_q``, with ``mu_q = zeta^-1 w B U^ v^`` and
 ``mu_p = zeta^-1 w^ B^ U v``; both are asked to be zero. Where the stages are shared, f and k may
 depend on both variables, and ``mu_qq = zeta^-1 w B U v``, ``mu_pp = zeta^-1 w^ B^ U^ v^`` count
-too.
+too; at an eigenvalue of one V only, one of these is all there is.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from ..method import GLM, Method
 from ..method.preconsistency import preconsistency_vector
 from . import polynomials as poly
 from .residuals import verdict_of
+from .residues import both_ways, residues
 from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
 
 
@@ -65,7 +66,8 @@ class Parasitism:
 
     #: Whether every growth parameter is zero; ``None`` where that is not decided.
     free: bool | None
-    #: One record for each eigenvalue; a multiple eigenvalue 1 comes first.
+    #: One record for each eigenvalue; a multiple eigenvalue 1 comes first. Of a pair whose halves
+    #: share the stages and no eigenvalue but 1 those of q, and then those of p.
     growths: tuple[Growth, ...] = ()
     residual: float = 0.0  #: Largest growth parameter, 0.0 when free.
     #: One sentence naming the eigenvalue that grows, or why the question is open.
@@ -158,6 +160,12 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
         *(poly.characteristic_polynomial(c.V) for c in m.components)
     ):
         return (), ""
+    if (halves := residues(m)) is not None:
+        return tuple(
+            Growth(x.eigenvalues[n], 1, {name: ((x.mu,),)})
+            for name, half in zip(("mu_qq", "mu_pp"), halves.values(), strict=True)
+            for x, n in both_ways(half)
+        ), ""
     q, p = (_parasitic(c.V) for c in m.components)
     common = [z for z in q if any((z - x).is_zero() for x in p)]
     growths = tuple(_coupled_growth_at(m, zeta) for zeta in common)
@@ -185,8 +193,6 @@ def growth(m: Method) -> Parasitism:
         growths, why = _growths(m)
     except ExactnessError as error:
         return Parasitism(None, witness=f"the growth parameters are open: {error}")
-    if why:
-        return Parasitism(None, growths, witness=why)
     free: bool | None = True
     residual, witness = 0.0, ""
     for g in growths:
@@ -204,6 +210,8 @@ def growth(m: Method) -> Parasitism:
                     witness = f"{name} {size} {residual:.6g} in size {at}"
             if free is not False and verdict.holds is not True:
                 free = verdict.holds
+    if why and free is not False:  # growth at one eigenvalue decides, whatever the others do
+        return Parasitism(None, growths, witness=why)
     return Parasitism(free, growths, residual, "" if free else witness)
 
 

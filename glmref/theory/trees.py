@@ -320,6 +320,8 @@ def trees_up_to(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
 def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
     """Return the trees of an order without branches: for each colour of the root one or none.
 
+    Where a colour may stand below itself and below others, the colours alternate.
+
     Parameters
     ----------
     order : int
@@ -332,7 +334,7 @@ def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
     below = paths(order - 1, colours)
     return tuple(
         _graft(_SINGLE[colour], t) for colour, allowed in colours for t in below
-        if t.colour in allowed
+        if t.colour in allowed and (t.colour != colour or len(allowed) == 1)
     )  # fmt: skip
 
 

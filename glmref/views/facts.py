@@ -20,6 +20,7 @@ _TITLES = {
     "order_witness": "why not higher",
     "g_symplectic": "G-symplectic",
     "consistency_witness": "why not consistent",
+    "growth_rates": "parasitic rate over |H_pq| where",
     "undecided": "not decided:",
 }
 _DECISIONS = (

@@ -39,6 +39,7 @@ _MODULES: Mapping[str, str] = {
     "yoshida6": "yoshida",
     "pairs": "pairs",
     "multistep": "multistep",
+    "general-multistep": "general_multistep",
     "search": "searching",
 }
 

@@ -1,0 +1,293 @@
+r"""Explicit symmetric partitioned multistep methods for systems that are not separable, exactly.
+
+For q' = f(q, p), p' = k(q, p) each half is a linear multistep formula,
+
+    rho_q(E) q_n = h sigma_q(E) f(q_n, p_n),    rho_p(E) p_n = h sigma_p(E) k(q_n, p_n),
+
+with rho(z) = (z - 1) prod_j (z^2 - 2 c_j z + 1), times z + 1 in one half at most, and sigma
+palindromic with sigma(0) = 0. f and k are evaluated once a step, at the solution (q_n, p_n) itself.
+The two rho have the root 1 in common and no other.
+
+*Residues.* With simple roots on the unit circle, ``sigma/rho = sum mu_zeta zeta/(z - zeta)``. The
+formula is symmetric where mu_zeta is real and equal at conjugate roots, and explicit where the
+value at z = 0, which is -sum mu_zeta, vanishes; mu_1 = 1. So the sum over the other roots is -1.
+mu_zeta is also the growth parameter of the half at zeta: a component zeta^n a(t) of q obeys
+a' = mu_zeta f_q a + O(h), of p b' = mu_zeta k_p b + O(h).
+
+*Values.* s <- s + h f for the root 1; v_j <- 2 c_j v_j - v'_j + h f, v'_j <- v_j for each pair of
+roots; x <- -(x + h f) for the root -1. The stage, and the solution, is
+``s + sum 2 mu_j (c_j v_j - v'_j) + mu_{-1} x``.
+
+*Order.* With z = exp(x) the residues are determined by
+
+    coth(x/2)/2 + sum mu_j sinh x/(cosh x - c_j) + mu_{-1} tanh(x/2)/2 = 1/x + C x^{p-1} + ..,
+
+    sum mu_j + mu_{-1}/2 = -1/2.
+
+m pairs have order p = 2 m, and with the root -1 order 2 m + 2. Because the stages are the solution,
+the conditions of quadrature are those of all trees of two colours.
+
+*Error constant.* With w = 2 cosh x - 2, u_j = 1/(2 - 2 c_j) and n = p/2, C is the coefficient of
+w^n in ``-prod (1 + u_j w) G``, with G = 2 tanh(x/2)/x, or sinh(x)/x where -1 is a root: ``rho
+G/(z - 1)`` is, but for a factor, the series that sigma breaks off. C is affine in each u_j, so that
+one cosine can be chosen with C_q = C_p, exactly, by one division. Then the drift of the energy
+begins two powers of h later.
+
+*Start.* The values are functionals ``g(h D) h y'`` of the solution. They are evaluated on points
+``t + i h`` that Picard iteration finds: each level interpolates the slopes of the one before,
+integrates, and gains one order. The order of the start is p + 1.
+
+References
+----------
+    Dahlquist, Math. Scand. 4 (1956), 33-53; Hairer, Lubich, Wanner, "Geometric Numerical
+    Integration" (2006), chapter XV; Console and Hairer, "Long-term stability of symmetric
+    partitioned linear multistep methods", Lecture Notes in Mathematics 2082 (2014), 1-37.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from ..errors import ExactnessError, UsageError
+from .multistep import (
+    Series,
+    dot,
+    even_odd,
+    exponential,
+    factorial,
+    integrals,
+    quotient,
+    ring_points,
+    solve,
+    turning,
+    written,
+)
+
+_ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
+
+
+@dataclass(frozen=True)
+class GeneralHalf:
+    """One half: a linear multistep formula given by its roots.
+
+    Attributes
+    ----------
+    cosines : tuple[Fraction, ...]
+        c_1, .., c_m of the pairs of roots, different, in (-1, 1).
+    minus_one : bool
+        Whether -1 is a root.
+
+    Raises
+    ------
+    UsageError
+        For cosines that are equal or out of range, or none.
+    """
+
+    cosines: tuple[Fraction, ...]
+    minus_one: bool = False
+
+    def __post_init__(self) -> None:
+        c = self.cosines
+        if not c or len(set(c)) < len(c) or any(not -1 < x < 1 for x in c):
+            raise UsageError("the cosines of a half must be different and lie between -1 and 1")
+
+    @property
+    def order(self) -> int:
+        """The order p."""
+        return 2 * len(self.cosines) + 2 * self.minus_one
+
+    @cached_property
+    def _columns(self) -> list[Series]:
+        """Series in x of what each residue is multiplied by: (m or m + 1) rows."""
+        n = self.order + 2
+        sinh, cosh = even_odd(_ONE, n, 1), even_odd(_ONE, n, 0)
+        columns = []
+        for c in self.cosines:
+            columns.append(quotient(sinh, [cosh[0] - 2 * c, *cosh[1:]]))
+        if self.minus_one:
+            tanh = quotient(even_odd(_HALF, n, 1), even_odd(_HALF, n, 0))
+            columns.append([x / 2 for x in tanh])
+        return columns
+
+    @cached_property
+    def _principal(self) -> Series:
+        """coth(x/2)/2 - 1/x as a series in x."""
+        n = self.order + 3
+        sinh, cosh = even_odd(_HALF, n, 1), even_odd(_HALF, n, 0)
+        return quotient(cosh[:-1], [2 * x for x in sinh[1:]])[1:]
+
+    @cached_property
+    def residues(self) -> tuple[Fraction, ...]:
+        """mu_1, .., mu_m of the pairs, and mu of the root -1 at the end if there is one."""
+        columns, principal = self._columns, self._principal
+        weights = [_ONE] * len(self.cosines) + [_HALF] * self.minus_one
+        powers = range(1, 2 * len(columns) - 2, 2)
+        rows = [weights, *([column[k] for column in columns] for k in powers)]
+        try:
+            return tuple(solve(rows, [-_HALF, *(-principal[k] for k in powers)]))
+        except ExactnessError:
+            raise UsageError("these cosines determine no method: the equations are singular") from (
+                None
+            )
+
+    @property
+    def error_constant(self) -> Fraction:
+        """C, the first coefficient of sigma/rho - 1/x that does not vanish."""
+        k = self.order - 1
+        terms = zip(self.residues, self._columns, strict=True)
+        return self._principal[k] + sum((mu * column[k] for mu, column in terms), _ZERO)
+
+    @property
+    def V(self) -> list[list[Fraction]]:
+        """(r, r), r = 2 m + 1, or 2 m + 2 with the root -1."""
+        V = turning(self.cosines)
+        if self.minus_one:
+            V = [[*row, _ZERO] for row in V] + [[_ZERO] * len(V) + [-_ONE]]
+        return V
+
+    @property
+    def U(self) -> list[Fraction]:
+        """The stage, and the solution, from the values: (r,)."""
+        row = [_ONE]
+        for c, mu in zip(self.cosines, self.residues, strict=False):
+            row += [2 * mu * c, -2 * mu]
+        return row + [self.residues[-1]] * self.minus_one
+
+    @property
+    def entry(self) -> list[Fraction]:
+        """What an evaluation is added to: (r,)."""
+        return [_ONE, *[_ONE, _ZERO] * len(self.cosines)] + [-_ONE] * self.minus_one
+
+    def values(self, length: int) -> list[Series]:
+        """Return the values but the first as series in x = h D, times h y'."""
+        rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
+        for c in self.cosines:
+            pair = even_odd(_ONE, length, 0)
+            pair[0] -= 2 * c
+            rows += [quotient(one, pair), quotient(exponential(-_ONE, length), pair)]
+        if self.minus_one:
+            step = exponential(_ONE, length)
+            rows.append(quotient([-_ONE, *[_ZERO] * (length - 1)], [step[0] + 1, *step[1:]]))
+        return rows
+
+    def block(self) -> dict[str, Any]:
+        """Return A, U, B, V and the output."""
+        return {
+            "A": [[_ZERO]],
+            "U": [self.U],
+            "B": [[x] for x in self.entry],
+            "V": self.V,
+            "output": self.U,
+        }
+
+
+def matching_cosine(
+    half: GeneralHalf, others: Sequence[Fraction], *, minus_one: bool = False
+) -> Fraction:
+    """Return the cosine that, with the others, makes a half with the error constant of another.
+
+    The error constant C is affine in u = 1/(2 - 2 c): two values of it give the line.
+
+    Parameters
+    ----------
+    half : GeneralHalf
+        The other half.
+    others : Sequence[Fraction]
+        The other cosines of the half that is looked for.
+    minus_one : bool
+        Whether -1 is one of its roots.
+
+    Raises
+    ------
+    UsageError
+        When the cosine that has this error constant is not in (-1, 1).
+    """
+
+    def constant(u: Fraction) -> Fraction:
+        return GeneralHalf((*others, 1 - 1 / (2 * u)), minus_one).error_constant
+
+    free = (Fraction(n, 7) for n in range(2, 9 + len(others)))  # cosines -3/4, -1/6, 1/8, ..
+    first, second = [u for u in free if 1 - 1 / (2 * u) not in others][:2]
+    low, high = constant(first), constant(second)
+    u = first + (half.error_constant - low) * (second - first) / (high - low)
+    cosine = 1 - 1 / (2 * u) if u else _ONE
+    if not -1 < cosine < 1:
+        raise UsageError("no real pair of roots gives the two halves the same error constant")
+    return cosine
+
+
+def _start(halves: dict[str, GeneralHalf], order: int) -> dict[str, Any]:
+    """Return a start of an order: Picard iteration, whose stages serve both halves.
+
+    Level l, of order l, has the points 0, +-1, .., +-ceil(l/2) of which the next needs the slopes.
+    """
+    points: list[Fraction] = [_ZERO]
+    rows: list[dict[int, Fraction]] = [{}]
+    nodes = [0]
+    for level in range(1, order):
+        abscissae = [points[i] for i in nodes]
+        first = len(points)
+        for c in ring_points((level + 1) // 2, _ONE):
+            points.append(c)
+            rows.append(dict(zip(nodes, integrals(abscissae, c), strict=True)))
+        nodes = [0, *range(first, len(points))]
+    n = len(points)
+    A = [[row.get(j, _ZERO) for j in range(n)] for row in rows]
+    abscissae = [points[i] for i in nodes]
+    moments = [[x**k for x in abscissae] for k in range(len(nodes))]
+    found: dict[str, Any] = {
+        "name": f"Picard iteration, {order - 1} levels, at most {len(nodes)} points",
+        "kind": "runge-kutta",
+    }
+    for hat, half in (("", halves["q"]), ("_hat", halves["p"])):
+        B: list[list[Fraction]] = []
+        for series in half.values(len(nodes)):
+            solved = solve(moments, [x * factorial(k) for k, x in enumerate(series)])
+            known = dict(zip(nodes, solved, strict=True))
+            B.append([known.get(j, _ZERO) for j in range(n)])
+        # the first value makes the stage of the first step the initial value
+        first_value = [-dot(half.U[1:], column) for column in zip(*B, strict=True)]
+        found |= {
+            f"A{hat}": A,
+            f"B{hat}": [first_value, *B],
+            f"u{hat}": [_ONE, *[_ZERO] * len(B)],
+        }
+    return found
+
+
+def general_document(
+    name: str, q: GeneralHalf, p: GeneralHalf, *, title: str = ""
+) -> dict[str, Any]:
+    """Build a method and its start of order p + 1, exact, without claims and source.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    q, p : GeneralHalf
+        The two halves, of one order, with no root but 1 in common.
+    title : str
+        One line for the file.
+
+    Raises
+    ------
+    UsageError
+        For halves of different orders, or with another common root.
+    """
+    if q.order != p.order:
+        raise UsageError(f"the halves have the orders {q.order} and {p.order}: give equal ones")
+    if set(q.cosines) & set(p.cosines) or (q.minus_one and p.minus_one):
+        raise UsageError("the halves must have no root but 1 in common")
+    return written({
+        "format": "glmref-method-1",
+        "name": name,
+        "title": title,
+        "class": "partitioned",
+        "q": q.block(),
+        "p": p.block(),
+        "starting": {**_start({"q": q, "p": p}, q.order + 1), "order": q.order},
+    })  # fmt: skip

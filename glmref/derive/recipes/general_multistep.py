@@ -1,0 +1,153 @@
+"""Explicit symmetric partitioned multistep methods for systems that are not separable.
+
+Options: ``name`` one shipped method (all of them by default); or ``q`` and ``p``, the real parts of
+the roots of the two halves, fractions separated by blanks, with -1 at the end for the root -1. With
+``match`` = ``p`` one more pair of roots of p is found, such that the error constants agree.
+
+The halves have no root but 1 in common. A step evaluates both functions once, at the solution.
+Everything but the roots follows exactly (:mod:`glmref.derive.general_multistep`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from ...catalogue.reader import load_document
+from ...errors import ExactnessError, UsageError
+from ...findings import Proof, Verdict
+from ...prove.facts import facts_of
+from ...theory.residues import in_order, residues
+from ..general_multistep import GeneralHalf, general_document, matching_cosine
+from .record import Derivation, Progress, Statement
+
+OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": ""}
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """Real parts of the roots of the halves, -1 last; one more of p is found by its constant."""
+
+    q: str
+    p: str
+    notes: Sequence[str] = ()
+
+
+_RESIDUES = (
+    "The largest residue, which is the rate of parasitic growth over |H_pq|, decides for which "
+    "systems the method is bounded, see docs/nonseparable.md."
+)
+
+SHIPPED: Mapping[str, Shipped] = {
+    "multistep-general-6": Shipped("69/100 -37/100 -1", "-7/100 -43/50", (_RESIDUES,)),
+    "multistep-general-8": Shipped("169/200 149/200 7/40 -1", "29/50 -3/200 -81/100", (_RESIDUES,)),
+    "multistep-general-8b": Shipped("3/4 21/100 -7/20 -1", "9/25 -9/50 -24/25", (_RESIDUES,)),
+}
+
+_CLAIMS: Mapping[str, Any] = {
+    "preconsistent": True,
+    "consistent": True,
+    "zero-stable": True,
+    "explicit": True,
+    "g-symplectic": False,
+    "symmetric": True,
+    "parasitism-free": False,
+    "reducible": False,
+}
+
+
+def half_of(text: str, key: str) -> GeneralHalf:
+    """Read a half from the real parts of its roots.
+
+    Raises
+    ------
+    UsageError
+        For text that is not fractions, or roots that no half has.
+    """
+    try:
+        found = [Fraction(x) for x in text.split()]
+    except (ValueError, ZeroDivisionError) as error:
+        raise UsageError(f"`{key}` must be fractions with blanks between ({error})") from None
+    minus_one = -1 in found
+    return GeneralHalf(tuple(x for x in found if x != -1), minus_one)
+
+
+def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]) -> Any:
+    """Build a document and prove its claims.
+
+    Raises
+    ------
+    ExactnessError
+        When a claim is not proved.
+    """
+    order = q.order
+    title = (
+        f"Explicit symmetric partitioned multistep method of order {order} with one evaluation, "
+        "for systems that are not separable"
+    )
+    document = general_document(name, q, p, title=title)
+    document["source"] = {
+        "citation": "glmref, derived by `glmref derive general-multistep` from the conditions of "
+        "docs/nonseparable.md",
+        "where": where,
+        "status": "derived",
+    }
+    found = residues(load_document(document))
+    if found is None:
+        raise ExactnessError(f"{name}: the residues are not found")
+    document["claims"] = {
+        "order": order,
+        "order-identity": order,
+        "starting-order": order,
+        **_CLAIMS,
+        "growth": [str(x.as_fraction()) for x in in_order(found)],
+    }
+    if notes:
+        document["notes"] = list(notes)
+    facts = facts_of(load_document(document))
+    for claim, declared in document["claims"].items():
+        if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
+            raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+    largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
+    text = (
+        f"{name}: order {order} on all systems, symmetric, one evaluation a step; the largest "
+        f"residue is {largest:.4g}, the error constants are {float(q.error_constant):.4g} and "
+        f"{float(p.error_constant):.4g}"
+    )
+    return document, Statement(text, Proof.EXACT)
+
+
+def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
+    """Build and prove the shipped methods, or the one with given roots.
+
+    Raises
+    ------
+    UsageError
+        For a name that is not shipped, or roots that cannot be read.
+    """
+    if options["match"] not in ("", "p"):
+        raise UsageError(f"`match` must be p or empty, got {options['match']!r}")
+    if options["q"] or options["p"]:
+        given = {"multistep-general-found": Shipped(options["q"], options["p"])}
+        where, matched = f"roots {options['q']}; {options['p']}", options["match"] == "p"
+    elif options["name"] and options["name"] not in SHIPPED:
+        raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
+    else:
+        names = [options["name"]] if options["name"] else list(SHIPPED)
+        given = {name: SHIPPED[name] for name in names}
+        where, matched = "", True
+    documents, statements = [], []
+    for k, (name, roots) in enumerate(given.items()):
+        progress(name, k, len(given))
+        q, p = half_of(roots.q, "q"), half_of(roots.p, "p")
+        if matched:
+            cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
+            p = GeneralHalf((cosine, *p.cosines), p.minus_one)
+        place = where or f"recipe general-multistep, name = {name}"
+        document, statement = _complete(name, q, p, place, roots.notes)
+        documents.append(document)
+        statements.append(statement)
+    progress("done", len(given), len(given))
+    return Derivation("general-multistep", documents, statements)

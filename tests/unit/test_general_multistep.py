@@ -1,0 +1,201 @@
+"""Explicit multistep methods for systems that are not separable: orders, residues, starts."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from glmref.catalogue.canonical import canonical
+from glmref.catalogue.lookup import load, path_of
+from glmref.catalogue.reader import load_document
+from glmref.derive import recipes
+from glmref.derive.general_multistep import GeneralHalf, general_document, matching_cosine
+from glmref.derive.recipes.general_multistep import SHIPPED
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.findings import Verdict
+from glmref.problems import problem
+from glmref.prove.facts import facts_of
+from glmref.theory.coefficients import first_nonzero
+from glmref.theory.residues import both_ways, rates_on_one_sign, residues
+from glmref.theory.starting_series import StartingSeries
+
+F = Fraction
+#: Two halves of order 4.
+Q4, P4 = GeneralHalf((F(1, 2),), True), GeneralHalf((F(1, 3), F(-1, 4)))
+
+
+def document(q: GeneralHalf, p: GeneralHalf) -> dict[str, Any]:
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    return {**general_document("found", q, p), "title": "found", "source": source}
+
+
+def method(q: GeneralHalf, p: GeneralHalf) -> Any:
+    return load_document(document(q, p))
+
+
+cosines = st.fractions(min_value=F(-15, 16), max_value=F(15, 16), max_denominator=16)
+
+
+@given(st.lists(cosines, min_size=1, max_size=3, unique=True), st.booleans())
+def test_a_half_is_explicit_symmetric_and_of_its_order(c: list[Fraction], minus_one: bool) -> None:
+    half = GeneralHalf(tuple(c), minus_one)
+    m = len(c)
+    mu, last = half.residues[:m], half.residues[m:]
+    assert 2 * sum(mu) + sum(last) == -1  # the values at z = 0: sigma(0) = 0
+    x = 0.01
+    found = 0.5 / np.tanh(x / 2) + sum(float(u) for u in last) * np.tanh(x / 2) / 2
+    found += sum(
+        float(u) * np.sinh(x) / (np.cosh(x) - float(y)) for u, y in zip(mu, c, strict=True)
+    )
+    # the next term is two powers smaller; its coefficient grows like that of a pole at acos(c)
+    pole = min(float(np.arccos(float(max(c)))), 2.0)
+    assume(pole > 0.3)
+    scale = sum(abs(float(u)) for u in half.residues) + 1
+    left = abs(found - 1 / x - float(half.error_constant) * x ** (half.order - 1))
+    assert left < 1e-13 / x * scale + 4 * scale * (x / pole) ** (half.order + 1) / pole
+
+
+@given(st.lists(cosines, min_size=2, max_size=2, unique=True), cosines)
+def test_the_error_constant_is_affine_and_can_be_matched(
+    c: list[Fraction], other: Fraction
+) -> None:
+    half = GeneralHalf(tuple(c[:1]), True)
+    assume(other not in c)
+    try:
+        found = matching_cosine(half, (other,))
+    except UsageError:
+        return
+    assume(found != other)
+    assert GeneralHalf((found, other)).error_constant == half.error_constant
+
+
+def test_the_order_holds_on_all_trees_of_two_colours() -> None:
+    """What trees without branches decide at order 7 and above is found here tree by tree."""
+    m = method(GeneralHalf((F(1, 2), F(-1, 5)), True), GeneralHalf((F(2, 3), F(1, 7), F(-3, 4))))
+    series = StartingSeries.of(m, free=False)
+    for _ in range(6):
+        assert all(first_nonzero(series.residual(t)).is_zero() for t in series.advance())
+        series.settle()
+    assert facts_of(m).judge("order-identity", 6).verdict is Verdict.HOLDS
+    assert facts_of(m).judge("order", 7).verdict is Verdict.FAILS
+
+
+def test_paths_need_stages_at_one_time() -> None:
+    """Lobatto's abscissae in two orders: every path of order 3 is right, f[fk] is not."""
+    sixth, zero = F(1, 6), F(0)
+    A = [[zero, zero, zero], [F(-1, 4), F(3, 4), zero], [zero, F(1), zero]]
+    b = [sixth, F(2, 3), sixth]
+    half = {"U": [["1"]] * 3, "B": [[str(x) for x in b]], "V": [["1"]]}
+    q = {"A": [[str(x) for x in row] for row in A], **half}
+    p = {"A": [[str(x) for x in row[::-1]] for row in A[::-1]], **half}
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    given = {"format": "glmref-method-1", "name": "x", "title": "x", "class": "partitioned",
+             "q": q, "p": p, "source": source}  # fmt: skip
+    assert facts_of(load_document(given)).judge("order", 3).verdict is Verdict.FAILS
+    assert facts_of(load_document(given)).judge("order", 2).verdict is Verdict.HOLDS
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_recipe_writes_the_shipped_file(name: str) -> None:
+    (found,) = recipes.run("general-multistep", {"name": name}).documents
+    assert canonical(found) == path_of(name).read_text(encoding="utf-8")
+
+
+def test_the_recipe_takes_other_roots() -> None:
+    given = {"q": "1/2 -1", "p": "-1/4", "match": "p"}
+    (found,) = recipes.run("general-multistep", given).documents
+    assert found["claims"]["order"] == 4
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [
+        ({"q": "1/2 -1", "p": "1/2 -1/4"}, "no root but 1 in common"),
+        ({"q": "1/2", "p": "1/3 -1/4"}, "orders 2 and 4"),
+        ({"q": "3/2 -1", "p": "1/3 -1/4"}, "between -1 and 1"),
+        ({"q": "a", "p": "1/3"}, "`q` must be fractions"),
+        ({"name": "multistep-8"}, "`name` must be one of"),
+        ({"match": "q"}, "`match` must be p"),
+    ],
+)
+def test_other_roots_are_refused(given: dict[str, str], what: str) -> None:
+    with pytest.raises(UsageError, match=what):
+        recipes.run("general-multistep", given)
+
+
+def test_the_growth_parameters_are_the_residues() -> None:
+    found = residues(method(Q4, P4))
+    assert found is not None
+    q = [x.mu.as_fraction() for x in found["f"]]
+    p = [x.mu.as_fraction() for x in found["k"]]
+    assert q == list(Q4.residues)
+    assert p == list(P4.residues)
+
+
+def test_the_growth_parameters_are_those_of_eigenvectors() -> None:
+    m = method(Q4, P4)
+    found = residues(m)
+    assert found is not None
+    for c in m.components:
+        V, U, B = (np.array([[complex(x) for x in row] for row in M]) for M in (c.V, c.U, c.B))
+        for x, n in both_ways(found[c.colour]):
+            zeta = complex(x.eigenvalues[n])
+            values, right = np.linalg.eig(V)
+            k = int(np.argmin(abs(values - zeta)))
+            assert abs(values[k] - zeta) < 1e-12
+            w, v = np.linalg.inv(right)[k], right[:, k]
+            assert abs((w @ B @ U @ v) / zeta - complex(x.mu)) < 1e-11
+
+
+def test_every_half_has_a_residue_that_grows() -> None:
+    """The sum of the k - 1 residues is -1, so that one is -1/(k - 1) or less."""
+    for name in SHIPPED:
+        found = residues(load(name))
+        assert found is not None
+        for half in found.values():
+            mu = [complex(x.mu).real for x, _ in both_ways(half)]
+            assert abs(sum(mu) + 1) < 1e-12
+            assert min(mu) <= -1 / len(mu)
+        rates = rates_on_one_sign(found)
+        assert min(rates.values()) > 0
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_error_converges_with_the_order(name: str) -> None:
+    m: Any = load(name)
+    given = problem("double-pendulum", q1="1/2", q2="3/10")
+    exact = solve(given, "gauss-4", h=1 / 160, t_end=5).y[-1]
+    errors = []
+    for n in (100, 200):
+        found = solve(given, m, h=5 / n, steps=n, engine="reference")
+        assert found.evaluations == n  # of both functions, once a step
+        assert found.start_evaluations == len(m.starting.A)
+        errors.append(np.abs(found.y[-1] - exact).max())
+    # of order p the error falls at least 2^(p - 1)-fold where it is above rounding
+    assert errors[1] < max(errors[0] / 2 ** (facts_of(m).kernel.range("order").value - 1), 1e-11)
+
+
+@pytest.mark.parametrize("name", ["point-vortices", "double-pendulum", "nonseparable-chain"])
+def test_kernels_do_what_the_reference_does(name: str) -> None:
+    given = problem(name)
+    found = [
+        solve(given, "multistep-general-8", h=1 / 128, steps=64, every=16, engine=engine)
+        for engine in ("reference", "compiled", "interpreted")
+    ]
+    assert {x.evaluations for x in found} == {64}  # of both functions, once a step
+    assert {x.velocity_evaluations for x in found} == {0}
+    size = np.abs(found[0].y).max()
+    for x in found[1:]:  # 64 steps of a sum of 9 terms, each rounded once
+        assert np.abs(x.y - found[0].y).max() < 64 * 9 * 2.0**-52 * size
+    assert np.array_equal(found[1].y, found[2].y)
+
+
+def test_implicit_pairs_on_systems_that_are_not_separable_are_refused_in_a_sentence() -> None:
+    with pytest.raises(UsageError, match="use engine='reference'"):
+        solve("double-pendulum", "lobatto-iiia-iiib-3", h=1 / 64, steps=2)
