@@ -12,7 +12,7 @@ import logging
 import os
 import sys
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
@@ -26,6 +26,7 @@ from uuid import uuid4
 
 from ..errors import UsageError
 from ..system.files import printable
+from ..system.terminal import saying
 from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Results, Task, cores
 from .identity import difference, identity
 
@@ -130,6 +131,7 @@ class _Run:
         self.prefix, self.numbers = f"glmref-{uuid4().hex}", count()
         self.waiting: deque[Task] = deque()
         self.mean: float | None = None
+        self.lost = False
         self.asked_at, self.alive_at = -ASK, monotonic()
 
     def results(self, waiting: Iterator[Task]) -> Iterator[Results]:
@@ -144,15 +146,13 @@ class _Run:
                 if results := self._collect():
                     yield results
         finally:
-            with suppress(Exception):  # the connection may be lost
-                self.client.cancel([future for future, _, _ in self.sent.values()])
+            with suppress(Exception):
+                if not self.lost:  # a scheduler that does not answer would be waited for
+                    self.client.cancel([future for future, _, _ in self.sent.values()])
 
     def _count_threads(self) -> None:
         if monotonic() - self.asked_at > ASK:
-            try:
-                known = self.client.nthreads()
-            except Exception:
-                raise self._lost() from None
+            known = self._answer(self.client.scheduler.ncores)
             self.dask.threads, self.asked_at = max(1, sum(known.values())), monotonic()
             self.alive_at = self.asked_at if known else self.alive_at
             # a scheduler of the user's own may wait for workers as long as it wants
@@ -164,6 +164,28 @@ class _Run:
             # Dask keeps the last 100,000 keys in it, half a kilobyte each
             if (utils := sys.modules.get("dask.utils")) is not None:
                 getattr(utils.key_split, "cache_clear", bool)()
+
+    def _answer(self, ask: Callable[[], Any]) -> Any:
+        """Return the answer of the scheduler; mention on the terminal that it is late.
+
+        Parameters
+        ----------
+        ask : callable
+            Returns what is awaited; it is called again where there is no answer after ``ASK`` s.
+
+        Raises
+        ------
+        UsageError
+            When the connection is lost, or there is no answer within ``PATIENCE`` s more.
+        """
+        try:
+            try:
+                return self.client.sync(ask, callback_timeout=ASK)
+            except TimeoutError:
+                with saying(f"the Dask scheduler does not answer; waiting for {PATIENCE:g} s ..."):
+                    return self.client.sync(ask, callback_timeout=PATIENCE)
+        except Exception:
+            raise self._lost() from None
 
     def _parcel(self, waiting: Iterator[Task]) -> list[Task]:
         """Tasks that travel together: as many as take :data:`TOGETHER` seconds, fewer at the end.
@@ -204,10 +226,8 @@ class _Run:
         if any(future.status in ("cancelled", "lost") for future in futures):
             raise self._lost()
         good = [future for future in futures if future.status == "finished"]
-        try:
-            values = dict(zip([x.key for x in good], self.client.gather(good), strict=True))
-        except Exception:
-            raise self._lost() from None
+        found = self._answer(lambda: self.client.gather(good, asynchronous=True))
+        values = dict(zip([x.key for x in good], found, strict=True))
         results: Results = []
         for future in futures:
             _, parcel, number = self.sent.pop(future.key)
@@ -243,6 +263,7 @@ class _Run:
         return [(task, Done(failure=KILLED, message=message, attempts=number)) for task in parcel]
 
     def _lost(self) -> UsageError:
+        self.lost = True
         return UsageError(
             "the connection to the scheduler of the Dask cluster was lost; what had ended is kept, "
             "so start the scheduler again and run the same command"

@@ -121,13 +121,38 @@ def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
     from glmref.compute import cluster
 
     client = SimpleNamespace(
-        dashboard_link="", cluster="own", nthreads=dict, cancel=lambda _: None, status="running",
+        dashboard_link="", cluster="own", cancel=lambda _: None, status="running",
+        scheduler=SimpleNamespace(ncores=dict), sync=lambda ask, **_: ask(),
         submit=lambda *_, key, **__: SimpleNamespace(key=key, add_done_callback=lambda _: None),
     )  # fmt: skip
     monkeypatch.setattr(cluster, "ASK", 0.0)
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(UsageError, match="all workers of the Dask cluster died"):
         next(cluster.Dask(client, "dask:2").run(behave, SQUARES))
+
+def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It asks twice, and does not wait once more to cancel what was sent."""
+    from glmref.compute import cluster
+
+    monkeypatch.setattr(cluster, "ASK", 0.05)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.1)
+    asked: list[float] = []
+
+    cancelled: list[Any] = []
+
+    def sync(ask: Any, callback_timeout: float) -> Any:
+        asked.append(callback_timeout)
+        raise TimeoutError
+
+    client = SimpleNamespace(
+        dashboard_link="", scheduler=SimpleNamespace(ncores=dict), sync=sync,
+        cancel=cancelled.append,
+    )  # fmt: skip
+    with pytest.raises(UsageError, match="to the scheduler of the Dask cluster was lost"):
+        next(cluster.Dask(client, "dask:frozen").run(behave, SQUARES))
+    assert (asked, cancelled) == ([0.05, 0.1], [])
 
 
 def test_a_parcel_that_takes_long_is_left_to_others(
