@@ -123,6 +123,7 @@ def _findings(file: str, more: Mapping[str, Any]) -> list[Finding]:
 @click.command(short_help="Check all tableaux in the sources of a code.")
 @click.argument("source", type=click.Path(path_type=Path), metavar="SOURCE")
 @click.option(
+    "--from",
     "--format",
     "form",
     type=Word(READ),

@@ -69,7 +69,8 @@ def _(record: Analysis) -> str:
 @html.register(ShownList)
 def _(record: ShownList) -> str:
     """Findings, claim by claim."""
-    title = ", ".join(dict.fromkeys(x.method for x in record)) or "no claims"
+    named = ", ".join(dict.fromkeys(x.method for x in record if x.method))
+    title = named or ("tableau" if record else "no claims")
     rows = [
         (x.claim, f"{x.verdict} ({x.proof})" + (f": {x.witness}" if x.witness else ""))
         for x in record

@@ -1248,3 +1248,14 @@ def test_matrices_of_a_linear_system_are_no_tableau() -> None:
     assert found["remarks"][-1] == "c is not the sums of the rows either: this may be no tableau"
     same = judged(SYSTEM.replace("[4.0, 5.0]", "[3.0, 7.0]"), "python")["TestNormalize"]
     assert same["status"] == "wrong"
+
+
+def test_the_notation_is_given_with_from_as_in_import(tmp_path: Path, capsys: Any) -> None:
+    """``--format``, which elsewhere is that of the output, is accepted, too."""
+    source = tmp_path / "weights.c"
+    source.write_text("double a21 = 1.0;\ndouble b1 = 0.5;\ndouble b2 = 0.5;\n", encoding="utf-8")
+    found = []
+    for option in ("--from", "--format"):
+        assert main(["audit", str(source), option, "constants", "--all"]) == 0
+        found.append(capsys.readouterr().out)
+    assert found[0] == found[1] and '"found": 2' in found[0]

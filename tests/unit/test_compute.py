@@ -130,6 +130,7 @@ def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
     with pytest.raises(UsageError, match="all workers of the Dask cluster died"):
         next(cluster.Dask(client, "dask:2").run(behave, SQUARES))
 
+
 def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

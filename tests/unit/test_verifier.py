@@ -83,3 +83,5 @@ def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
     plain = glmref.load("rk4")
     for method in ("rk4", plain):
         assert "<table" in glmref.verify(method)._repr_html_()  # type: ignore[attr-defined]
+    unnamed = glmref.check([["1/2"]], [1], order=2)._repr_html_()  # type: ignore[attr-defined]
+    assert "tableau</strong>" in unnamed and "no claims" not in unnamed
