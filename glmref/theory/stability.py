@@ -10,12 +10,11 @@ The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stabil
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import cast
 
-from ..errors import ExactnessError, UsageError
+from ..errors import UsageError
 from ..exact import Exact, Scalar, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM, Method
@@ -27,16 +26,6 @@ _I = Exact(-1).sqrt()
 
 #: P(w, z) as the coefficients of 1, w, .., w^r, each a polynomial in z (or in y).
 Bivariate = tuple[Polynomial, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class AtInfinity:
-    """What the eigenvalues of M(z) tend to as z grows."""
-
-    polynomial: Polynomial  #: Coefficients of the polynomial whose roots are the finite limits.
-    unbounded: int  #: Number of eigenvalues that grow without bound.
-    matrix: Matrix | None  #: The limit V - B A^-1 U of M(z), or ``None`` for singular A.
-    nilpotent: bool | None  #: Whether all limits are zero.
 
 
 def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
@@ -216,17 +205,6 @@ def on_imaginary_axis(P: Bivariate) -> Bivariate:
     """``P(w, i y)`` as coefficients of the powers of w, polynomials in y."""
     powers = (_ONE, _I, exact(-1), -_I)
     return tuple(tuple(x * powers[k % 4] for k, x in enumerate(p)) for p in P)
-
-
-def at_infinity(m: GLM) -> AtInfinity:
-    """Limits of the eigenvalues of M(z) as z grows without bound, in any direction."""
-    leading, unbounded = leading_part(stability_polynomial(m))
-    try:
-        feed = linalg.matmul(m.B, linalg.solve(m.A, m.U))
-        matrix: Matrix | None = linalg.sub(m.V, feed)
-    except ExactnessError:
-        matrix = None
-    return AtInfinity(leading, unbounded, matrix, only_zeros(leading, unbounded))
 
 
 def leading_part(P: Bivariate) -> tuple[Polynomial, int]:

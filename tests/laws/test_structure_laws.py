@@ -21,7 +21,7 @@ from glmref.theory.parasitism import growth, growth_parameters
 from glmref.theory.periodicity import periodicity
 from glmref.theory.reduction import reduction
 from glmref.theory.spectrum import power_bounded
-from glmref.theory.stability import at_infinity, stability_polynomial
+from glmref.theory.stability import stability_polynomial
 from glmref.theory.stability_interval import real_interval
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import find_forms, g_symplectic, g_symplectic_residual
@@ -184,7 +184,7 @@ def test_what_was_found_cannot_be_changed(name):
     m = glmref.load(name)
     found = [order_of(m), symmetry(m), growth(m), g_symplectic(m), reduction(m), find_forms(m)]
     if isinstance(m, GLM):
-        found += [consistency(m), power_bounded(m.V), at_infinity(m), real_interval(m)]
+        found += [consistency(m), power_bounded(m.V), real_interval(m)]
         found += growth(m).growths
     for result in found:
         for field in fields(result):
