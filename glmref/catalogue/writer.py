@@ -15,6 +15,11 @@ from .canonical import canonical
 
 #: Digits after the point of every published decimal.
 DIGITS = 75
+#: Claims of every symmetric G-symplectic method without parasitic growth.
+SYMMETRIC = {
+    **dict.fromkeys(("preconsistent", "consistent", "zero-stable"), True),
+    **dict.fromkeys(("g-symplectic", "symmetric", "parasitism-free"), True),
+}
 
 
 def decimal(value: Ball, places: int = DIGITS) -> str:

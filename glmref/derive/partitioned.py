@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.writer import fill
+from ..catalogue.writer import SYMMETRIC, fill
 from ..errors import UsageError
 from ..exact import ball
 from ..prove.classes import Family, representatives
@@ -226,13 +226,8 @@ def complete_pair(
         **orders,
         # odd orders vanish by symmetry, and order 2 where both starts are equations
         "starting-order": 3 if ansatz.starts == "qp" else 1,
-        "preconsistent": True,
-        "consistent": True,
-        "zero-stable": True,
+        **SYMMETRIC,
         "explicit": True,
-        "g-symplectic": True,
-        "symmetric": True,
-        "parasitism-free": True,
         "growth": ["0", "0"],
         "reducible": False,
         **(claims or {}),

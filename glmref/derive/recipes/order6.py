@@ -13,6 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from ...catalogue.reader import load_document
+from ...catalogue.writer import SYMMETRIC
 from ...errors import ExactnessError, UsageError
 from ...exact import Exact
 from ...exact.expression import parse
@@ -167,13 +168,8 @@ def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, 
             "order-identity": 6,
             "stage-order": 2,
             "abscissae": [str(x) for x in member.c],
-            "preconsistent": True,
-            "consistent": True,
-            "zero-stable": True,
+            **SYMMETRIC,
             "explicit": False,
-            "g-symplectic": True,
-            "symmetric": True,
-            "parasitism-free": True,
             "growth": ["0", "0", "0"],
         },
         "source": _source(member.c2, z_text),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from ...catalogue.writer import DIGITS, fill
+from ...catalogue.writer import DIGITS, SYMMETRIC, fill
 from ...errors import UsageError
 from ...exact import ball
 from ...findings import Proof
@@ -114,13 +114,8 @@ def finish(
         "order": enclosure.order,
         "stage-order": SweepSystem(document).stage_order,
         **rough.claims,
-        "preconsistent": True,
-        "consistent": True,
-        "zero-stable": True,
+        **SYMMETRIC,
         "explicit": False,
-        "g-symplectic": True,
-        "symmetric": True,
-        "parasitism-free": True,
         "growth": ["0"] * (r - 1),
     }
     document["source"] = derived_source(rough.where)
