@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import product
 from typing import NamedTuple
@@ -218,23 +218,27 @@ def form_at_u_follows_from_the_identities(case: NoFormCase) -> bool:
 
 def unit_forms(method: Method) -> Iterator[tuple[list, tuple[list, ...]]]:
     """Yield (G, D) through a basis: each G with D = 0, then each D with G = 0."""
-    m, *others = method.parts.values()
-    rows, columns, zero = m.r, (others[0].r if others else m.r), Fraction(0)
+    m, other = next(iter(method.parts.values())), list(method.parts.values())[-1]
     slopes = [len(x.B[0]) for x in method.parts.values()]
-    none = tuple([zero] * n for n in slopes)
-    for i, j in product(range(rows), range(columns)):
-        if others or i <= j:
-            G = [[zero] * columns for _ in range(rows)]
-            G[i][j] = Fraction(1)
-            if not others:
-                G[j][i] = Fraction(1)
-            yield G, none
-    G = [[zero] * columns for _ in range(rows)]
+    for places in unit_matrices(m.r, other.r, not method.pair):
+        yield filled(m.r, other.r, places), tuple(filled(1, n, ())[0] for n in slopes)
     shared = method.pair and not method.separable
     for at in range(slopes[0] if shared else sum(slopes)):
-        places = (at, at + slopes[0]) if shared else (at,)
-        flat = [Fraction(int(k in places)) for k in range(sum(slopes))]
-        yield G, (flat[: slopes[0]], flat[slopes[0] :]) if others else (flat,)
+        (flat,) = filled(1, sum(slopes), [(0, at), (0, at + slopes[0] if shared else at)])
+        D = (flat[: slopes[0]], flat[slopes[0] :]) if method.pair else (flat,)
+        yield filled(m.r, other.r, ()), D
+
+
+def unit_matrices(rows: int, columns: int, symmetric: bool) -> list[list[tuple[int, int]]]:
+    """Return the places of the ones of each matrix of a basis, or of the symmetric ones."""
+    return [[(i, j), (j, i) if symmetric else (i, j)]
+            for i, j in product(range(rows), range(columns))
+            if i <= j or not symmetric]  # fmt: skip
+
+
+def filled(rows: int, columns: int, places: Sequence[tuple[int, int]]) -> list:
+    """Return the matrix with ones at these places."""
+    return [[Fraction(int((i, j) in places)) for j in range(columns)] for i in range(rows)]
 
 
 class QuadraticCase(Case):

@@ -1,14 +1,22 @@
 """Rules for embedded rows, row sums and dense output (section 5)."""
 
-from .arithmetic import Fraction, Interval
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+from .arithmetic import Fraction
 from .claims import ABSENT
-from .document import CLASSES, gaps_of_rows
-from .linalg import apply, dot, identity, kernel, less, minus, ones, transpose
+from .document import CLASSES, Component, Method, gaps_of_rows
+from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, transpose
 from .numbers import apart, inverse, total, vanishes
 from .refusals import as_object, require, whole
-from .rule import Bound
+from .rule import Bound, Case, Fails, Rule, Truth
 from .series import Series
-from .trees import gamma, read_tree, show, size, trees
+from .trees import Tree, gamma, read_tree, size, trees
+
+PAGE = "docs/certificates.md, section 4"
+DENSE = "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.6"
 
 
 def row(proof, w):
@@ -63,33 +71,42 @@ def differences_of(method):
             for _, estimate in method.rows().values() for c, w in estimate.items()]  # fmt: skip
 
 
-def estimates(method, b, v):
+def estimates(method: Method, b: list, v: list) -> list:
     """Return d u and x e 1 + d v of the row (b, v) for a basis of all (u, v, x).
 
     e = w B - b, d = w V - v; V u = u, U u = x 1, w u = x, x B 1 + V v = u + v. Return a 1 where no
     x is 1.
     """
-    m, w = method.single(), method.declared.get("o")
+    m = method.single()
+    require(all(map(is_exact, (m.U, m.B, m.V))), "values in decimals")
+    constants, both = exact_values(m, method.declared.get("o"))
+    if not any(x[-1] for x in both):
+        return [Fraction(1)]
+    w = method.declared.get("o") or fixed_output(m, constants)
+    require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
+    e, d = less(apply(transpose(m.B), w), b), less(apply(transpose(m.V), w), v)
+    return [y for x in both
+            for y in (dot(d, x[: m.r]), total(e) * x[-1] + dot(d, x[m.r : -1]))]  # fmt: skip
+
+
+def exact_values(m: Component, w: list | None) -> tuple[list, list]:
+    """Return bases of all (u, x) and of all (u, v, x) whose values are exact for y' = 0 and 1."""
     shift, nil = minus(m.V, identity(m.r)), [Fraction(0)] * m.r
-    require(not any(type(x) is Interval for M in (m.U, m.B, m.V) for row in M for x in row),
-            "values in decimals")  # fmt: skip
     outside = [[*row, Fraction(-1)] for row in [*m.U, *([w] if w else [])]]
     constants = kernel([[*row, Fraction(0)] for row in shift] + outside)
     slopes = zip(shift, identity(m.r), apply(m.B, ones(len(m.B[0]))), strict=True)
     both = kernel([[*row, *nil, Fraction(0)] for row in shift]
                   + [[*row[:-1], *nil, row[-1]] for row in outside]
                   + [[*(-x for x in unit), *row, x] for row, unit, x in slopes])  # fmt: skip
-    if not any(x[-1] for x in both):
-        return [Fraction(1)]
-    if w is None:
-        k = next(k for k in range(m.r) if any(x[k] for x in constants))
-        u = next([y * inverse(x[-1]) for y in x] for x in constants if x[-1])
-        require(vanishes([x[k] - u[k] * x[-1] for x in constants]), "the output is not fixed")
-        w = [inverse(u[k]) if j == k else Fraction(0) for j in range(m.r)]
-    require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
-    e, d = less(apply(transpose(m.B), w), b), less(apply(transpose(m.V), w), v)
-    return [y for x in both
-            for y in (dot(d, x[: m.r]), total(e) * x[-1] + dot(d, x[m.r : -1]))]  # fmt: skip
+    return constants, both
+
+
+def fixed_output(m: Component, constants: list) -> list:
+    """Return the row that divides the first value that is not 0 by u there, the same for all u."""
+    k = next(k for k in range(m.r) if any(x[k] for x in constants))
+    u = next(x[k] * inverse(x[-1]) for x in constants if x[-1])
+    require(vanishes([x[k] - u * x[-1] for x in constants]), "the output is not fixed")
+    return [inverse(u) if j == k else Fraction(0) for j in range(m.r)]
 
 
 def gaps_of_end(method):
@@ -98,57 +115,174 @@ def gaps_of_end(method):
     return less(ends, method.single().B[0])
 
 
-def all_zero_or_not(gaps, wanted):
-    """Return the rule that the numbers are all zero, or that one is not."""
+class RowsCase(Case):
+    """A part about numbers of the file that are all 0, or not."""
 
-    def rule(proof, w):
-        values = gaps(proof.method)
-        if wanted:
-            require(vanishes(values), "a number is not 0")
-        else:
-            require(any(apart(x) for x in values), "the numbers are 0")
+    gaps: Callable[[Method], list]
 
-    return rule
+    @cached_property
+    def numbers(self) -> list:
+        """Return the numbers."""
+        return type(self).gaps(self.method)
 
 
-def absent(proof, w):
-    """Rule absent: the file has nothing that the claim is about, which settles the claim."""
-    require(proof.claim in ABSENT, "the claim is about the method itself")
-    key, value = ABSENT[proof.claim]
-    document, needed_or_optional = proof.method.document, " ".join(CLASSES[proof.method.kind])
-    has_meaning = key in needed_or_optional.split()
-    require(has_meaning, f"{proof.claim} has no meaning for the class of the file")
-    if proof.claim == "embedded-order":
-        rows = set(proof.method.rows()) if key in document else set()
-        other = not rows or rows != set(as_object(proof.declared))
-        require(other and not proof.holds, "the rows are these")
-        return
-    require(key not in document, f"the file has {key}")
-    require(key != "starting" or not proof.method.pair, "a pair without a start has (y0, 0, ..)")
-    same = type(proof.declared) is type(value) and proof.declared == value
-    require(same == proof.holds, "the value is another")
+class DifferencesCase(RowsCase):
+    """A part about the weights of estimates."""
+
+    gaps = staticmethod(differences_of)
 
 
-def dense(proof, w, reached=True):
-    """Rules dense and not-dense: the order of b(theta), power by power of theta, or a bound."""
-    p, method = whole(w["order"]), proof.method
-    own = reached and "c" in method.document and not vanishes(gaps_of_rows(method))
-    require(not own and not method.pair, "c is not A 1")
-    m, columns = method.single(), transpose(method.matrix("dense"))
-    require(len(columns[0]) == len(m.A), "dense has another length")
+class RowSumsCase(RowsCase):
+    """A part about c = A 1."""
 
-    series = Series.of_tables({"o": (m.A, m.B)})
+    gaps = staticmethod(gaps_of_rows)
 
-    def gaps(tree):
+
+class DenseEndCase(RowsCase):
+    """A part about b(1) = b."""
+
+    gaps = staticmethod(gaps_of_end)
+
+
+def all_numbers_are_0(case: RowsCase) -> bool:
+    """Every number is 0."""
+    return vanishes(case.numbers)
+
+
+def a_number_is_not_0(case: RowsCase) -> bool:
+    """Some number is not 0."""
+    return any(map(apart, case.numbers))
+
+
+class AbsentCase(Case):
+    """A part about what the file does not have, which settles the claim."""
+
+    @cached_property
+    def rule(self) -> tuple[str, object]:
+        """Return the key that the claim is about, and the value of the claim without it."""
+        return ABSENT.get(self.proof.claim, ("", None))
+
+    @property
+    def named(self) -> bool:
+        """Tell whether the claim names rows."""
+        return self.proof.claim == "embedded-order"
+
+
+def class_may_have_the_key(case: AbsentCase) -> bool:
+    """The claim is about something that a file of this class may have beside its method."""
+    return case.rule[0] in " ".join(CLASSES[case.method.kind]).split()
+
+
+def file_has_it_not(case: AbsentCase) -> bool:
+    """The file has it not; for `embedded-order` it has no rows, or others than are declared."""
+    if not case.named:
+        return case.rule[0] not in case.method.document
+    rows = set(case.method.rows()) if case.rule[0] in case.method.document else set()
+    return not rows or rows != set(as_object(case.proof.declared))
+
+
+def pairs_without_a_start_have_one(case: AbsentCase) -> bool:
+    """The claim is not about the start of a pair, which is (y0, 0, ..) where the file has none."""
+    return case.rule[0] != "starting" or not case.method.pair
+
+
+def value_is_that_without_it(case: AbsentCase) -> bool:
+    """The claim holds where the declared value is that without it, and `embedded-order` fails."""
+    if case.named:
+        return not case.proof.holds
+    declared, value = case.proof.declared, case.rule[1]
+    return (type(declared) is type(value) and declared == value) == case.proof.holds
+
+
+class DenseCase(Case):
+    """A part about the order of b(theta), power by power of theta."""
+
+    @cached_property
+    def order(self) -> int:
+        """Return the order."""
+        return whole(self.witness["order"])
+
+    @cached_property
+    def columns(self) -> list:
+        """Return the weights of each power of theta."""
+        columns = transpose(self.method.matrix("dense"))
+        require(len(columns[0]) == len(self.method.single().A), "dense has another length")
+        return columns
+
+    @cached_property
+    def series(self) -> Series:
+        """Return the series of the stages."""
+        m = self.method.single()
+        return Series.of_tables({"o": (m.A, m.B)})
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Return the tree of the witness."""
+        return read_tree(self.witness["tree"])
+
+    def gaps(self, tree: Tree) -> list:
+        """Return the coefficients of b(theta) Phi(t) - theta^|t| / gamma(t)."""
         n = size(tree)
-        found = apply(columns, series.derivative(tree))
+        found = apply(self.columns, self.series.derivative(tree))
         found += [Fraction(0)] * (n - len(found))
         found[n - 1] = found[n - 1] - Fraction(1, gamma(tree))
         return found
 
-    for tree in (t for n in range(1, p + 1 if reached else 1) for t in trees(method.palette, n)):
-        require(vanishes(gaps(tree)), f"the condition of tree {show(tree)}")
-    tree = read_tree(w["tree"])
-    require(size(tree) == p + 1 and tree in trees(method.palette, p + 1), "the tree")
-    require(any(apart(x) for x in gaps(tree)), "the next order is reached")
-    return Bound("dense-order", p if reached else None, p, True)
+
+def c_is_A_1(case: DenseCase) -> bool:
+    """c of the file, where it has one, is A 1."""
+    return "c" not in case.method.document or vanishes(gaps_of_rows(case.method))
+
+
+def every_power_is_right(case: DenseCase) -> bool | Fails:
+    """The condition holds, power by power of theta."""
+    for n in range(1, case.order + 1):
+        for tree in trees(case.method.palette, n):
+            if not vanishes(case.gaps(tree)):
+                return Fails(tree)
+    return True
+
+
+def dense_tree_is_of_the_next_order(case: DenseCase) -> bool:
+    """The tree of the witness is one of the next order."""
+    return size(case.tree) == case.order + 1 and case.tree in trees(
+        case.method.palette, case.order + 1
+    )
+
+
+def a_power_is_wrong(case: DenseCase) -> bool:
+    """The condition of the tree does not hold."""
+    return any(map(apart, case.gaps(case.tree)))
+
+
+def all_or_not(name: str, other: str, claim: str, case: type[RowsCase]) -> tuple[Rule, Rule]:
+    """Return the rules that the numbers of a case are all 0, and that one is not."""
+    holds = Rule(name, claim, "holds", "the definition", PAGE, "", case, (all_numbers_are_0,),
+                 lambda case: Truth(claim))  # fmt: skip
+    fails = Rule(other, claim, "fails", "the definition", PAGE, "", case, (a_number_is_not_0,),
+                 lambda case: Truth(claim, False))  # fmt: skip
+    return holds, fails
+
+
+ROW_RULES = (
+    *all_or_not("differences", "no-differences", "embedded-difference", DifferencesCase),
+    *all_or_not("row-sums", "no-row-sums", "row-sums", RowSumsCase),
+    *all_or_not("dense-end", "no-dense-end", "dense-end", DenseEndCase),
+    Rule(
+        "absent", "embedded-order", "holds", "the definition", PAGE, "", AbsentCase,
+        (class_may_have_the_key, file_has_it_not,
+         pairs_without_a_start_have_one, value_is_that_without_it),
+        lambda case: Truth(case.proof.claim, case.proof.holds),
+    ),
+    Rule(
+        "dense", "dense-order", "at least", "the conditions of order for b(theta)",
+        DENSE, "order tree", DenseCase,
+        (c_is_A_1, every_power_is_right, dense_tree_is_of_the_next_order, a_power_is_wrong),
+        lambda case: Bound("dense-order", case.order, case.order, True),
+    ),
+    Rule(
+        "not-dense", "dense-order", "at most", "one condition that fails excludes the order",
+        DENSE, "order tree", DenseCase, (dense_tree_is_of_the_next_order, a_power_is_wrong),
+        lambda case: Bound("dense-order", None, case.order, True),
+    ),
+)  # fmt: skip

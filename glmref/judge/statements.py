@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .claims import ADDITIVE, AS_EXACT, ORDERS, PROVES, ROSENBROCK, SECOND, VALUES
-from .document import gaps_of_rows
 from .proof import Proof, record_of
 from .refusals import Malformed, Refused, require, whole
 from .rule import Bound, Bounded, Rule
@@ -14,7 +13,7 @@ from .rules_enclosed import implied
 from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
 from .rules_orders import ORDER_RULES
-from .rules_rows import absent, all_zero_or_not, check_rows, dense, differences_of, gaps_of_end, row
+from .rules_rows import ROW_RULES, check_rows, row
 from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
 from .rules_structure import STRUCTURE_RULES
@@ -23,20 +22,11 @@ from .rules_symmetry import SYMMETRY_RULES
 #: Rules by name: records, and functions of (proof, witness) that are not records yet.
 RECORDS = (
     *ORDER_RULES, *START_RULES, *GROWTH_RULES, *FORM_RULES, *SYMMETRY_RULES, *STRUCTURE_RULES,
-    *STABILITY_RULES,
+    *STABILITY_RULES, *ROW_RULES,
 )  # fmt: skip
 RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in RECORDS} | {
-    rule.__name__.replace("_", "-"): rule
-    for rule in (implied, row, dense, absent, to_digits, not_to_digits)
-} | {
-    "not-dense": lambda proof, w: dense(proof, w, False),
-    "differences": all_zero_or_not(differences_of, True),
-    "no-differences": all_zero_or_not(differences_of, False),
-    "row-sums": all_zero_or_not(gaps_of_rows, True),
-    "no-row-sums": all_zero_or_not(gaps_of_rows, False),
-    "dense-end": all_zero_or_not(gaps_of_end, True),
-    "no-dense-end": all_zero_or_not(gaps_of_end, False),
-}  # fmt: skip
+    rule.__name__.replace("_", "-"): rule for rule in (implied, row, to_digits, not_to_digits)
+}
 
 
 def has_meaning(proof: Proof) -> bool:

@@ -13,13 +13,14 @@ from glmref.judge.refusals import Refused
 from glmref.judge.rule import HypothesisFails, Rule
 from glmref.judge.rules_forms import FORM_RULES
 from glmref.judge.rules_growth import GROWTH_RULES
+from glmref.judge.rules_rows import ROW_RULES
 from glmref.judge.rules_stability import STABILITY_RULES
 from glmref.judge.rules_structure import STRUCTURE_RULES
 from glmref.judge.rules_symmetry import SYMMETRY_RULES
 
 from .test_both_ways import ROWS, subject_of
 
-FAMILIES = (GROWTH_RULES, FORM_RULES, SYMMETRY_RULES, STRUCTURE_RULES, STABILITY_RULES)
+FAMILIES = (GROWTH_RULES, FORM_RULES, SYMMETRY_RULES, STRUCTURE_RULES, STABILITY_RULES, ROW_RULES)
 VIOLATES = {name: tuple(row["violates"]) for name, row in ROWS.items() if "violates" in row}
 
 
