@@ -11,7 +11,7 @@ from glmref import GLM, Problem, UsageError, load, problem, solve
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.function_checks import CALLS
 from glmref.engine.kernel import prepare
-from glmref.engine.outcome import Outcome
+from glmref.engine.outcome import Interrupted, Outcome
 
 REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
@@ -178,7 +178,9 @@ def test_an_interrupt_ends_the_run_as_cancelled():
     solve("kepler", "gauss-2", h=0.001, steps=10)  # compiled: an interrupt there ends the call
     timer = threading.Timer(0.3, _thread.interrupt_main)
     timer.start()
-    run = solve("kepler", "gauss-2", h=0.001, steps=10**9)
+    with pytest.raises(Interrupted) as caught:
+        solve("kepler", "gauss-2", h=0.001, steps=10**9)
+    run = caught.value.solution
     assert run.outcome is Outcome.CANCELLED
     assert run.steps > 0
 
