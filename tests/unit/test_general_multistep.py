@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from glmref.catalogue.canonical import canonical
-from glmref.catalogue.lookup import load, path_of
+from glmref.catalogue.lookup import data_root, load, path_of
 from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
 from glmref.derive.general_multistep import GeneralHalf, general_document, matching_cosine
@@ -153,6 +154,26 @@ def test_the_growth_parameters_are_those_of_eigenvectors() -> None:
             assert abs((w @ B @ U @ v) / zeta - complex(x.mu)) < 1e-11
 
 
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_parasitic_part_of_a_linear_system_grows_at_the_rate_of_its_residue(name: str) -> None:
+    """On H = (p^2 + q^2)/2 + 0.3 p q, log |w| = mu H_pq h for q and -mu H_pq h for p, to O(h^2)."""
+    m: Any = load(name)
+    h, rate = 0.005, 0.3
+    q, p = ([np.array([[complex(x).real for x in row] for row in M]) for M in (c.U, c.B, c.V)]
+            for c in m.components)  # fmt: skip
+    step = np.block([
+        [q[2] + h * rate * q[1] @ q[0], h * q[1] @ p[0]],
+        [-h * p[1] @ q[0], p[2] - h * rate * p[1] @ p[0]],
+    ])  # fmt: skip
+    eigenvalues, found = np.linalg.eigvals(step), residues(m)
+    assert found is not None
+    for half, sign in zip(found.values(), (1, -1), strict=True):
+        for x, n in both_ways(half):
+            nearest = np.abs(eigenvalues - complex(x.eigenvalues[n])).argmin()
+            expected = sign * complex(x.mu).real * rate * h
+            assert abs(np.log(abs(eigenvalues[nearest])) / expected - 1) < 0.01
+
+
 def test_every_half_has_a_residue_that_grows() -> None:
     """The sum of the k - 1 residues is -1, so that one is -1/(k - 1) or less."""
     for name in SHIPPED:
@@ -199,3 +220,33 @@ def test_kernels_do_what_the_reference_does(name: str) -> None:
 def test_implicit_pairs_on_systems_that_are_not_separable_are_refused_in_a_sentence() -> None:
     with pytest.raises(UsageError, match="use engine='reference'"):
         solve("double-pendulum", "lobatto-iiia-iiib-3", h=1 / 64, steps=2)
+
+
+def test_the_page_prints_what_is_measured() -> None:
+    root = data_root().parent
+    page = (root / "docs/nonseparable.md").read_text(encoding="utf-8")
+    table = page.partition("<!-- table: nonseparable -->")[2].partition("<!-- end")[0]
+    rows = [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
+    record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
+    names = ("multistep-general-8", "multistep-general-8b")
+    counts = {x["problem"]: x["methods"] for x in record["evaluations"] if x["tolerance"] == 1e-9}
+    ends = {(x["problem"], x["method"]): x["energy"][-1] for x in record["long"]}
+    ratios: dict[str, list[float]] = {}
+    for problem_, *cells in rows:
+        shown = [None if x == "-" else int(x.replace(",", "")) for x in cells[:4]]
+        found = counts.get(problem_)
+        gauss = min(x for k, x in found.items() if k.startswith("gauss")) if found else None
+        dop853 = found["scipy-dop853"] if found else None
+        own = [found[name] if found else None for name in names]
+        assert shown == [*own, gauss, dop853]
+        for name, cell in zip(names, cells[4:], strict=True):
+            end = ends[problem_, name]
+            assert cell == ("lost" if end is None or end > 1 else f"{end:.1e}")
+            if found:
+                ratios.setdefault(name, []).append(found[name] / gauss)
+                ratios.setdefault(f"{name} dop", []).append(found[name] / dop853)
+    means = {k: f"{np.exp(np.mean(np.log(x))):.2f}" for k, x in ratios.items()}
+    assert list(means.values()) == ["0.38", "0.80", "0.27", "0.57"]
+    assert "needs 0.27 and" in page
+    assert "0.38 of the evaluations" in page
+    assert "0.57 and 0.80" in page
