@@ -26,8 +26,9 @@ _VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
 
 @click.command(short_help="Compute the properties of a method.")
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.option("--modified", is_flag=True, help="The modified equation through order 6, too.")
 @format_option()
-def analyze(name: str, form: str) -> int:
+def analyze(name: str, modified: bool, form: str) -> int:
     """Compute order, error, forms, symmetry and stability of a method, whatever its claims.
 
     Exit code 3 when something could not be decided.
@@ -36,10 +37,13 @@ def analyze(name: str, form: str) -> int:
 
     try:
         with _at_work(name):
-            record, measured = record_of(name, _measured)
+            record, further = record_of(name, _with_modified if modified else _measured)
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
         return INTERNAL
+    measured = further
+    if modified:
+        measured, record["modified"] = further or [{}, {"why": "not found within the budget"}]
     if measured and form != "table":
         record["stability_measured"] = plain_ends(measured)
     if form == "json":
@@ -97,6 +101,18 @@ def _page(record: Mapping[str, Any], measured: Mapping[str, float] | None, style
         for i, line in enumerate(textwrap.wrap(text, max(style.width - 45, 30)) or [""])
     ]
     return "\n".join([name, columns(rows, style=style)])
+
+
+def _with_modified(method: Any, record: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Ends of the stability intervals, and the modified equation or why there is none."""
+    from ..errors import GlmrefError
+    from ..scenes.modified import modified
+
+    try:
+        found = modified(method).as_json()
+    except GlmrefError as error:
+        found = {"why": str(error)}
+    return [_measured(method, record), found]
 
 
 def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..theory.backward import (
     over_free_trees,
 )
 from ..theory.series import Series, exponential, inverse
+from ..theory.starting_series import NotPreconsistent
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import MAX_ORDER, FreeTree, Tree, free_tree, halves
 from ..theory.underlying import UnderlyingMethod
@@ -77,9 +78,9 @@ class Modified(Shown):
         """Return the record: orders, witnesses, and coefficients by tree as text."""
         return {
             "order": self.order,
-            "hamiltonian": _record(self.hamiltonian),
-            "conjugate_symplectic": _record(self.conjugate_symplectic),
-            "energy": _record(self.energy),
+            "hamiltonian": asdict(self.hamiltonian),
+            "conjugate_symplectic": asdict(self.conjugate_symplectic),
+            "energy": asdict(self.energy),
             "gauge": "form" if self.form else "solved",
             "hamiltonian_terms": _texts(self.hamiltonian_terms),
             "invariant_terms": _texts(self.invariant_terms),
@@ -184,15 +185,6 @@ class Modified(Shown):
         return float(np.max(np.abs(np.array(gaps) - gaps[0])))
 
 
-def _record(reach: Reach) -> dict[str, Any]:
-    return {
-        "order": reach.order,
-        "fails_next": reach.fails,
-        "witness": reach.witness,
-        "residual": reach.residual,
-    }
-
-
 def _texts(terms: Mapping[FreeTree, Any]) -> dict[str, str]:
     return {str(free.root): shown_number(x) for free, x in terms.items()}
 
@@ -211,9 +203,10 @@ def modified(method: Method | str, order: int = 6) -> Modified:
     Raises
     ------
     UsageError
-        For an additive method, where 1 is a multiple eigenvalue of V, or for a bad order.
-    NotPreconsistent, ExactnessError
-        See :func:`glmref.theory.starting_series.component`.
+        For an additive method, where 1 is not a simple eigenvalue of V or U u = 1 does not hold,
+        or for a bad order.
+    ExactnessError
+        Where V holds published decimals.
 
     Examples
     --------
@@ -229,7 +222,10 @@ def modified(method: Method | str, order: int = 6) -> Modified:
             f"{found.name} is an additive method; modified equations are for methods of one "
             "component and for pairs"
         )
-    plain = UnderlyingMethod.of_method(found).through(order)
+    try:
+        plain = UnderlyingMethod.of_method(found).through(order)
+    except NotPreconsistent as error:
+        raise UsageError(f"{found.name} has no underlying one-step method: {error}") from None
     form = g_symplectic(found)
     if form.holds is not False and form.G is not None:
         own = UnderlyingMethod.of_method(found, form=form.G).through(order)

@@ -7,6 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from ..theory.backward import Reach
+from ..theory.trees import Tree
 from .tables import shown_value
 
 _TITLES = {
@@ -94,6 +96,8 @@ def analysis_rows(
                 put(key, {k: x for k, x in value.items() if k != "holds"})
         elif key == "order_proved":
             rows.append(("order proved", _proved(*value)))
+        elif key == "modified":
+            rows += _modified(value)
         elif key == "implicit_stages":
             rows.append(("implicit stages", "none" if value == [] else shown_value(value)))
         elif key not in ("format", "method", *_TOGETHER):
@@ -176,4 +180,21 @@ def _error_constants(record: Mapping[str, Any]) -> list[tuple[str, str]]:
         constant = f"{record['quadrature_constant']:.6g} h^{power} y^({power}), by which the "
         constant += "solution of y' = g(t) exceeds a step"
         rows.append(("", constant))
+    return rows
+
+
+def _modified(found: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what :meth:`glmref.Modified.as_json` gives, or why there is none, as rows."""
+    if "why" in found:
+        return [("modified equation", found["why"])]
+    titles = {
+        "hamiltonian": "Hamiltonian to order",
+        "conjugate_symplectic": "conjugate-symplectic to order",
+        "energy": "preserves H to order",
+    }
+    rows = [(title, Reach(**found[key]).text) for key, title in titles.items()]
+    for text, value in found["invariant_terms"].items():
+        power = Tree(text).order - 1
+        name = f"h^{power} H({text})" if power else f"H({text})"
+        rows.append((f"outputs conserve {name} times", value))
     return rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 from fractions import Fraction as F
 from itertools import pairwise
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -51,6 +52,8 @@ from glmref.theory.symplectic import g_symplectic
 from glmref.theory.trees import edge_cuts, free_trees, trees, trees_up_to
 from glmref.theory.underlying import UnderlyingMethod
 from tests.shipped import shipped
+
+PAGE = Path(__file__).parents[2] / "docs" / "modified.md"
 
 G_SYMPLECTIC = [n for n in glmref.names() if shipped(n).get("claims", {}).get("g-symplectic")]
 
@@ -191,22 +194,23 @@ def test_a_symplectic_map_has_a_hamiltonian_field():
     ]
 
 
-@pytest.mark.parametrize(
-    ("name", "order", "hamiltonian", "conjugate", "energy"),
-    [
-        # the orders of the study and of Hairer, Zbinden (2013); None: through the order computed
-        ("implicit-midpoint", 7, None, None, 2),
-        ("trapezoidal", 7, 2, None, 2),
-        ("gauss-2", 7, None, None, 4),
-        ("rk4", 6, 4, 4, 4),
-        ("lobatto-iiia-3", 8, 4, 6, 4),
-        ("gsymplectic-n", 7, 4, None, 4),
-        ("s4-symmetric", 6, 4, None, 4),
-        ("g6245-w3", 8, 6, None, 6),
-        ("stormer-verlet", 7, None, None, 2),
-        ("symplectic-euler-b", 6, None, None, 1),
-    ],
-)
+#: name, order computed, orders reached: Hamiltonian, conjugate-symplectic, preserving H; None: all.
+#: Hairer, Zbinden (2013) for those of Runge-Kutta methods.
+ORDERS = [
+    ("implicit-midpoint", 7, None, None, 2),
+    ("trapezoidal", 7, 2, None, 2),
+    ("gauss-2", 7, None, None, 4),
+    ("rk4", 6, 4, 4, 4),
+    ("lobatto-iiia-3", 8, 4, 6, 4),
+    ("gsymplectic-n", 7, 4, None, 4),
+    ("s4-symmetric", 6, 4, None, 4),
+    ("g6245-w3", 8, 6, None, 6),
+    ("stormer-verlet", 7, None, None, 2),
+    ("symplectic-euler-b", 6, None, None, 1),
+]
+
+
+@pytest.mark.parametrize(("name", "order", "hamiltonian", "conjugate", "energy"), ORDERS)
 def test_orders_of_conservation(name, order, hamiltonian, conjugate, energy):
     found = modified(name, order)
     reaches = (found.hamiltonian, found.conjugate_symplectic, found.energy)
@@ -215,8 +219,19 @@ def test_orders_of_conservation(name, order, hamiltonian, conjugate, energy):
         assert reach.residual == 0.0
 
 
-def test_the_defects_of_the_study():
-    """First failures of the Hamiltonian condition in the output gauge, to the digits known."""
+def test_the_table_of_the_page_is_the_tested_one():
+    known = {name: reached for name, _, *reached in ORDERS}
+    rows = [line.split("|")[1:-1] for line in PAGE.read_text().splitlines() if "| `" in line]
+    assert len(rows) == 7
+    for name, *cells in rows:
+        shown = [None if "every" in x else int(x.split(",")[0]) for x in cells]
+        assert shown == known[name.strip(" `")]
+        assert all("not" not in x or f"{n}, not {n + 1}" in x
+                   for n, x in zip(shown, cells, strict=True))  # fmt: skip
+
+
+def test_first_defects_in_the_output_gauge():
+    """Largest b(u o v) + b(v o u) of the first order that fails, as found in another program."""
     for name, order, size in (("trapezoidal", 3, 0.25), ("gsymplectic-n", 5, 6.446e-3),
                               ("s4-symmetric", 5, 1.481e-2), ("g6245-w3", 7, 4.168e-4)):  # fmt: skip
         field = UnderlyingMethod.of_method(load(name)).through(order).field
@@ -318,7 +333,7 @@ def test_modified_hamiltonians_that_are_known(name, terms):
         assert is_zero(coefficient(found, Tree(tree)) - parse(value)) is True
 
 
-def test_the_gauge_of_the_study():
+def test_the_free_number_of_the_symplectic_gauge():
     method = load("gsymplectic-n")
     found = UnderlyingMethod.of_method(method, form=g_symplectic(method).G).through(4)
     t = Tree("[o[o]]")

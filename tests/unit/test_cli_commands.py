@@ -190,6 +190,20 @@ def test_analyze_table_and_csv_say_the_same(run: Run) -> None:
     assert json.loads(rows["symmetric"])["holds"] is True
 
 
+def test_analyze_shows_the_modified_equation(run: Run, tmp_path: Path) -> None:
+    code, table, _ = run("analyze", "gsymplectic-n", "--modified")
+    assert code == 0 and "conjugate-symplectic to order              at least 6" in table
+    assert re.search(r"h\^4 H\(\[oooo\]\) times +-1/4320", table)
+    found = json.loads(run("analyze", "rk4", "--modified", "--format", "json")[1])["modified"]
+    assert found["conjugate_symplectic"]["order"] == 4 and found["conjugate_symplectic"]["fails"]
+    assert "modified" not in json.loads(run("analyze", "rk4", "--format", "json")[1])
+    # a file of one's own is looked at in a process apart; why there is nothing is an answer
+    own = tmp_path / "own.json"
+    own.write_text('{"A": [["1/2"]], "b": [1]}')
+    assert "Hamiltonian to order" in run("analyze", str(own), "--modified")[1]
+    assert "additive" in run("analyze", "ars-2-2-2", "--modified")[1].split("modified equation")[1]
+
+
 def test_analyze_says_the_same_interval_in_every_format(run: Run) -> None:
     """An end that is not proved is null in the proved part, and its measured value stands apart."""
     _, table, _ = run("analyze", "t115-i")
