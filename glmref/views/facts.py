@@ -7,8 +7,6 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ..theory.backward import Reach
-from ..theory.trees import Tree
 from .tables import shown_value
 
 _TITLES = {
@@ -187,6 +185,10 @@ def _modified(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return what :meth:`glmref.Modified.as_json` gives, or why there is none, as rows."""
     if "why" in found:
         return [("modified equation", found["why"])]
+    # not at the top: help and tables are shown without loading the theory
+    from ..theory.backward import Reach
+    from ..theory.trees import Tree
+
     titles = {
         "hamiltonian": "Hamiltonian to order",
         "conjugate_symplectic": "conjugate-symplectic to order",
