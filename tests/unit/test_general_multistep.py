@@ -17,6 +17,7 @@ from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
 from glmref.derive.general_multistep import GeneralHalf, general_document, matching_cosine
 from glmref.derive.recipes.general_multistep import SHIPPED
+from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.findings import Verdict
@@ -250,3 +251,15 @@ def test_the_page_prints_what_is_measured() -> None:
     assert "needs 0.27 and" in page
     assert "0.38 of the evaluations" in page
     assert "0.57 and 0.80" in page
+
+
+def test_ensembles_in_lanes_do_what_single_runs_do() -> None:
+    given = problem("double-pendulum", q1="1/2", q2="3/10")
+    single = solve(given, "multistep-general-8", h=1 / 64, steps=64)
+    start = np.array(given.y0, dtype=float)
+    initial = np.stack([start, start + np.eye(4)[0] / 10, start])
+    found = solve_ensemble(given, "multistep-general-8", initial, h=1 / 64, steps=64)
+    assert found.evaluations == 3 * (single.evaluations + single.start_evaluations)
+    # the order of sums differs in the start: of 41 terms, with weights up to 5e5 times mu 7e-4
+    assert np.abs(found.y[-1][[0, 2]] - single.y[-1]).max() < 41 * 350 * 2.0**-52
+    assert np.abs(found.y[-1][1] - single.y[-1]).max() > 1e-3
