@@ -85,10 +85,23 @@ def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
 
 def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:
     """Sum of ``factor * coefficient`` over the terms, at least one; vectors entry by entry."""
-    row = list(enumerate(factor for factor, _ in terms))
     if isinstance(terms[0][1], tuple):
-        return tuple([weighted(row, x) for x in zip(*(x for _, x in terms), strict=True)])
+        factors = [factor for factor, _ in terms]
+        numbers = _NUMBERS.issuperset(map(type, factors))
+        columns = zip(*[x for _, x in terms], strict=True)
+        return tuple([_combined(factors, column, numbers=numbers) for column in columns])
+    row = list(enumerate(factor for factor, _ in terms))
     return weighted(row, [x for _, x in terms])
+
+
+def _combined(factors: Sequence[Any], column: Sequence[Any], *, numbers: bool) -> Any:
+    """Sum of products as :func:`weighted`, for many columns with the same factors."""
+    pairs = [(x, y) for x, y in zip(factors, column, strict=True) if type(y) is not int or y != 0]
+    if not pairs:
+        return 0
+    if numbers and _NUMBERS.issuperset([type(y) for _, y in pairs]):
+        return sum_of_products(pairs)
+    return weighted(list(enumerate(factors)), column)
 
 
 def tidy(vector: Sequence[Any]) -> tuple[Any, ...]:

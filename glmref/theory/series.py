@@ -20,7 +20,7 @@ from math import factorial
 from typing import Any
 
 from ..errors import UsageError
-from ..exact import Scalar
+from ..exact import Exact, Scalar
 from ..method.component import ROOTED, Method, Palette
 from ..method.stage_order import is_shared
 from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
@@ -382,10 +382,10 @@ class Iterates:
 
     def __init__(self, empty: Mapping[str, Coefficient]) -> None:
         self.empty, self.field = empty, dict[Tree, Any]()
-        self._of: dict[Tree, list[Coefficient]] = {}  # j-th entry: (d_b^j a)(t) / j!
+        self._of: dict[Tree, list[Coefficient]] = {}  # j-th entry: (d_b^j a)(t)
 
     def beyond(self, t: Tree) -> list[Coefficient]:
-        """Return the terms j = 1, 2, .. of ``exp(d_b) a`` at t without ``a(empty) b(t)``."""
+        """Return ``(d_b^j a)(t)``, j = 1, 2, .., the first without ``a(empty) b(t)``."""
         terms: list[list[tuple[Any, Coefficient]]] = []
         for (part, rest), ways in edge_cuts(t).items():
             factor = self.field.get(part)
@@ -397,27 +397,32 @@ class Iterates:
                     terms.append([])
                 if type(value) is not int or value != 0:
                     terms[j].append((factor, value))
-        return [
-            times(Fraction(1, j), combination(found)) if found else 0
-            for j, found in enumerate(terms, 1)
+        return [combination(found) if found else 0 for found in terms]
+
+    @staticmethod
+    def total(beyond: list[Coefficient]) -> Coefficient:
+        """Return the sum of what :meth:`beyond` returned, each divided by j!."""
+        terms = [
+            (_inverse_factorial(j), x)
+            for j, x in enumerate(beyond, 1)
+            if type(x) is not int or x != 0
         ]
+        return combination(terms) if terms else 0
 
     def settle(self, t: Tree, value: Coefficient, slope: Any, beyond: list[Coefficient]) -> None:
         """Take in a(t), b(t) and what :meth:`beyond` returned for t."""
         if is_zero(slope) is not True:
             self.field[t] = slope
             first = times(slope, self.empty[t.colour])
-            beyond = [_sum([*beyond[:1], first]), *beyond[1:]]
+            if beyond and (type(beyond[0]) is not int or beyond[0] != 0):
+                first = plus(beyond[0], first)
+            beyond = [first, *beyond[1:]]
         self._of[t] = [0 if is_zero(x) is True else x for x in (value, *beyond)]
 
 
-def _sum(values: Iterable[Coefficient]) -> Coefficient:
-    """Sum of coefficients; the int 0 stands for any zero."""
-    total: Coefficient = 0
-    for x in values:
-        if type(x) is not int or x != 0:
-            total = plus(total, x)
-    return total
+@cache
+def _inverse_factorial(j: int) -> Exact:
+    return Exact(Fraction(1, factorial(j)))
 
 
 def exponential(field: Series, series: Series | None = None) -> Series:
@@ -435,8 +440,10 @@ def exponential(field: Series, series: Series | None = None) -> Series:
     iterates = Iterates(series._empty)
     for t in trees_up_to(order, series.palette):
         beyond = iterates.beyond(t)
-        first = times(field[t], series.empty(t.colour))
-        values[t] = plus(series[t], _sum([first, *beyond]))
+        values[t] = plus(series[t], times(field[t], series.empty(t.colour)))
+        total = iterates.total(beyond)
+        if type(total) is not int or total != 0:
+            values[t] = plus(values[t], total)
         iterates.settle(t, series[t], field[t], beyond)
     return Series(values, series._empty, order, series.palette)
 
@@ -489,6 +496,6 @@ def _logarithm(series: Series) -> Series:
     iterates, values = Iterates(series._empty), {}
     for t in trees_up_to(order, series.palette):
         beyond = iterates.beyond(t)
-        values[t] = _minus(series[t], _sum(beyond[1:]))
+        values[t] = _minus(series[t], iterates.total(beyond))
         iterates.settle(t, 0, values[t], beyond)
     return Series(values, 0, order, series.palette)

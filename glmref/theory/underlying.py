@@ -124,18 +124,16 @@ class UnderlyingMethod(StartingSeries):
             c = self.components[t.colour]
             beyond = self._iterates.beyond(t)
             right: Any = self.output(t)
-            beyond_b: Any = 0
-            for j, x in enumerate(beyond):
-                if type(x) is tuple:
-                    right = plus(right, times(-1, x[:-1]))
-                    beyond_b = plus(beyond_b, x[-1]) if j else beyond_b
+            total: Any = self._iterates.total(beyond)
+            if type(total) is tuple:
+                right = plus(right, times(-1, total[:-1]))
             (slope,) = apply(c.W, right)
             value = tidy(apply(c.lift, plus(right, times(times(-1, slope), c.u))))
             if t in gauge:
                 (seen,) = apply(c.W, value)
                 value = tidy(plus(value, times(plus(gauge[t], times(-1, seen)), c.u)))
             self._set(t, value)
-            self.phi[t] = plus(slope, beyond_b)
+            self.phi[t] = plus(slope, total[-1]) if type(total) is tuple else slope
             self._iterates.settle(t, (*value, 0), slope, beyond)
         self._waiting = []
 
