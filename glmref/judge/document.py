@@ -43,6 +43,9 @@ CLASSES = {  # needed keys, optional keys
 }
 
 
+SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
+
+
 class Component(namedtuple("Component", "A U B V")):
     """Matrices A (stages, slopes), U, B, V."""
 
@@ -65,6 +68,10 @@ class Method:
         keys(document, needed + " class", COMMON + " " + optional, where="document")
         formats = ("glmref-method-1", "glmref-method-2")
         require(document.get("format", formats[0]) in formats, "another format")
+        later = {kind, *(() if kind == "pair-sweep" else document)} & SECOND_FORMAT
+        fine = document.get("format") != formats[0] or not later
+        require(fine, f"{', '.join(sorted(later))} belongs to {formats[1]}")
+        require(document.get("field", "real") in ("real", "complex"), "another field")
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
         self.kind, self.base = kind, base
         made = getattr(self, "make_" + kind.replace("-", "_"))()
@@ -83,7 +90,9 @@ class Method:
         }
         fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False,
                  "nystrom": "A_prime" not in document}  # fmt: skip
-        self.separable = self.pair and document.get("separable", fixed.get(kind, False)) is True
+        separable = document.get("separable", fixed.get(kind, False))
+        require(type(separable) is bool, "separable is true or false")
+        self.separable = self.pair and separable
         children = {"f": "k", "k": "f"} if self.separable else {}
         self.palette = tuple((c, children.get(c, "".join(self.parts))) for c in self.parts)
 
@@ -222,9 +231,11 @@ class Method:
         require(len(A) == s and all(len(x) == s for x in A), "A has another shape")
         below_q = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
         below_p = [[zero] * s, *identity(s)]
+        inner = self.matrix("A_prime") if see else []
+        require(not see or [len(x) for x in inner] == [s] * s, "A_prime has another shape")
         if see:
             below_q = [[zero] * (2 * s + 1)] * (s + 1) + [row + [zero] * s for row in below_q]
-            below_p = [[zero] * (s + 1) + row for row in below_p + self.matrix("A_prime")]
+            below_p = [[zero] * (s + 1) + row for row in below_p + inner]
         pairs = zip((below_q, below_p), self.weights(self.document), strict=True)
         return tuple(self.runge_kutta(*pair) for pair in pairs)
 
@@ -244,15 +255,13 @@ class Method:
 
     def rows(self):
         """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
-        given = self.document.get("embedded", [])
-        require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
+        given = rows_of(self.document)
         own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b", "glm": "b v"}
         require(not given or self.kind in own, "no rows are embedded here")
         found = {}
         for row in given:
             error = self.kind == "rk" and "error" in as_object(row)
             keys(row, "name " + ("error" if error else own[self.kind]), where="embedded")
-            require(row["name"] not in ("b", *found), "a name stands twice in embedded")
             weights = self.weights({"b": row["error"]} if error else row)
             if self.kind == "glm":
                 found[row["name"]] = {"o": (weights[0], self.list("v", row))}, {}
@@ -333,8 +342,8 @@ class Method:
         require(isinstance(letters, str) and set(letters) <= set("PQ"), "stages are letters P, Q")
         P, Q = ([n for n, x in enumerate(letters) if x == y] for y in "PQ")
         G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
-        X = [ones(len(P)), *(self.matrix("w") if self.document["w"] else [])]
-        Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] else [])]
+        X = [ones(len(P)), *(self.matrix("w") if self.document["w"] != [] else [])]
+        Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] != [] else [])]
         V, V_hat, S = self.matrix("V"), self.matrix("V_hat"), times(transpose(X), G, Y)
         below = [[P[i] < Q[j] for j in range(len(Q))] for i in range(len(P))]
         A = [[x * S[i][j] if below[i][j] else zero for i, x in enumerate(b)] for j in range(len(Q))]
@@ -377,6 +386,16 @@ class Method:
         u, unique = self.vectors_to_one(colour)
         require(u is not None and unique, "there is not one u with V u = u, U u = 1")
         return u
+
+
+def rows_of(document):
+    """Return the rows of `embedded`; each has a name of its own, a string other than ``"b"``."""
+    given = document.get("embedded", [])
+    require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
+    names = [as_object(row).get("name") for row in given]
+    require(all(isinstance(x, str) for x in names), "a row of embedded has no name")
+    require(len({"b", *names}) == len(names) + 1, "a name stands twice in embedded")
+    return given
 
 
 def first_place(u):

@@ -50,8 +50,8 @@ class Pair(Enclosed):
         else:
             self.suppose({"f": "V", "k": "V_hat"})
             letters = doc["stages"]
-            X += self.matrix("w") if doc["w"] else []
-            Y += self.matrix("v") if doc["v"] else []
+            X += self.matrix("w") if doc["w"] != [] else []
+            Y += self.matrix("v") if doc["v"] != [] else []
         self.halves = {"f": (self.b, X), "k": (self.c, Y)}
         require(isinstance(letters, str) and set(letters) <= {"P", "Q"}, "the stages")
         require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")

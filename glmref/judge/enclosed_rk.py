@@ -4,6 +4,7 @@ import re
 from functools import cache
 
 from .arithmetic import Fraction
+from .document import rows_of
 from .enclosures import Enclosed
 from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise
@@ -38,7 +39,7 @@ class RungeKutta(Enclosed):
             self.palette, self.below = (("1", "12"), ("2", "12")), {"1": alpha, "2": both}
         self.A = next(iter(self.below.values()))
         self.rows = {None: self.numbers.vector(doc["b"], doc)}
-        for row in doc.get("embedded", []):
+        for row in rows_of(doc):
             keys(row, "name b", where="embedded")
             require(row["name"] not in ("column", "stage"), "a row with the name of an equation")
             self.rows[row["name"]] = self.numbers.vector(row["b"], doc)

@@ -108,7 +108,8 @@ class Numbers:
 
     def read(self, text, document, allowed):
         """Return the number of an entry that was not read before."""
-        constants = document.get("constants", {})
+        own = document.get("constants", {})
+        constants = {x: own[x] for x in own if allowed is None or x in allowed}
 
         def known(name):
             return self.name(document, name) if allowed is None or name in allowed else None

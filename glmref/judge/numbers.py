@@ -230,8 +230,8 @@ def real(x):
 
 
 def upper(x):
-    """Tell whether the imaginary part is shown to be positive."""
-    return enclose(x).im.positive()
+    """Tell whether the imaginary part is positive; refuse where its interval holds 0 and more."""
+    return sign(enclose(x).im) > 0
 
 
 def squared(x):

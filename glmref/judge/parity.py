@@ -129,6 +129,8 @@ def undoes(numbers, opening, closing):
     block = Block(numbers, {})
     A, b = block.matrix(opening["A"]), block.matrix(opening["B"])[0]
     C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
+    require(len(A) == len(A[0]) == len(b), "shapes of the start")
+    require(len(C) == len(C[0]) == len(d), "shapes of the finish")
     needed = {j for j, x in enumerate(b) if not is_nil(x)}
     while True:
         more = {j for i in needed for j, x in enumerate(A[i]) if not is_nil(x)} | needed

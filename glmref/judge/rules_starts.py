@@ -37,8 +37,18 @@ class StartCase(BoundCase):
         method = self.method
         if not self.declared:
             return {c: [Fraction(int(k == 0)) for k in range(m.r)] for c, m in method.parts.items()}
-        table = as_object(method.document["starting"])
-        return {c: method.list("u_hat" if c == "k" else "u", table) for c in method.parts}
+        table, hats = as_object(method.document["starting"]), self.hats
+        keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
+        found = {c: method.list("u" + h, table) for c, h in hats.items()}
+        for c, h in hats.items():
+            fits = len(table["B" + h]) == len(found[c]) == method.part(c).r
+            require(fits, "the start has another number of values")
+        return found
+
+    @property
+    def hats(self) -> dict[str, str]:
+        """Return the ends of the keys of the start by colour."""
+        return {"f": "", "k": "_hat"} if self.method.pair else {"o": ""}
 
     @cached_property
     def start(self) -> Series:
@@ -50,13 +60,8 @@ class StartCase(BoundCase):
             tables = {c: (zero, zero * m.r) for c, m in method.parts.items()}
             return Series.of_tables(tables, self.u)
         table = method.document["starting"]
-        hats = {"f": "", "k": "_hat"} if method.pair else {"o": ""}
-        keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
         tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
-                  for c, h in hats.items()}  # fmt: skip
-        for c, (_, B) in tables.items():
-            fits = len(B) == len(self.u[c]) == method.part(c).r
-            require(fits, "the start has another number of values")
+                  for c, h in self.hats.items()}  # fmt: skip
         return Series.of_tables(tables, self.u)
 
     def gap(self, order: int, p: int) -> Callable[[Tree], list]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from .claims import ADDITIVE, AS_EXACT, ORDERS, PROVES, ROSENBROCK, SECOND, VALUES
 from .proof import Proof, record_of
-from .refusals import Malformed, Refused, require, whole
+from .refusals import Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, Rule
 from .rules_digits import not_to_digits, to_digits
 from .rules_enclosed import implied
@@ -37,16 +37,27 @@ def has_meaning(proof: Proof) -> bool:
     return claim != "w-order" and (claim in ADDITIVE or not proof.method.additive)
 
 
+def check_declared(proof: Proof) -> None:
+    """Refuse a declared value of another type than the claim has."""
+    claim, declared = proof.claim, proof.declared
+    if claim in (*ORDERS, *SECOND, "dense-order"):
+        whole(declared)
+    elif claim == "embedded-order":
+        for order in as_object(declared).values():
+            whole(order)
+    elif claim in VALUES:  # order-to-digits is read by its rules
+        kind = {"error-constant": str, "order-to-digits": dict}.get(claim, list)
+        require(type(declared) is kind, "the declared value is of another type")
+    elif type(declared) is not bool:
+        raise Malformed("the claim is true or false")
+
+
 def fits(proof: Proof) -> bool:
     """Tell whether the parts are such as prove statements of this kind."""
     claim, rules, truth = proof.claim, proof.rules, proof.holds
     if claim in (*ORDERS, *SECOND):
         return fits_order(proof)
-    if claim == "dense-order":
-        whole(proof.declared)
-    elif claim not in VALUES:
-        if type(proof.declared) is not bool:
-            raise Malformed("the claim is true or false")
+    if claim not in (*VALUES, "dense-order"):
         truth = proof.declared == proof.holds
     exact = proof.kind in ("rational", "tower")
     texts = PROVES.get(claim, ("", ""))[not truth] if exact or claim in AS_EXACT else ""
@@ -60,7 +71,6 @@ def fits(proof: Proof) -> bool:
 def fits_order(proof: Proof) -> bool:
     """Tell whether the parts are about orders: what they show is compared with the claim."""
     rules, name = proof.rules, SECOND.get(proof.claim, "order")
-    whole(proof.declared)
     names = {"order-at-least", "implied-order", "order-at-most", "no-order-1", "not-preconsistent",
              "symmetric", f"{name}-at-least", f"{name}-at-most", f"implied-{name}"}  # fmt: skip
     known = "order-at-most" in rules or not any(x.startswith("implied") for x in rules)
@@ -86,6 +96,7 @@ def decide(proof: Proof) -> None:
     """Check that the parts are those of the statement, and each of them, and what they show."""
     claim = proof.claim
     require(has_meaning(proof), f"{claim} has no meaning for the class of the file")
+    check_declared(proof)
     fine = proof.rules == ["absent"] or fits(proof)
     require(fine, f"these parts do not prove {claim}: {proof.rules}")
     results = [proof.apply(part) for part in proof.parts]

@@ -165,16 +165,19 @@ class GrowthRules:
         return Known(all_of(answers), self.exact)
 
     def _only_principal(self, matrix: Matrix) -> bool | None:
-        """Whether W B U N has rank 1: its eigenvalue 1 belongs to the principal component."""
+        """Whether W B U N has rank 1: its eigenvalue 1 belongs to the principal component.
+
+        Of a method that is not consistent 1 need not be an eigenvalue; what is left of a matrix
+        of rank 0 or 1 then has no meaning, and nothing is decided.
+        """
         if len(matrix) == 1:
             return True
         if not is_exact(matrix):
             return None
-        characteristic = poly.characteristic_polynomial(matrix)
-        wanted = (*((_ZERO,) * (len(matrix) - 1)), Exact(-1), _ONE)
-        if any((x - y).is_zero() is not True for x, y in zip(characteristic, wanted, strict=True)):
+        if linalg.rank(matrix) > 1:
             return False
-        return linalg.rank(matrix) == 1
+        trace = sum((matrix[k][k] for k in range(len(matrix))), _ZERO)  # the eigenvalue not 0
+        return True if (trace - 1).is_zero() else None
 
     def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """The declared numbers are the eigenvalues of the growth matrices, zeta by zeta.

@@ -9,7 +9,7 @@ from glmref import load
 from glmref.catalogue.reader import load_document
 from glmref.exact import Ball, Exact, ball
 from glmref.findings import Proof, Verdict
-from glmref.method import PartitionedGLM
+from glmref.method import GLM, PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
 from glmref.prove.verifier import verify
@@ -106,6 +106,25 @@ def test_eigenvalues_of_one_half_alone_leave_growth_open_where_stages_are_shared
     ):
         facts = facts_of(growing_pair(last, separable=separable))
         assert facts.judge("parasitism-free", True).verdict is verdict, (last, separable)
+
+
+def two_values_at_1(*B):
+    """V = I and U = (1, 1): the growth matrix at the double eigenvalue 1 is B U."""
+    rows = tuple((Exact(x),) for x in B)
+    V = ((Exact(1), Exact(0)), (Exact(0), Exact(1)))
+    return GLM(A=((Exact(0),),), U=((Exact(1), Exact(1)),), B=rows, V=V)
+
+
+def test_a_double_1_without_the_solution_leaves_parasitism_open():
+    """Of a method that is not consistent no eigenvalue of the growth matrix is the solution's 1."""
+    for B, verdict in (
+        ((1, 0), Verdict.HOLDS),
+        ((0, 0), Verdict.OPEN),  # rank 0
+        ((1, -1), Verdict.OPEN),  # nilpotent
+        ((2, 0), Verdict.OPEN),  # the eigenvalue 2
+    ):
+        facts = facts_of(two_values_at_1(*B))
+        assert facts.judge("parasitism-free", True).verdict is verdict, B
 
 
 def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
@@ -215,8 +234,6 @@ def test_dense_output_in_decimals_is_not_exact(one, exact):
 
 def single(A, U, B, V):
     """A method from its entries."""
-    from glmref.method import GLM
-
     return GLM(A, U, B, V)
 
 
