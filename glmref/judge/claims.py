@@ -60,6 +60,12 @@ ADDITIVE = {  # claims of methods for a sum of right-hand sides
 }  # fmt: skip
 
 
+OF_PAIRS = {"nystrom-order", "nystrom-starting-order", "reducible"}
+
+
+OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced"}
+
+
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip
 

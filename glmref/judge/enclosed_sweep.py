@@ -22,6 +22,7 @@ class Sweep(Enclosed):
     def prepare(self):
         """Read the matrices and equations and check what the theorems suppose."""
         self.D, self.X = self.numbers.vector(self.document["D"], self.document), self.matrix("X")
+        require("trees" not in self.proof, "trees are named in the proof of a pair")
         self.suppose({"o": "V"})
         equal(self.G, transpose(self.G), "G = G^T")
         self.halves, self.r, self.s = {"o": (self.D, self.X)}, len(self.first), len(self.D)

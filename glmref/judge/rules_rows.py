@@ -7,7 +7,7 @@ from functools import cached_property
 
 from .arithmetic import Fraction
 from .claims import ABSENT
-from .document import CLASSES, Component, Method, gaps_of_rows
+from .document import Component, Method, gaps_of_rows
 from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, transpose
 from .numbers import apart, inverse, total, vanishes
 from .refusals import as_object, require, whole
@@ -166,9 +166,9 @@ class AbsentCase(Case):
         return self.proof.claim == "embedded-order"
 
 
-def class_may_have_the_key(case: AbsentCase) -> bool:
-    """The claim is about something that a file of this class may have beside its method."""
-    return case.rule[0] in " ".join(CLASSES[case.method.kind]).split()
+def claim_is_about_a_part_of_the_file(case: AbsentCase) -> bool:
+    """The claim is about something that a file may have beside its method."""
+    return case.proof.claim in ABSENT
 
 
 def file_has_it_not(case: AbsentCase) -> bool:
@@ -268,7 +268,7 @@ ROW_RULES = (
     *all_or_not("dense-end", "no-dense-end", "dense-end", DenseEndCase),
     Rule(
         "absent", "embedded-order", "holds", "the definition", PAGE, "", AbsentCase,
-        (class_may_have_the_key, file_has_it_not,
+        (claim_is_about_a_part_of_the_file, file_has_it_not,
          pairs_without_a_start_have_one, value_is_that_without_it),
         lambda case: Truth(case.proof.claim, case.proof.holds),
     ),

@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .claims import ADDITIVE, AS_EXACT, ORDERS, PROVES, ROSENBROCK, SECOND, VALUES
+from .claims import (
+    ABSENT,
+    ADDITIVE,
+    AS_EXACT,
+    OF_ONE_METHOD,
+    OF_PAIRS,
+    ORDERS,
+    PROVES,
+    ROSENBROCK,
+    SECOND,
+    VALUES,
+)
+from .document import CLASSES
 from .proof import Proof, record_of
 from .refusals import Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, Rule
@@ -31,10 +43,14 @@ RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in RECORDS} | {
 
 def has_meaning(proof: Proof) -> bool:
     """Tell whether the claim has a meaning for the class of the file."""
-    kind, claim = proof.method.kind, proof.claim
-    if kind == "rosenbrock":
+    method, claim = proof.record.method, proof.claim
+    needed_or_optional = " ".join(CLASSES[method.kind]).split()
+    if claim in ABSENT and ABSENT[claim][0] not in needed_or_optional:
+        return claim == "starting-order" and method.pair  # without a start a pair has (y0, 0, ..)
+    if method.kind == "rosenbrock":
         return claim in ROSENBROCK
-    return claim != "w-order" and (claim in ADDITIVE or not proof.method.additive)
+    fine = claim in ADDITIVE if method.additive else claim != "w-order"
+    return fine and claim not in (OF_ONE_METHOD if method.pair else OF_PAIRS)
 
 
 def check_declared(proof: Proof) -> None:
