@@ -63,7 +63,8 @@ def check_declared(proof: Proof) -> None:
             whole(order)
     elif claim in VALUES:  # order-to-digits is read by its rules
         kind = {"error-constant": str, "order-to-digits": dict}.get(claim, list)
-        require(type(declared) is kind, "the declared value is of another type")
+        texts = kind is not list or all(isinstance(x, str) for x in declared)
+        require(type(declared) is kind and texts, "the declared value is of another type")
     elif type(declared) is not bool:
         raise Malformed("the claim is true or false")
 
