@@ -19,7 +19,7 @@ from types import ModuleType
 import flint
 
 from .. import judge
-from ..judge.arithmetic import Ring, interval_of
+from ..judge.arithmetic import Ring
 from ..judge.refusals import Refused, Undecided
 
 PRECISION = 512  # bits of a ball
@@ -99,8 +99,7 @@ class Interval(Ring):
             return Interval(self.ball + other.ball)
         if type(other) in RATIONAL:
             return Interval(self.ball + other)
-        other = interval_of(other)
-        return other if other is NotImplemented else Interval(self.ball + other.ball)
+        return NotImplemented
 
     __radd__ = __add__
 
@@ -112,8 +111,7 @@ class Interval(Ring):
             return Interval(self.ball * other.ball)
         if type(other) in RATIONAL:
             return Interval(self.ball * other)
-        other = interval_of(other)
-        return other if other is NotImplemented else Interval(self.ball * other.ball)
+        return NotImplemented
 
     __rmul__ = __mul__
 

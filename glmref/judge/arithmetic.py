@@ -116,9 +116,9 @@ class Interval(Ring):
 
     def __add__(self, other):
         if type(other) is not Interval:
-            other = rounded(other) if type(other) in RATIONAL else interval_of(other)
-            if other is NotImplemented:
-                return other
+            if type(other) not in RATIONAL:
+                return NotImplemented
+            other = rounded(other)
         return Interval(self.lo + other.lo, self.hi + other.hi)
 
     __radd__ = __add__
@@ -128,13 +128,11 @@ class Interval(Ring):
 
     def __mul__(self, other):
         if type(other) is not Interval:
-            if type(other) in RATIONAL:
-                n, d = other.numerator, other.denominator
-                a, b = (self.lo * n, self.hi * n) if n >= 0 else (self.hi * n, self.lo * n)
-                return Interval(a // d, -(-b // d))
-            other = interval_of(other)
-            if other is NotImplemented:
-                return other
+            if type(other) not in RATIONAL:
+                return NotImplemented
+            n, d = other.numerator, other.denominator
+            a, b = (self.lo * n, self.hi * n) if n >= 0 else (self.hi * n, self.lo * n)
+            return Interval(a // d, -(-b // d))
         low, high = product_of_ends(self.lo, self.hi, other.lo, other.hi)
         return Interval(low >> PLACES, -(-high >> PLACES))
 
@@ -153,12 +151,6 @@ RATIONAL = (Fraction, int)
 def rational_of(text):
     """Return the rational of a decimal such as -1.25e-3."""
     return Fraction(text)
-
-
-def interval_of(x):
-    """Return an interval around a number that has one; other numbers take over the operation."""
-    around = getattr(x, "interval", None)
-    return around() if around else NotImplemented
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from collections import namedtuple
 
-from .arithmetic import Fraction, Interval
+from .arithmetic import Fraction
 from .claims import ORDERS, SECOND
 from .linalg import (
     apply,
@@ -20,7 +20,7 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import apart, inverse, total, vanishes
+from .numbers import apart, inverse, is_enclosure, total, vanishes
 from .refusals import as_object, keys, not_covered, require
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
@@ -297,7 +297,7 @@ class Method:
             return self
         m, c = self.single(), self.list("c")
         require(len(c) == len(m.A), "c has another length")
-        if all(type(x) is not Interval and not x for x in gaps_of_rows(self)):
+        if all(not is_enclosure(x) and not x for x in gaps_of_rows(self)):
             return self  # what is not decided is a c of its own, which A 1 is too
         require(claim in (*ORDERS, "stage-order"), "a claim with c apart")
         rest = [Fraction(0)] * (len(c) - 1)

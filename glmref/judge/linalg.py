@@ -14,6 +14,7 @@ from .numbers import (
     conj,
     dot_of_elements,
     inverse,
+    is_enclosure,
     is_nil,
     live,
     may_vanish,
@@ -21,7 +22,7 @@ from .numbers import (
     total,
     vanishes,
 )
-from .refusals import require
+from .refusals import Undecided, require
 
 RATIONALS = {*RATIONAL}
 INTERVALS = RATIONALS | {Interval}
@@ -139,9 +140,10 @@ def echelon(M):
         top = len(pivots)
         below = [i for i in range(top, len(rows)) if live(rows[i][column])]
         good = [i for i in below if not may_vanish(rows[i][column])]
-        require(good or not below, "an interval holds 0: nothing is decided")
-        if not good:
+        if not below:
             continue
+        if not good:
+            raise Undecided("an interval holds 0: nothing is decided")
         found = max(good, key=lambda i, k=column: smallest(rows[i][k]))
         rows[top], rows[found] = rows[found], rows[top]
         factor = inverse(rows[top][column])
@@ -214,8 +216,8 @@ def characteristic(M):
 
 
 def is_exact(M):
-    """Tell whether no entry is an interval."""
-    return not any(type(x) is Interval for row in M for x in row)
+    """Tell whether no entry is an interval or a rectangle."""
+    return not any(is_enclosure(x) for row in M for x in row)
 
 
 def blocks_of(V):

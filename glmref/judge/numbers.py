@@ -3,7 +3,7 @@
 import math
 
 from .arithmetic import RATIONAL, Fraction, Interval, Ring, rounded
-from .refusals import require
+from .refusals import Refused, Undecided, require
 
 
 def total(values):
@@ -26,14 +26,19 @@ def vanishes(thing):
     return all(vanishes(x) for x in thing) if isinstance(thing, list) else not thing
 
 
+def is_enclosure(x):
+    """Tell whether a number is known by an interval or a rectangle around it only."""
+    return type(x) in (Interval, Box)
+
+
 def live(x):
-    """Tell whether a number does not reduce to the exact zero; an interval counts."""
-    return type(x) in (Interval, Element) or bool(x)
+    """Tell whether a number does not reduce to the exact zero; an enclosure counts."""
+    return type(x) is Element or is_enclosure(x) or bool(x)
 
 
 def smallest(x):
     """Return a measure of the least |x|; that of a number that is exact is above all others."""
-    return (0, x.least()) if type(x) is Interval else (1, 0)
+    return (0, x.least()) if is_enclosure(x) else (1, 0)
 
 
 class Element(Ring):
@@ -54,7 +59,7 @@ class Element(Ring):
         elif type(other) in RATIONAL:
             nums, den = (other.numerator,), other.denominator
         else:
-            return NotImplemented
+            return narrowest(self) + other if type(other) is Interval else NotImplemented
         common = math.gcd(self.den, den)
         m, n = den // common, self.den // common
         found = [m * x for x in self.nums]
@@ -67,7 +72,7 @@ class Element(Ring):
         if isinstance(other, Element):
             return dot_of_elements([self], [other])
         if type(other) not in RATIONAL:
-            return NotImplemented
+            return narrowest(self) * other if type(other) is Interval else NotImplemented
         n = other.numerator
         return self.tower.number([n * x for x in self.nums], self.den * other.denominator)
 
@@ -77,10 +82,6 @@ class Element(Ring):
         """Tell that the number is not 0; what does not reduce to 0 may be, in a ring."""
         box = enclose(self)
         return apart(box.re) or apart(box.im) or inverse(self) is not None
-
-    def interval(self):
-        """Return an interval around the number, which must be real."""
-        return around(self)
 
     def conj(self):
         """Return the conjugate: each generator replaced by its own."""
@@ -135,6 +136,7 @@ def dot_of_elements(x, y):
 
 def around(x):
     """Return an interval around an exact number, which must be real."""
+    require(type(x) is not Box, "a number that must be real is known by a rectangle only")
     if not isinstance(x, Element):
         return rounded(x)
     balls = x.tower.balls  # kept with the tower: each certificate has its own
@@ -150,7 +152,10 @@ def as_interval(x):
 
 
 class Box(Ring):
-    """A closed rectangle: intervals around the real and the imaginary part."""
+    """A closed rectangle: intervals around the real and the imaginary part.
+
+    As of an interval, its truth value says that it excludes 0, or is a refusal.
+    """
 
     __slots__ = ("im", "re")
 
@@ -158,16 +163,35 @@ class Box(Ring):
         self.re, self.im = as_interval(re), as_interval(im)
 
     def __add__(self, other):
-        other = other if type(other) is Box else Box(other)
+        other = enclose(other)
         return Box(self.re + other.re, self.im + other.im)
 
     def __mul__(self, other):
-        if type(other) is not Box:
+        if type(other) is Interval or type(other) in RATIONAL:
             return Box(self.re * other, self.im * other)
+        other = enclose(other)
         (a, b), (c, d) = (self.re, self.im), (other.re, other.im)
         return Box(a * c - b * d, a * d + b * c)
 
     __radd__, __rmul__ = __add__, __mul__
+
+    def __bool__(self):
+        if self.holds_zero():
+            raise Undecided("a rectangle holds 0: nothing is decided")
+        return True
+
+    def __eq__(self, other):
+        raise Refused("rectangles are not compared")
+
+    __hash__ = None
+
+    def holds_zero(self):
+        """Tell whether 0 lies in the rectangle."""
+        return self.re.holds_zero() and self.im.holds_zero()
+
+    def least(self):
+        """Return a measure of the least |x|, to be compared with those of other enclosures."""
+        return max(self.re.least(), self.im.least())
 
     def conj(self):
         """Return the rectangle of the conjugates."""
@@ -189,12 +213,17 @@ class Box(Ring):
 def enclose(x):
     """Return a rectangle around a number."""
     if not isinstance(x, Element):
-        return Box(x)
+        return x if type(x) is Box else Box(x)
     value = Box(Fraction(0))
     for k, n in enumerate(x.nums):
         if n:
             value = value + x.tower.monomial(k) * Fraction(n, x.den)
     return value
+
+
+def narrowest(x):
+    """Return an interval around a number that is real, a rectangle around another."""
+    return around(x) if conj(x) == x else enclose(x)
 
 
 def conj(x):
@@ -205,7 +234,7 @@ def conj(x):
 def inverse(x):
     """Return 1 / x."""
     if type(x) is Box:
-        return x.conj() * inverse(x.re * x.re + x.im * x.im)
+        return x.conj() * inverse(squared(x))
     if isinstance(x, Element):
         return x.tower.inverse(x)
     require(x, "a division by 0")
@@ -216,6 +245,8 @@ def inverse(x):
 
 def sign(x):
     """Return the sign of a number that is its own conjugate."""
+    if type(x) is Box:
+        raise Undecided("a rectangle does not show that a number is real")
     if isinstance(x, Element):
         require(conj(x) == x, "a sign is asked of a number that is not real")
         x = enclose(x).re
@@ -226,7 +257,7 @@ def sign(x):
 
 def real(x):
     """Return the real part."""
-    return (x + conj(x)) * Fraction(1, 2)
+    return x.re if type(x) is Box else (x + conj(x)) * Fraction(1, 2)
 
 
 def upper(x):
@@ -236,17 +267,17 @@ def upper(x):
 
 def squared(x):
     """Return |x|^2."""
-    return x * conj(x)
+    return x.re * x.re + x.im * x.im if type(x) is Box else x * conj(x)
 
 
 def may_vanish(x):
-    """Tell whether a number is 0, or an interval that holds 0."""
-    return x.holds_zero() if type(x) is Interval else not x
+    """Tell whether a number is 0, or an enclosure that holds 0."""
+    return x.holds_zero() if is_enclosure(x) else not x
 
 
 def apart(x):
-    """Tell whether a number is shown not to be 0; an interval around 0 is not."""
-    return not x.holds_zero() if type(x) is Interval else bool(x)
+    """Tell whether a number is shown not to be 0; an enclosure of 0 is not."""
+    return not may_vanish(x)
 
 
 def as_real(x):

@@ -2,9 +2,9 @@
 
 from itertools import pairwise
 
-from .arithmetic import Fraction, Interval, Ring
+from .arithmetic import Fraction, Ring
 from .linalg import at_matrix, characteristic, times
-from .numbers import conj, inverse, is_nil, live, sign, squared, vanishes
+from .numbers import conj, inverse, is_enclosure, is_nil, live, sign, squared, vanishes
 from .refusals import require
 
 
@@ -76,7 +76,7 @@ def margins(p):
     require(p, "a polynomial is 0")
     while len(p) > 1:
         a, b = conj(p[-1]), p[0]
-        if type(b) is not Interval and not b:
+        if not is_enclosure(b) and not b:
             p = p[1:]
             continue
         margin = squared(a) - squared(b)

@@ -11,7 +11,7 @@ from .arithmetic import Fraction
 from .document import Component, Method
 from .linalg import apply, dot, kernel, less, minus, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes
-from .refusals import Refused
+from .refusals import Refused, Undecided
 from .rule import Case, Replaced, Rule, Truth
 from .rules_orders import BUTCHER, ComponentCase, u_and_v_exist
 
@@ -97,6 +97,18 @@ class AbscissaeCase(ComponentCase):
 def method_is_no_pair(case: AbscissaeCase) -> bool:
     """The method is no pair, whose stages have two abscissae each."""
     return not case.method.pair
+
+
+def u_and_v_may_exist(case: AbscissaeCase) -> bool:
+    """It is not shown of any component that it has no u and v (else no list is its abscissae)."""
+
+    def may(colour: str) -> bool:
+        try:
+            return case.exists(colour, True)
+        except Undecided:
+            return True
+
+    return all(map(may, case.method.parts))
 
 
 def v_is_seen_once(case: AbscissaeCase) -> bool:
@@ -259,7 +271,7 @@ STRUCTURE_RULES = (
     ),
     Rule(
         "other-abscissae", "abscissae", "fails", "the definition", BUTCHER, "", AbscissaeCase,
-        (method_is_no_pair, u_and_v_exist, v_is_seen_once, abscissae_are_others),
+        (method_is_no_pair, u_and_v_may_exist, v_is_seen_once, abscissae_are_others),
         lambda case: Truth("abscissae", False),
     ),
     Rule(

@@ -1,6 +1,6 @@
 """Starting series and what follows from them (sections 3 and 4)."""
 
-from .arithmetic import Fraction, Interval
+from .arithmetic import Fraction
 from .classes import reduced
 from .document import Component, first_place, reading
 from .linalg import (
@@ -20,7 +20,7 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import apart, as_real, inverse, is_nil, vanishes
+from .numbers import apart, as_real, inverse, is_enclosure, is_nil, vanishes
 from .refusals import require
 from .trees import cut, gamma, paths, pool_of, residual_weights, size, trees
 
@@ -90,8 +90,7 @@ def external(method, colour):
     N = kernel(minus(m.V, identity(m.r)))
     require(N, "V u = u has no solution")
     if len(N) == 1:
-        seen = sorted((x for x in apply(m.U, N[0]) if apart(x)),
-                      key=lambda x: type(x) is Interval)  # fmt: skip
+        seen = sorted((x for x in apply(m.U, N[0]) if apart(x)), key=is_enclosure)
         require(seen, "U u is 0")
         u = multiples(inverse(seen[0]), N[0])
     else:

@@ -14,12 +14,13 @@ from pathlib import Path
 import pytest
 
 from glmref import judge
+from glmref.judge.arithmetic import Interval
 from glmref.judge.command import main
 from glmref.judge.document import Method
 from glmref.judge.fields import Numbers
 from glmref.judge.linalg import identity
-from glmref.judge.numbers import vanishes
-from glmref.judge.refusals import Refused
+from glmref.judge.numbers import Box, apart, live, may_vanish, real, sign, squared, vanishes
+from glmref.judge.refusals import Refused, Undecided
 from glmref.judge.rules_forms import unit_forms
 from glmref.judge.trees import trees
 
@@ -453,3 +454,46 @@ def test_angles_that_are_no_product_with_one_pi_and_one_i_are_refused(angle):
     for value in ("1", "g1"):
         with pytest.raises(Refused):
             Numbers({**THIRD, "radicals": {f"exp({angle})": value}})
+
+
+def rectangle(*ends):
+    """A rectangle with these rational ends: left, right, low, high."""
+    left, right, low, high = map(Fraction, ends)
+    return Box(Interval.ends(left, right), Interval.ends(low, high))
+
+
+HALF = Fraction(1, 2)
+
+
+def test_a_rectangle_around_0_decides_nothing():
+    """Neither that the number is 0 nor that it is not."""
+    around_0 = rectangle(-HALF, HALF, -HALF, HALF)
+    assert not apart(around_0) and may_vanish(around_0) and live(around_0)
+    for question in (bool, vanishes, sign, lambda x: x == around_0):
+        with pytest.raises(Refused):
+            question(around_0)
+    with pytest.raises(Undecided):
+        bool(around_0)
+
+
+@pytest.mark.parametrize("ends", [(3, 4, -1, 1), (-1, 1, 3, 4), (1, 2, -2, -1)])
+def test_a_rectangle_without_0_is_no_zero(ends):
+    found = rectangle(*ends)
+    assert apart(found) and bool(found) and not may_vanish(found) and not vanishes(found)
+    assert sign(squared(found)) == 1
+    assert type(real(found)) is Interval
+
+
+def test_a_complex_number_times_an_interval_is_a_rectangle():
+    """In either order; a real number times an interval stays an interval."""
+    number = Numbers({**THIRD, "radicals": {}}).number
+    near_1 = Interval.ends(Fraction(99, 100), Fraction(101, 100))
+    z = number("g1")
+    for found in (z * near_1, near_1 * z, z + (near_1 - 1), (near_1 - 1) + z):
+        assert type(found) is Box
+        assert not apart(found - z) and apart(found - (-1 - z)) and apart(found)
+        assert not apart(found * z - (-1 - z)) and not apart(z * found - (-1 - z))
+    field = {"kind": "tower", "generators": [
+        {"name": "g1", "polynomial": ["-2", "0"], "real": ["1", "2"], "imag": ["0", "0"]}]}  # fmt: skip
+    root = Numbers({**field, "radicals": {}}).number("g1")
+    assert {type(x) for x in (root * near_1, near_1 * root, root + near_1)} == {Interval}
