@@ -479,12 +479,18 @@ class _Evaluator:
                 f"the decimal {token!r} is not exact (write a fraction, "
                 f"or declare `digits` for published decimals)"
             )
-        if len(token.partition(".")[2]) > self.digits + 2:
+        places = len(token.partition(".")[2])
+        if places > self.digits + 2:
             raise self._error(
                 f"the decimal {token!r} has more digits than the declared {self.digits}"
             )
         if not token.strip("0."):
             return Exact(0)  # a zero of a table is printed with as many digits as its neighbours
+        if places < self.digits:
+            raise DataError(
+                f"the decimal {token!r} has {places} of the {self.digits} digits after the point "
+                f"that `digits` declares; write all of them, or {Fraction(token)} if it is exact"
+            )
         return Ball.decimal(token, self.digits)
 
     def _exponential(self, argument: Node) -> Scalar:

@@ -317,13 +317,16 @@ class _Writer:
             raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
 
     def _written(self, text: str, places: list[int]) -> str:
-        """An entry: exact ones in lowest terms, decimals cut to what the declared digits allow."""
+        """An entry: exact ones in lowest terms, decimals with as many digits as are declared."""
         if places and self.digits is not None:
-            return _DECIMAL.sub(
-                lambda m: m[0] if _places(m[0]) <= self.digits + 2  # type: ignore[operator]
-                else _fixed(Fraction(m[0]), self.digits + 2),  # type: ignore[operator]
-                text,
-            )  # fmt: skip
+            least = self.digits
+
+            def fitted(match: re.Match[str]) -> str:
+                given = _places(match[0])
+                kept = min(max(given, least), least + 2)
+                return match[0] if kept == given else _fixed(Fraction(match[0]), kept)
+
+            return _DECIMAL.sub(fitted, text)
         value = parse(text)
         try:
             return to_text(value)

@@ -72,7 +72,7 @@ def test_no_growth_parameters_leave_no_residual() -> None:
 
 def test_consistency_within_digits_is_enclosed() -> None:
     """B 1 in decimals is 2 and not 1."""
-    told = found("consistent", False, "rk", A=[["0.5"]], b=["2.00"], digits=2)
+    told = found("consistent", False, "rk", A=[["0.50"]], b=["2.00"], digits=2)
     assert (told.verdict, told.proof) == (HOLDS, Proof.ENCLOSED)
 
 

@@ -24,7 +24,7 @@ from glmref.catalogue.keys import (
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
-from glmref.exact import exact
+from glmref.exact import Ball, exact
 from glmref.exact.expression import Text
 from glmref.method import GLM, AdditiveGLM, PartitionedGLM
 
@@ -341,6 +341,27 @@ def test_digits_are_a_whole_number_from_1_to_150(digits: Any, fault: str) -> Non
     else:
         entries.read_constants()
         assert entries.digits == digits
+
+
+def test_a_decimal_has_the_digits_that_its_file_declares() -> None:
+    """Two more may be given; one with fewer is known to less than `digits` says."""
+
+    def read(entry: str) -> GLM:
+        return glm(kind="rk", A=[["0"]], b=[entry], digits=5)
+
+    for entry in ("0.50000", "0.5000000", "1/2", "0.0", ".00", "1/3+0.50000"):
+        read(entry)
+    sentence = (
+        r"`b\[1\]`: the decimal '0\.5' has 1 of the 5 digits after the point that `digits` "
+        r"declares; write all of them, or 1/2 if it is exact$"
+    )
+    for entry in ("0.5", "-0.5", "1/3+0.5"):
+        with pytest.raises(DataError, match=sentence):
+            read(entry)
+    with pytest.raises(DataError, match=r"'0\.5000' has 4 of the 5 digits"):
+        read("0.5000")
+    plain = load_document({"A": [[0]], "b": [0.5], "digits": 5})  # the plain dialect fills up
+    assert isinstance(plain, GLM) and isinstance(plain.B[0][0], Ball)
 
 
 def test_unknowns_and_constants_have_one_table_of_names() -> None:
