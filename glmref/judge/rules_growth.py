@@ -16,6 +16,7 @@ from .linalg import (
     inverse_matrix,
     is_exact,
     kernel,
+    less,
     minus,
     rank,
     scale,
@@ -255,7 +256,7 @@ class GrowthCase(Case):
         if self.method.pair:
             return [x for M in found.matrices for row in M for x in row]
         roots = self.by_place[place] + [Fraction(1)] * found.principal
-        return plus(characteristic(found.matrices[0]), from_roots(roots), -1)
+        return less(characteristic(found.matrices[0]), from_roots(roots))
 
 
 class GrowsCase(GrowthCase):
