@@ -353,12 +353,14 @@ def declared_have_places(case: GrowsCase) -> bool:
 
 
 def something_grows(case: GrowsCase) -> bool:
-    """For `parasitism-free` the growth matrix is not 0; where 1 is multiple its rank is above 1."""
+    """For `parasitism-free` it is not 0; where 1 is multiple its rank is above 1, or trace 0."""
     if case.only_counts or not case.free:
         return True
     found = case.parasitic[case.place]
     if found.principal:
-        return rank(found.matrices[0]) > 1
+        M = found.matrices[0]
+        nilpotent = rank(M) == 1 and vanishes([total(row[k] for k, row in enumerate(M))])
+        return nilpotent or rank(M) > 1
     return any(apart(x) for M in found.matrices for row in M for x in row)
 
 

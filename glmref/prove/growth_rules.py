@@ -165,18 +165,21 @@ class GrowthRules:
         return Known(all_of(answers), self.exact)
 
     def _only_principal(self, matrix: Matrix) -> bool | None:
-        """Whether W B U N has rank 1: its eigenvalue 1 belongs to the principal component.
+        """Return whether W B U N has rank 1 and the eigenvalue 1, that of the principal component.
 
-        Of a method that is not consistent 1 need not be an eigenvalue; what is left of a matrix
-        of rank 0 or 1 then has no meaning, and nothing is decided.
+        A rank above 1 leaves more than the solution, and of a nilpotent matrix other than 0
+        exp(t M) grows without it. Of a method that is not consistent the matrix may be 0 or have
+        one eigenvalue other than 0 and 1: what the solution is has no meaning then, and nothing is
+        decided.
         """
         if len(matrix) == 1:
             return True
         if not is_exact(matrix):
             return None
-        if linalg.rank(matrix) > 1:
-            return False
+        rank = linalg.rank(matrix)
         trace = sum((matrix[k][k] for k in range(len(matrix))), _ZERO)  # the eigenvalue not 0
+        if rank > 1 or (rank == 1 and trace.is_zero()):
+            return False
         return True if (trace - 1).is_zero() else None
 
     def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:

@@ -257,7 +257,7 @@ def _filled(
             choices.append([[(rule, {"which": c}) for c in subject.colours]])
         elif sign == "*":
             some = list(_witnesses(subject, rule, claim, own))
-            plain = [x["zeta"] for x in some if "zeta" in x]
+            plain = [list(x) for x in dict.fromkeys(tuple(y["zeta"]) for y in some if "zeta" in y)]
             choices.append([[(rule, {"which": c, "zeta": z}) for c, z in zip(subject.colours, zs,
                              strict=True)] for zs in itertools.product(plain,
                              repeat=len(subject.colours))])  # fmt: skip

@@ -570,9 +570,10 @@ class Oracle:
             raise Undecided("stages that are shared")
         for _, M, one in self._groups():
             if one and len(M) > 1:
-                if self.margin.rank(M) != 1:
+                rank, trace = self.margin.rank(M), sum(M[k][k] for k in range(len(M)))
+                if rank > 1 or (rank == 1 and self.margin.zero(trace)):
                     return False
-                if not self.margin.zero(sum(M[k][k] for k in range(len(M))) - 1):
+                if rank == 0 or not self.margin.zero(trace - 1):
                     raise Undecided("no growth parameter belongs to the principal component")
             elif not one and not self.loosely(flat(M)):
                 return False

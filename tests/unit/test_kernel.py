@@ -120,7 +120,7 @@ def test_a_double_1_without_the_solution_leaves_parasitism_open():
     for B, verdict in (
         ((1, 0), Verdict.HOLDS),
         ((0, 0), Verdict.OPEN),  # rank 0
-        ((1, -1), Verdict.OPEN),  # nilpotent
+        ((1, -1), Verdict.FAILS),  # nilpotent: exp(t M) grows
         ((2, 0), Verdict.OPEN),  # the eigenvalue 2
     ):
         facts = facts_of(two_values_at_1(*B))
