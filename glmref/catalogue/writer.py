@@ -11,14 +11,18 @@ from pathlib import Path
 from typing import Any
 
 from ..exact import Ball
+from . import claims
 from .canonical import canonical
 
 #: Digits after the point of every published decimal.
 DIGITS = 75
 #: Claims of every symmetric G-symplectic method without parasitic growth.
 SYMMETRIC = {
-    **dict.fromkeys(("preconsistent", "consistent", "zero-stable"), True),
-    **dict.fromkeys(("g-symplectic", "symmetric", "parasitism-free"), True),
+    x.key: True
+    for x in (
+        *(claims.PRECONSISTENT, claims.CONSISTENT, claims.ZERO_STABLE),
+        *(claims.G_SYMPLECTIC, claims.SYMMETRIC, claims.PARASITISM_FREE),
+    )
 }
 
 

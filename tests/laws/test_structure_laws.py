@@ -7,10 +7,11 @@ from dataclasses import FrozenInstanceError, fields
 from fractions import Fraction
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 import glmref
+from glmref.errors import DataError
 from glmref.exact import Exact, exact, linalg
 from glmref.method import GLM, as_matrix
 from glmref.method.families import linear_multistep
@@ -146,7 +147,10 @@ def test_reduced_multistep_methods_have_the_same_stability_polynomial_but_for_ze
     k = min(len(alpha), len(beta))
     alpha, beta = alpha[:k], beta[:k]
     assume(alpha[-1] != 0 and any(beta))
-    m = linear_multistep(alpha, beta)
+    try:
+        m = linear_multistep(alpha, beta)
+    except DataError:  # consistent in reversed order only
+        reject()
     w_rho_sigma = stability_polynomial(m)
     # det(w I - M(z)) det(I - z A) = w^shift (rho(w) - z sigma(w)) / alpha_k, up to carried zeros
     lead = exact(alpha[-1])
