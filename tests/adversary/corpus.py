@@ -10,7 +10,7 @@ from .deceive import doc, shipped, texts
 
 NAMES = (
     "butcher-effective-5", "g4123", "gsymplectic-n-order-2",
-    "rk4", "gauss-2", "bdf-2", "bdf-3", "leapfrog", "milne-simpson", "am-1", "ab-2",
+    "multistep-general-6", "rk4", "gauss-2", "bdf-2", "bdf-3", "leapfrog", "milne-simpson", "am-1", "ab-2",
     "gsymplectic-n", "gsymplectic-p", "gsymplectic-n-start-3-6", "milne-predictor", "trapezoidal",
     "stormer-verlet", "symplectic-euler-a", "yoshida-6-midpoint", "pair-4-4", "t115-i",
     "radau-iia-2", "lobatto-iiic-2", "kutta-3", "heun-2", "blanes-moan-rkn-4",
@@ -137,6 +137,14 @@ def documents() -> Iterator[tuple[str, dict[str, Any]]]:
     claims = {"explicit": True, "order": 1, "symplectic": True, "symmetric": False, "reducible": False,
               "preconsistent": True, "consistent": True, "zero-stable": True}  # fmt: skip
     yield "shared pair", doc("partitioned", claims, **halves)
+    weights = {"U": [["1"]] * 3, "B": [["1/6", "2/3", "1/6"]], "V": one}
+    Q = [["0", "0", "0"], ["-1/4", "3/4", "0"], ["0", "1", "0"]]
+    P = [["0", "1", "0"], ["0", "3/4", "-1/4"], ["0", "0", "0"]]
+    yield "two times of shared stages", doc("partitioned", {"order": 3}, q={"A": Q, **weights},
+                                            p={"A": P, **weights})  # fmt: skip
+    for abscissae in (["0", "0"], ["0", "1"]):
+        yield "abscissae that are free", _glm([[0, 0], [0, 0]], [[1, 0], [1, 1]], [[1, 0], [0, 0]],
+                                              [[1, 0], [0, 1]], abscissae=abscissae)  # fmt: skip
     rule = {"A": [["1/2"]], "b": ["1"], "A_hat": [["1/2"]], "b_hat": ["1"]}
     yield "symmetric shared pair", doc("partitioned-rk", {"symmetric": True, "symplectic": True,
                                                           "order": 2}, **rule)  # fmt: skip
