@@ -291,7 +291,9 @@ PARASITISM_FREE = ClaimSpec(
     _TRUTH,
     (
         "V is power-bounded and every growth parameter is 0, where an eigenvalue is multiple "
-        "the whole matrix"
+        "the whole matrix; the principal component leaves a multiple eigenvalue 1 a matrix of "
+        "rank 1 and trace 1: a rank above 1, or a nilpotent matrix that is not 0, refutes the "
+        "claim, and without a principal component in it the claim is undecided"
     ),
 )
 REDUCIBLE = ClaimSpec(
