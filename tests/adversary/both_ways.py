@@ -65,6 +65,8 @@ VALUES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "abscissae": (("abscissae", "implied"), ("other-abscissae", "no-order-1 ?")),
     "error-constant": (("error-constant",), ("other-error-constant",)),
 }
+#: Steps or stages above which no search for an exchange of stages is asked for.
+STEPS = 12
 
 
 def accepted(certificate: Mapping[str, Any]) -> bool:
@@ -128,6 +130,11 @@ class Subject:
     def accepts(self, claim: str, declared: object, verdict: str, parts: Sequence[Part]) -> bool:
         """Return whether the statement is accepted with these parts."""
         return accepted(self.certificate(claim, declared, verdict, parts))
+
+    @property
+    def steps(self) -> int:
+        """The steps of a composition or splitting; of other classes that have b, the stages."""
+        return max(len(self.document.get(key, ())) for key in ("gamma", "a", "b"))
 
     @property
     def colours(self) -> tuple[str, ...]:
@@ -258,9 +265,10 @@ def _filled(
         elif sign == "*":
             some = list(_witnesses(subject, rule, claim, own))
             plain = [list(x) for x in dict.fromkeys(tuple(y["zeta"]) for y in some if "zeta" in y)]
+            lists = itertools.product(plain, repeat=len(subject.colours))
             choices.append([[(rule, {"which": c, "zeta": z}) for c, z in zip(subject.colours, zs,
-                             strict=True)] for zs in itertools.product(plain,
-                             repeat=len(subject.colours))])  # fmt: skip
+                             strict=True)] for zs in lists
+                             if max(map(zs.count, zs)) == len(zs) or plain[0] in zs])  # fmt: skip
         elif sign == "~":
             choices.append([[(rule, w)] for w in _witnesses(subject, rule, claim, own)])
         else:
@@ -289,6 +297,8 @@ def directions(
     found: set[bool] = set()
     for truth, patterns in zip((True, False), {**TRUTHS, **VALUES}[claim], strict=True):
         for pattern in patterns:
+            if pattern == "not-symmetric" and subject.steps > STEPS:
+                continue
             for parts in _filled(subject, pattern, claim, own):
                 if subject.accepts(claim, declared, "holds" if truth else "fails", parts):
                     found.add(truth)

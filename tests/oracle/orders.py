@@ -16,7 +16,7 @@ from mpmath import mp
 from .methods import Method, Tree, of_second_order
 from .numbers import Margin, Matrix, Number, Undecided, Vector, at, dot, eye, plus, transposed
 
-#: Trees times stages squared, above which an order is not looked at.
+#: Trees times (stages squared + values cubed), above which an order is not looked at.
 WORK = 150_000
 
 
@@ -155,7 +155,8 @@ class Starting(Run):
             self._advance()
 
     def _work(self, n: int) -> int:
-        return len(self.pool(n)) * max(len(m.A) * len(m.A[0]) for m in self.method.parts.values())
+        parts = self.method.parts.values()
+        return len(self.pool(n)) * max(len(m.A) * len(m.A[0]) + m.r**3 for m in parts)
 
     def pool(self, n: int) -> list[Tree]:
         """Return the trees of an order that count."""
