@@ -104,10 +104,25 @@ def parse_json(text: str, name: str, parse_float: Callable[[str], Any] | None = 
             parse_int=lambda x: _integer(name, x),
             object_pairs_hook=lambda pairs: unique(pairs, f"{name}: "),
         )
-    except json.JSONDecodeError as error:
+    except json.JSONDecodeError as caught:
+        error = same_on_all_pythons(caught)
         raise DataError(
             f"{name}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
         ) from None
+
+
+def same_on_all_pythons(error: json.JSONDecodeError) -> json.JSONDecodeError:
+    """Return the error as Python 3.13 and later raise it: a trailing comma is called one.
+
+    Before, the error was at the bracket behind the comma, where a value or a key was expected.
+    """
+    before = error.doc[: error.pos].rstrip(" \t\n\r")
+    expected = (error.msg.split(" enclosed")[0], error.doc[error.pos : error.pos + 1])
+    end = {("Expecting value", "]"): "array", ("Expecting property name", "}"): "object"}
+    if not before.endswith(",") or expected not in end:
+        return error
+    message = f"Illegal trailing comma before end of {end[expected]}"
+    return json.JSONDecodeError(message, error.doc, len(before) - 1)
 
 
 def _too_deep(text: str) -> bool:

@@ -393,7 +393,7 @@ def _connected(path: Path, mode: str) -> sqlite3.Connection:
         if os.path.lexists(path):
             require_regular(path, os.stat(path).st_mode)
         uri = f"{path.absolute().as_uri()}?mode={mode}"
-        file = sqlite3.connect(uri, _PATIENCE, uri=True, check_same_thread=False)
+        file = sqlite3.connect(uri, timeout=_PATIENCE, uri=True, check_same_thread=False)
         file.text_factory = bytes
         file.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_RECORD)
     except (sqlite3.Error, OSError, ValueError) as error:
@@ -483,13 +483,15 @@ def locked(path: Path) -> Iterator[None]:
     lock, before = None, None
     # the one who held it may have deleted the file between two of these calls
     while lock is None or before is None or _place(place) != before:
+        if lock is not None:
+            lock.close()
+            lock = None
         try:
             with contextlib.suppress(FileExistsError):
                 place.touch(exist_ok=False)
             before = _place(place)
             require_regular(place, os.lstat(place).st_mode)  # what a link leads to is not ours
-            lock = sqlite3.connect(place, 0.0)
-            lock.execute("BEGIN EXCLUSIVE")
+            lock = _begun(place)
         except (DataError, OSError, sqlite3.Error) as error:
             if getattr(error, "sqlite_errorname", "") == "SQLITE_BUSY":
                 raise UsageError(
@@ -508,6 +510,17 @@ def locked(path: Path) -> Iterator[None]:
         with contextlib.suppress(OSError):  # Windows deletes no file that is open
             place.unlink()
         lock.close()
+
+
+def _begun(place: Path) -> sqlite3.Connection:
+    """Return a connection that holds its file, or fail with nothing left open."""
+    lock = sqlite3.connect(place, timeout=0.0)
+    try:
+        lock.execute("BEGIN EXCLUSIVE")
+    except sqlite3.Error:
+        lock.close()
+        raise
+    return lock
 
 
 def _holder(path: Path) -> str:

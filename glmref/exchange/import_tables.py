@@ -24,7 +24,7 @@ from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECO
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
 from ..catalogue.keys import MAX_SIZE, of_second, without_meaning
 from ..catalogue.reader import load_document
-from ..catalogue.strict_json import MAX_BYTES, shown, unique
+from ..catalogue.strict_json import MAX_BYTES, same_on_all_pythons, shown, unique
 from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.decimals import is_rounded, known_digits
@@ -662,7 +662,8 @@ def _json(text: str) -> Found:
         values = json.loads(
             text, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=unique
         )
-    except json.JSONDecodeError as error:
+    except json.JSONDecodeError as caught:
+        error = same_on_all_pythons(caught)
         raise DataError(f"the file is no JSON (line {error.lineno}: {error.msg})") from None
     if not isinstance(values, dict):
         raise DataError("the file must hold one JSON object with A and b")

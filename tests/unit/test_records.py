@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.compute import measure
-from glmref.compute.records import Records, checksum, finite, key_of, lines_of, made
+from glmref.compute.records import Records, checksum, finite, key_of, lines_of, locked, made
 from glmref.errors import DataError, UsageError
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and locks of POSIX")
@@ -293,6 +293,35 @@ def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path, end):
     holder.stdout.close()
     Records(path).append(TASKS[0], DONE)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_no_lock_stays_open_where_it_is_refused_or_tried_again(tmp_path, monkeypatch):
+    """Python 3.13 warns of a connection that nothing has closed."""
+    path = tmp_path / "records.sqlite"
+    opened, tried = [], []
+
+    class Counted(sqlite3.Connection):
+        def __init__(self, place, **options):
+            super().__init__(place, **options)
+            opened.append(self)
+            tried.append(place)
+            if len(tried) == 1:
+                Path(place).unlink()  # its holder ends between the two calls
+
+        def close(self):
+            opened.remove(self)
+            super().close()
+
+    connect = sqlite3.connect
+    monkeypatch.setattr(
+        sqlite3, "connect", lambda place, **options: connect(place, factory=Counted, **options)
+    )
+    with locked(path):
+        assert len(opened) == 1 < len(tried)
+        with pytest.raises(UsageError, match="is in use by"), locked(path):
+            pass
+        assert len(opened) == 1
+    assert not opened
 
 
 def test_a_lock_that_its_holder_deletes_meanwhile_is_not_taken_twice(tmp_path, monkeypatch):
