@@ -55,10 +55,11 @@ ADVICE: tuple[Advice, ...] = (
         "second order",
         ("multistep-rkn-10", "stormer-verlet", "blanes-moan-rkn-6-11", "gauss-4", "gauss-5"),
         "shorter runs, or `renew=10_000`, also take `multistep-rkn-10`, see {doc}`multivalue`; of "
-        "the explicit partitioned general linear methods (called pairs in the file names) also "
-        "`pair-rkn-6-7b`, see {doc}`pairs`: at 1e-9 the best pair needs fewer force evaluations "
-        "than ten splittings on 17 of 19 problems, with cheap forces not always less time; both "
-        "pairs lose Kepler's orbit, or their energy error grows, within ten million steps",
+        "the explicit partitioned general linear methods (called pairs in the file names) for up "
+        "to 100,000 steps also `pair-rkn-6-7b`, see {doc}`pairs`: at 1e-9 the best pair needs "
+        "fewer force evaluations than ten splittings on 17 of 19 problems, with cheap forces not "
+        "always less time; both pairs lose Kepler's orbit, or their energy error grows, within "
+        "ten million steps",
     ),
     Advice(
         "separable p' = -V'(q), q' = T'(p)",
