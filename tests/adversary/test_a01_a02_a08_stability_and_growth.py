@@ -82,14 +82,14 @@ def test_stable_decimals_are_decided_where_the_unit_eigenvalue_is_exact() -> Non
         "glm",
         {"zero-stable": True},
         A=[["1/2"]], U=[["1", "0", "0"]], B=[["1"], ["1"], ["1"]],
-        V=[["1", "0.333", "0.7"], ["0", "0.25", "0.5"], ["0", "0.125", "-0.25"]],
+        V=[["1", "0.333", "0.700"], ["0", "0.250", "0.500"], ["0", "0.125", "-0.250"]],
         digits=3,
     )  # fmt: skip
     found = findings(d)["zero-stable"]
     assert (found.verdict, found.proof) == (HOLDS, Proof.ENCLOSED)
     d["V"][1][1] = "1.125"
     assert verdicts(d)["zero-stable"] is FAILS
-    d["V"][1][1:], d["V"][2][1:] = ["1.000", "0"], ["0", "0.5"]
+    d["V"][1][1:], d["V"][2][1:] = ["1.000", "0"], ["0", "0.500"]
     assert verdicts(d)["zero-stable"] is OPEN
 
 

@@ -40,8 +40,9 @@ def test_every_hostile_peer_ends_with_a_sentence() -> None:
 
 
 def test_the_attack_sees_a_process_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    # without its own group a child that a peer leaves behind runs on: the attack must say so
+    # without its group and its mark a child that a peer leaves behind runs on: the attack must say so
     monkeypatch.setattr("os.killpg", lambda group, number: None)
+    monkeypatch.setattr("glmref.system.process._marked", lambda mark: [])
     monkeypatch.setitem(
         pipes.DEEDS, "leaves a child",
         ("spawn('import time; time.sleep(3)'); os._exit(0)", ("ended without",)),
