@@ -24,6 +24,10 @@ def test_the_table_of_the_page_is_that_of_the_record():
     page = PAGE.read_text("utf-8")
     assert filled(page, TABLES) == page
     assert set(ROWS) == set(DEFECTS)
+    at = STEPS.index(16)
+    more = [ROWS[x]["shipped"][at] / ROWS[x]["corrected"][at] for x in TIMES]
+    assert round(max(more)) == 5
+    assert "have the order 4 for any a2, and at h = 1/16 errors up to five times as large" in page
 
 
 @pytest.mark.parametrize("name", sorted(set(DEFECTS) - HIDDEN - TIMES))
