@@ -362,7 +362,7 @@ def test_decimals_beside_exact_coefficients() -> None:
         found, why, accepted = difference(d | {"format": "glmref-method-2", "embedded": rows})
         assert (found, accepted) == (expected, True), why
     row = {"name": "other", "b": ["1"], "v": ["1", "0"]}
-    d = doc("glm", {}, **keys, output=["1", "0.5"], embedded=[row])
+    d = doc("glm", {}, **keys, output=["1", half], embedded=[row])
     found, why, _ = difference(d | {"format": "glmref-method-2"})
     assert (found, why) == (
         Verdict.OPEN, "estimates of several values are judged of exact coefficients",
