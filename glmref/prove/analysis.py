@@ -124,8 +124,9 @@ class Analysis(Shown):
         and V^ share, ``"mu_qq"`` or ``"mu_pp"`` at one of V or V^ only.
     growth_rates : dict[str, float] or None
         Of a pair whose V and V^ share only the eigenvalue 1 and whose stages are shared: to first
-        order in h, the parasitic part grows at this rate times the mean of |H_pq| on a Hamiltonian
-        of one degree of freedom whose H_pq has one sign, by that sign. ``None`` for others.
+        order in h, the parasitic part grows at this rate times the mean of ``|H_pq|`` on a
+        Hamiltonian of one degree of freedom whose H_pq has one sign, by that sign. ``None`` for
+        others.
     proof : Proof
         The kind of proof all of this has.
     undecided : dict[str, str] or None
