@@ -48,6 +48,9 @@ _TABLE = "CREATE TABLE record (key TEXT PRIMARY KEY, record TEXT NOT NULL)"
 _INSERT = "INSERT OR REPLACE INTO record VALUES (?, ?)"
 _HEXADECIMAL = re.compile("[0-9a-f]{64}")
 
+#: What a damaged file raises: a message of SQLite may hold bytes of the file that are no text.
+DAMAGE = (sqlite3.DatabaseError, UnicodeDecodeError)
+
 
 def key_of(task: Mapping[str, Any]) -> str:
     """Return sixteen hexadecimal digits that depend only on the content of the task."""
@@ -268,7 +271,7 @@ class Records:
             file = self._open()
             count = "SELECT count(*) FROM record"
             return len(self._memory) + (file.execute(count).fetchone()[0] if file else 0)
-        except sqlite3.DatabaseError:
+        except DAMAGE:
             return sum(1 for _ in self)
 
     def _damaged(self, why: object) -> None:
@@ -310,7 +313,7 @@ class Records:
             self._file = file = _connected(path, "rwc")
             try:
                 sound = file.execute("PRAGMA integrity_check(1)").fetchone() == (b"ok",)
-            except sqlite3.DatabaseError:
+            except DAMAGE:
                 sound = False
             if not sound:
                 self._damaged("")
@@ -401,9 +404,10 @@ def _connected(path: Path, mode: str) -> sqlite3.Connection:
     try:
         # nothing but this table: a view or a trigger of somebody would be run
         schema = file.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
-    except sqlite3.DatabaseError as error:
+    except DAMAGE as error:
         file.close()
-        if error.sqlite_errorname in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
+        name_of_error = getattr(error, "sqlite_errorname", "SQLITE_CORRUPT")
+        if name_of_error in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
             raise _foreign(name, error) from None
         raise DataError(f"{name}: the file cannot be read ({error})") from None
     if schema not in ([(_TABLE.encode(),)], []):
@@ -432,7 +436,7 @@ def _rows(file: sqlite3.Connection) -> Iterator[Record | None]:
     most = pages * size // _LEAST
     try:
         most = min(most, file.execute("SELECT max(rowid) FROM record").fetchone()[0] or 0)
-    except sqlite3.DatabaseError:
+    except DAMAGE:
         yield None
     for number in range(1, most + 1):  # one by one: a scan ends at the first damaged page
         try:

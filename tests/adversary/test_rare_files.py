@@ -43,7 +43,7 @@ def changed(name: str, **keys: Any) -> dict[str, Any]:
 def files() -> Iterator[tuple[str, dict[str, Any], dict[str, tuple[Any, Verdict]]]]:
     """Name, document, claim -> what is declared and the verdict."""
     double = glm([["0"]], [["1", "0"]], [["1"], ["1"]],
-                 [["1", "0.5"], ["0", "0.99999999999999999999"]], digits=20)  # fmt: skip
+                 [["1", "0.50000000000000000000"], ["0", "0.99999999999999999999"]], digits=20)  # fmt: skip
     yield "a second eigenvalue within the digits of 1", double, {"zero-stable": (True, OPEN)}
     gap = glm([["0"]], [["1", "0"]], [["1"], ["0"]], [["1", "1/2"], ["0", f"1-{TINY}"]])
     yield "a second eigenvalue beside 1", gap, {"zero-stable": (True, HOLDS)}

@@ -402,6 +402,8 @@ def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
         told = re.findall(r"<dd>(?:no end up to )?([\d.e-]+)(?=<dt>|</dl></figcaption>)", page)
         assert [float(x) for x in told] == [x for x in ends if x is not None], name
         assert page.count('class="chart region"') == 1, name
+        if not constants[name]["largest"]:  # of order 14 and above no residual is stored
+            continue
         largest = table(tmp_path / "site" / f"method-{name}.html", f"constants-{name}-0")
         assert [[x["tree"], x["residual"]] for x in largest] == [
             [tree, number(x)] for tree, x in constants[name]["largest"]
