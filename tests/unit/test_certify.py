@@ -423,14 +423,14 @@ def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) 
     """Only what is enclosed is tested: a start in decimals, and a finish that is."""
     digits = "0.14433756729740644112728719512548936391"
     d = shipped("gsymplectic-n")
-    d["starting"]["B"][1] = ["0", f"-{digits}", digits]
+    d["digits"], d["starting"]["B"][1] = 38, ["0", f"-{digits}", digits]
     monkeypatch.setattr(certificate_enclosed, "_test", lambda *given: {})
     monkeypatch.setattr(
         certificate_enclosed, "krawczyk",
         lambda function, published, radius: SimpleNamespace(outcome=Outcome.UNIQUE, box=published),
     )  # fmt: skip
     method = load_document(shipped("gsymplectic-n"))
-    finishes = {"0": None, "1/3": None, "0.33333333333333333333": "finishing"}
+    finishes = {"0": None, "1/3": None, f"0.{38 * '3'}": "finishing"}
     for entry, more in finishes.items():
         d["finishing"] = {"A": [["0", "0"], [entry, "0"]], "b": ["1", "-1"]}
         found = certificate_enclosed.start_proofs(d, method)

@@ -291,12 +291,15 @@ def test_a_root_of_unity_counts_with_its_denominator_and_at_most_with_the_larges
 
 
 @pytest.mark.parametrize(
-    ("text", "value"), [(".5", 0.5), ("5.", 5), ("-.25", -0.25), ("10.50", 10.5)]
+    ("text", "digits", "value"),
+    [(".5", 1, 0.5), ("5.", 0, 5), ("-.25", 2, -0.25), ("10.50", 2, 10.5)],
 )
-def test_decimals_need_no_digit_on_one_side_of_the_point(text: str, value: float) -> None:
-    found = parse(text, digits=2)
+def test_decimals_need_no_digit_on_one_side_of_the_point(
+    text: str, digits: int, value: float
+) -> None:
+    found = parse(text, digits=digits)
     assert isinstance(found, Ball) and float(found) == value
-    assert found.radius() == pytest.approx(0.01)
+    assert found.radius() == pytest.approx(10.0**-digits)
 
 
 @pytest.mark.parametrize("text", ["exp(2*pi*i/7)", "exp(2*pi*i/5)", "exp(4*pi*i/9)"])

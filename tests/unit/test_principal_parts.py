@@ -223,7 +223,7 @@ def test_below_the_last_order_a_start_is_right_though_the_order_is_open(
 
 def test_abscissae_are_open_where_it_is_open_whether_there_is_a_solution() -> None:
     """An eigenvalue may be 1 beside the one that is: no starting series was made."""
-    V = [["1", "0.5"], ["0", "0.99999999999999999999"]]
+    V = [["1", "1/2"], ["0", "0.99999999999999999999"]]
     near: dict[str, Any] = {"U": [["1", "0"]], "B": [["1"], ["1"]], "V": V}
     assert verdict("abscissae", ["0"], A=[["0"]], digits=20, **near) is OPEN
 

@@ -111,7 +111,7 @@ def two_values(a: str, digits: int) -> dict[str, Any]:
     return {
         "format": "glmref-method-1", "name": "two-values", "title": "t", "class": "glm",
         "digits": digits, "A": [["0", "0"], [a, "0"]], "U": [["1", "0"], ["0", "1"]],
-        "B": [["0.25", "0.75"], ["0.75", "0.25"]], "V": [["1", "0"], ["0", "1"]],
+        "B": [[f"{x:.{digits}f}" for x in row] for row in ((0.25, 0.75), (0.75, 0.25))], "V": [["1", "0"], ["0", "1"]],
         "claims": {}, "source": SOURCE,
     }  # fmt: skip
 
