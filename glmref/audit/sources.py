@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, lru_cache
 from pathlib import Path
@@ -64,13 +64,19 @@ def files(source: Path, form: str) -> list[Path]:
     return found
 
 
-def _text(path: Path) -> str | None:
+def read_source(path: Path) -> str | None:
+    """Return the text of a file, or ``None`` where it cannot be read or is too long."""
     try:
         if path.stat().st_size > _MOST:
             return None
         return path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return None
+
+
+def has_marks(path: Path, form: str) -> bool:
+    """Return whether a file has a word without which it holds no table of a format."""
+    return re.search(_MARKS[form], read_source(path) or "") is not None
 
 
 def _leads_out(root: Path, path: Path) -> bool:
@@ -89,6 +95,7 @@ def audit(
     search: bool = True,
     compare: bool = True,
     on: Executor | None = None,
+    wanted: Collection[Path] | None = None,
 ) -> Iterator[dict[str, Any]]:
     """Read and judge all tables of a checkout.
 
@@ -104,6 +111,8 @@ def audit(
         Whether the catalogue is compared with.
     on : Executor, optional
         Where tables are judged; in this process by default. Others read the sources themselves.
+    wanted : Collection of Path, optional
+        Files whose tables are judged, by default all; the others are read for declared orders.
 
     Yields
     ------
@@ -119,15 +128,18 @@ def audit(
     declared: dict[str, int] = {}
     completed: dict[str, str] = {}
     for path in paths:
-        text = None if path in outside else _text(path)
+        text = None if path in outside else read_source(path)
         declared |= declared_orders(text) if text else {}
         for name, (entry, line) in completed_entries(text or "").items():
             place = f"{path.relative_to(root)}:{line}"
             completed[name] = f"completed at run time: a step assigns to {entry} ({place})"
+    if wanted is not None:
+        chosen = set(wanted)
+        paths = [path for path in paths if path in chosen]
     inside = [path for path in paths if path not in outside]
     rows = list(_rows(inside, form, declared, completed))
     remark = "a link that leads out of the checkout; it is not followed"
-    rows += [(path, _unread(1, path.name, remark)) for path in sorted(outside)]
+    rows += [(path, _unread(1, path.name, remark)) for path in paths if path in outside]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
     judged = in_order((on or Here()).run(judge_table, tasks), tasks)
     for path, row in rows:
@@ -148,7 +160,7 @@ def _rows(
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Each file with the tasks of its tables, and with records of what cannot be read."""
     for path in paths:
-        text = _text(path)
+        text = read_source(path)
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
@@ -188,7 +200,7 @@ def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):
-        found.extend(read(_text(Path(file)) or "", form, dict(declared)))
+        found.extend(read(read_source(Path(file)) or "", form, dict(declared)))
     return found
 
 

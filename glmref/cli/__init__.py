@@ -27,6 +27,7 @@ from .comparing import compare, problems
 from .deriving import derive
 from .describing import analyze, errata
 from .exchanging import export, import_
+from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
 from .probing import conformance, probe
 from .reporting import report
@@ -89,7 +90,7 @@ for command in (
         report,
         campaign,
     ),
-    *(export, import_, problems, compare, check, conformance, audit, campaign),
+    *(export, import_, problems, compare, check, conformance, audit, lint),
 ):
     group.add_command(command)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TextIO
 
 import click
@@ -62,7 +63,7 @@ def check(file: str, order: int | None, digits: int | None, form: str) -> int:
         key: value for key, value in (("order", order), ("digits", digits)) if value is not None
     }
     try:
-        findings = _findings(file, more)
+        findings = findings_of(file, more)
     except BudgetError as error:
         complain(f"{file}: {error}, and nothing was decided")
         return INTERNAL
@@ -90,7 +91,7 @@ def _stream(file: str) -> TextIO | None:
     return path.open(encoding="utf-8", errors="replace")
 
 
-def _findings(file: str, more: Mapping[str, Any]) -> list[Finding]:
+def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> list[Finding]:
     """Findings about a file or a pipe, decided in a process of its own."""
     from ..audit.check import examine
     from ..catalogue.files import document, plain_document

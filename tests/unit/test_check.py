@@ -364,27 +364,6 @@ def test_the_command_gives_findings_as_json(tmp_path: Any, capsys: Any) -> None:
     assert row["verdict"] == "holds" and row["claim"] == "order"
 
 
-def test_the_steps_of_the_workflow_pass(tmp_path: Any, monkeypatch: Any) -> None:
-    """The commands of docs/workflows/tableau.yml, the installation apart, beside its tableau."""
-    import re
-    import shlex
-    from pathlib import Path
-
-    docs = Path(__file__).resolve().parents[2] / "docs"
-    workflow = (docs / "workflows" / "tableau.yml").read_text(encoding="utf-8")
-    page = (docs / "check.md").read_text(encoding="utf-8")
-    assert workflow in page
-    example = re.search(r"```json\n(.*?)```", page, re.DOTALL)
-    assert example is not None
-    (tmp_path / "tableau.json").write_text(example[1])
-    monkeypatch.chdir(tmp_path)
-    steps = re.findall(r"- run: (.*)", workflow)
-    assert steps[0].startswith('pip install "glmref @ git+https://') and len(steps) == 2
-    for step in steps[1:]:
-        program, *arguments = shlex.split(step)
-        assert program == "glmref" and main(arguments) == 0
-
-
 def test_decimals_in_strings_with_digits() -> None:
     findings = glmref.check(A=[["0", "0"], ["1.00", "0"]], b=["0.500", "0.5"], order=2, digits=3)
     assert "within the 3 digits" in str(findings[0].witness)
