@@ -82,10 +82,10 @@ def certificates_of(
     tuple[str, dict[str, Any] or str]
         (claim, certificate or reason).
     """
-    proofs = _Proofs(facts)
+    shared = _Shared(facts)
     for claim, (declared, judgement) in statements.items():
         try:
-            yield claim, _certificate(facts, claim, declared, judgement, proofs)
+            yield claim, _certificate(facts, claim, declared, judgement, shared)
         except ExactnessError as error:
             yield claim, str(error)
 
@@ -97,35 +97,54 @@ def _trees(series: StartingSeries, nystrom: bool) -> str:
     return "nystrom" if nystrom else "all"
 
 
-class _Proofs:
-    """The interval tests of one file, each made at most once."""
+class _Shared:
+    """What the certificates of one file share: its interval tests and its number fields."""
 
     def __init__(self, facts: Any) -> None:
-        self.facts, self.document = facts, facts.method.document
+        self.facts, self.document = facts, facts.method.document or {}
+        self._towers: dict[frozenset[str], Tower] = {}
 
     @cached_property
     def method(self) -> dict[str, Any]:
         """The test of the method, where the file has an enclosure."""
-        if "enclosure" not in self.document:
+        implied, claims = self.facts.implied, self.document.get("claims", {})
+        if implied is None or implied.root is None:
             return {}
-        claims = self.document["claims"]
         order = max(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key, NYSTROM_ORDER.key))
-        return {"method": method_proof(self.document, order + 1)}
+        return {"method": method_proof(implied.system, implied.root, order + 1)}
 
     @cached_property
     def starts(self) -> dict[str, Any]:
         """The tests of the start and of the finish."""
-        return start_proofs(self.document, self.facts.method)
+        implied = self.facts.implied
+        return start_proofs(self.document, implied.blocks, implied.system)
+
+    @cached_property
+    def exact_texts(self) -> _Texts:
+        """The entries of a file whose numbers are exact."""
+        kept = {k: v for k, v in self.document.items() if k != "claims"}
+        base = shipped_document(kept["base"]) if kept.get("class") == "composition" else None
+        return _Texts(kept if base is None else {"x": [kept, base]})
+
+    @cached_property
+    def enclosed_texts(self) -> _Texts:
+        """The exact entries of a file with decimals."""
+        plain = {k: v for k, v in self.document.items() if k not in ("unknowns", "claims")}
+        if plain.get("class") == "composition":
+            plain = {"x": [plain, shipped_document(plain["base"])]}
+        elif not self.facts.method.is_exact:
+            plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
+        found = _Texts(plain)
+        found.add(equation_numbers(self.document))
+        return found
+
+    def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
+        """The field of a statement about exact numbers."""
+        return self._field(self.exact_texts, parts, declared)
 
     def field(self, claim: str, parts: list[Part]) -> dict[str, Any]:
         """The field of a statement about decimals; the same for all that need no start."""
-        document = self.document
-        plain = {k: v for k, v in document.items() if k not in ("unknowns", "claims")}
-        if document.get("class") == "composition":
-            plain = {"x": [plain, shipped_document(document["base"])]}
-        elif not self.facts.method.is_exact:
-            plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
-        found = _field(plain, [{"rule": "", "witness": equation_numbers(document)}, *parts], [])
+        found = self._field(self.enclosed_texts, parts, [])
         kept = {k: found.get(k, empty) for k, empty in (("generators", []), ("radicals", {}))}
         if self.facts.implied is None:
             return {"kind": "balls", **kept}
@@ -134,9 +153,42 @@ class _Proofs:
             proofs |= self.starts
         return {"kind": "enclosure", **kept, "proofs": proofs}
 
+    def _field(self, texts: _Texts, parts: list[Part], declared: object) -> dict[str, Any]:
+        radicals = texts.with_more([[part["witness"] for part in parts], declared])
+        key = frozenset(radicals)
+        if key not in self._towers:
+            self._towers[key] = Tower(radicals)
+        return self._towers[key].as_json()
+
+
+class _Texts:
+    """The radicals in the entries of a document, inner ones first."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self.constants = dict(document.get("constants", {}))
+        self.radicals: dict[str, None] = {}
+        self.add({**document, "constants": {}})
+        for name in self.constants:
+            self.radicals |= self._in(self.constants[name])
+
+    def add(self, value: object) -> None:
+        """Take in the entries below a value."""
+        self.radicals = self.with_more(value)
+
+    def with_more(self, value: object) -> dict[str, None]:
+        """Return the radicals together with those below a value."""
+        found = dict(self.radicals)
+        for text in dict.fromkeys(_strings(value)):
+            found |= self._in(text)
+        return found
+
+    def _in(self, text: str) -> dict[str, None]:
+        """The radicals of one entry; words such as rules and trees hold none."""
+        return dict.fromkeys(radicals_of(written_out(text, self.constants)))
+
 
 def _certificate(
-    facts: Any, claim: str, declared: Any, judged: Judgement, proofs: _Proofs
+    facts: Any, claim: str, declared: Any, judged: Judgement, shared: _Shared
 ) -> dict[str, Any]:
     if judged.verdict is Verdict.OPEN:
         raise ExactnessError("the claim is open")
@@ -158,14 +210,12 @@ def _certificate(
             "proof": str(judged.proof),
         },
         "document": kept,
-        "field": proofs.field(claim, parts) if enclosed else _field(kept, parts, declared),
+        "field": shared.field(claim, parts) if enclosed else shared.exact_field(parts, declared),
         "parts": parts,
         "identities": writer.identities,
     }
     if document.get("class") == "composition":
         found["base"] = dict(shipped_document(document["base"]))
-        if not enclosed:
-            found["field"] = _field({"x": [kept, found["base"]]}, parts, declared)
     return found
 
 
@@ -179,18 +229,6 @@ def _strings(value: Any) -> Iterator[str]:
     elif isinstance(value, list | tuple):
         for inner in value:
             yield from _strings(inner)
-
-
-def _field(document: Mapping[str, Any], parts: list[Part], declared: Any) -> dict[str, Any]:
-    constants = dict(document.get("constants", {}))
-    entries = [written_out(x, constants) for x in _strings({**document, "constants": {}})]
-    entries += [written_out(constants[x], constants) for x in constants]
-    entries += [x for part in parts for x in _strings(part["witness"])]
-    entries += [written_out(x, constants) for x in _strings(declared)]
-    radicals: dict[str, None] = {}
-    for text in entries:  # words such as rules and trees hold no radicals
-        radicals |= dict.fromkeys(radicals_of(text))
-    return Tower(radicals).as_json()
 
 
 def _vector(values: Vector) -> list[str]:

@@ -44,7 +44,7 @@ from .classes import representatives
 from .equations import Series
 from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk
 from .order_conditions import covered
-from .starting import Target, prove_blocks
+from .starting import Blocks, Target, prove_blocks
 from .system import SweepSystem
 
 #: Redundant identities are enclosed in balls around zero no wider than this.
@@ -62,16 +62,16 @@ class Enclosure:
         Enclosing ball of every unknown, by name; every identity is evaluated with them.
     radius : Fraction
         Half-width of the box in which the root is unique.
-    contraction : float
-        See :class:`Krawczyk`.
+    root : Krawczyk
+        The interval test of the equations.
     order : int
         The order proved (a lower bound; see ``next_order`` for the upper one).
     nystrom_order : int
         The same on second-order systems; ``order`` for one component.
     identity : bool
         Whether the first values are the solution itself, to these orders.
-    started : Mapping[str, int]
-        The claims about the start and the finish that were proved.
+    blocks : Blocks
+        What was proved about the start and the finish.
     signs : tuple[tuple[int, ...], ...] or None
         Diagonal of E = V L, the symmetry of the values, by component; ``None`` for a product of
         flows that is not symmetric.
@@ -87,7 +87,7 @@ class Enclosure:
 
     values: Mapping[str, Ball]
     radius: Fraction
-    contraction: float
+    root: Krawczyk
     order: int
     nystrom_order: int
     identity: bool
@@ -96,7 +96,17 @@ class Enclosure:
     system: SweepSystem = field(repr=False)
     form: SweepForm = field(repr=False)
     series: tuple[Series, ...] = field(repr=False)
-    started: Mapping[str, int] = field(default_factory=dict)
+    blocks: Blocks = field(default_factory=Blocks)
+
+    @property
+    def contraction(self) -> float:
+        """Largest row sum of the interval test, see :class:`.krawczyk.Krawczyk`."""
+        return self.root.contraction
+
+    @property
+    def started(self) -> Mapping[str, int]:
+        """The claims about the start and the finish that were proved."""
+        return self.blocks.orders
 
     @cached_property
     def next_order(self) -> float:
@@ -142,7 +152,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     record = Enclosure(
         values=dict(zip(system.unknowns, root.box, strict=True)),
         radius=radius_of(document),
-        contraction=root.contraction,
+        root=root,
         order=system.claimed,
         nystrom_order=max(system.claimed, system.claimed_second_order),
         identity=all(
@@ -160,7 +170,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     if "starting" not in document:
         return record
     target = Target.of(document, system, series)
-    return replace(record, started=prove_blocks(document, target))
+    return replace(record, blocks=prove_blocks(document, target))
 
 
 def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:

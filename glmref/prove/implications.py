@@ -68,9 +68,10 @@ from ..exact.expression import parse
 from ..exact.linalg import Matrix
 from .classes import Family, classes
 from .enclosure import Enclosure, prove
+from .krawczyk import Krawczyk
 from .order_conditions import abscissae
-from .simplifying import prove_runge_kutta
-from .starting import prove_blocks, target_of
+from .simplifying import RungeKuttaSystem, prove_runge_kutta
+from .starting import Blocks, prove_blocks, target_of
 from .system import Affine, SweepSystem
 
 #: Classes whose equations have a meaning.
@@ -96,6 +97,12 @@ class Implied:
         Whether entries of A are exact zeros by an equation.
     rows : Mapping[str, int]
         Embedded row -> a lower bound of its order.
+    system : SweepSystem or RungeKuttaSystem or None
+        The equations of the file; ``None`` where only its start is enclosed.
+    root : Krawczyk or None
+        Their interval test.
+    blocks : Blocks
+        The interval tests of start and finish.
     """
 
     true: Mapping[str, str] = field(default_factory=dict)
@@ -104,6 +111,9 @@ class Implied:
     abscissae: Sequence[Fraction] | None = None
     zeros: bool = False
     rows: Mapping[str, int] = field(default_factory=dict)
+    system: SweepSystem | RungeKuttaSystem | None = None
+    root: Krawczyk | None = None
+    blocks: Blocks = field(default_factory=Blocks)
     seal: object = None
 
     def __post_init__(self) -> None:
@@ -154,13 +164,14 @@ def _enclosed_runge_kutta(document: Mapping[str, Any]) -> Implied:
         true[EMBEDDED_DIFFERENCE.key] = "the condition of one vertex for each row"
     if document["class"] == "rosenbrock":
         return Implied(
-            true, {ORDER.key: p, W_ORDER.key: proved.any_matrix}, rows=orders, seal=_SEAL
-        )
+            true, {ORDER.key: p, W_ORDER.key: proved.any_matrix}, rows=orders,
+            system=proved.system, root=proved.root, seal=_SEAL,
+        )  # fmt: skip
     at_least = {x.key: p for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER)}
     at_least[STAGE_ORDER.key] = proved.gauss or 1
     if proved.gauss:
         true |= {x.key: "the Gauss method" for x in (SYMPLECTIC, G_SYMPLECTIC, SYMMETRIC, A_STABLE)}
-    return Implied(true, at_least, rows=orders, seal=_SEAL)
+    return Implied(true, at_least, rows=orders, system=proved.system, root=proved.root, seal=_SEAL)
 
 
 def _enclosed(document: Mapping[str, Any]) -> Implied:
@@ -180,7 +191,7 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
     if system.is_one_step:
         true[SYMPLECTIC.key] = true[G_SYMPLECTIC.key]
     at_least = _orders(system, record)
-    at_least |= record.started
+    at_least |= record.blocks.orders
     if system.is_partitioned and "starting" not in document:
         for claim, base, family in (
             (STARTING_ORDER.key, ORDER_IDENTITY.key, Family.SEPARABLE),
@@ -190,7 +201,10 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
     zeros = _all_growths(system)
     if zeros is not None:
         true[PARASITISM_FREE.key] = "the growth parameters are equations"
-    return Implied(true, at_least, zeros, abscissae(system), bool(system.explicit), seal=_SEAL)
+    return Implied(
+        true, at_least, zeros, abscissae(system), bool(system.explicit), system=system,
+        root=record.root, blocks=record.blocks, seal=_SEAL,
+    )  # fmt: skip
 
 
 def _orders(system: SweepSystem, record: Enclosure) -> dict[str, int]:
@@ -258,10 +272,10 @@ def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
     if method.starting.is_exact:
         return None
     try:
-        claims = prove_blocks(document, target_of(method))
+        blocks = prove_blocks(document, target_of(method))
     except (DataError, ExactnessError):
         return None
-    return Implied({}, claims, None, None, False, seal=_SEAL)
+    return Implied({}, blocks.orders, blocks=blocks, seal=_SEAL)
 
 
 def _zero_start(system: SweepSystem, most: int, family: Family) -> int:

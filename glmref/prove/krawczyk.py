@@ -12,7 +12,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from typing import Any
@@ -43,12 +43,15 @@ class Krawczyk:
         Largest row sum of ``|1 - Y J(box)|``; below 1 where a root was proved.
     witness : str
         One sentence on what decided.
+    inverse : BallMatrix or None
+        (n, n) approximate inverse of the Jacobian; ``None`` where no root was proved.
     """
 
     outcome: Outcome
     box: tuple[Ball, ...]
     contraction: float
     witness: str
+    inverse: BallMatrix | None = None
 
 
 def krawczyk(
@@ -102,7 +105,7 @@ def krawczyk(
     newton = linalg.matvec(inverse.rows(), tuple(ball(x) for x in function(point)))
     spread = linalg.matvec(slack, tuple(x - y for x, y in zip(box, point, strict=True)))
     image = tuple(ball(x - y + z).real for x, y, z in zip(point, newton, spread, strict=True))
-    return _compared(box, image, contraction)
+    return replace(_compared(box, image, contraction), inverse=inverse)
 
 
 def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float) -> Krawczyk:

@@ -47,6 +47,7 @@ from ..exact import Exact, ball, linalg
 from ..method.component import ROOTED, Palette
 from ..theory.trees import MAX_ORDER, Tree, parse_tree, single, stands, tree, trees
 from .enclosure import WIDTH, root_of
+from .krawczyk import Krawczyk
 from .system import Affine, row_reader
 
 _FORMS = {
@@ -315,11 +316,17 @@ class Proved:
         Of a Rosenbrock method the order with any matrix in the place of the Jacobian, else 0.
     gauss : int
         s where it is the Gauss method with s stages, else 0.
+    system : RungeKuttaSystem or None
+        The equations.
+    root : Krawczyk or None
+        Their interval test.
     """
 
     orders: dict[str, int]
     any_matrix: int = 0
     gauss: int = 0
+    system: RungeKuttaSystem | None = None
+    root: Krawczyk | None = None
 
 
 def prove_runge_kutta(document: Mapping[str, Any]) -> Proved:
@@ -361,4 +368,4 @@ def prove_runge_kutta(document: Mapping[str, Any]) -> Proved:
                 f"a redundant condition is not enclosed: {t} has residual {x.magnitude():.3g}, "
                 f"and it must be a ball around zero below {WIDTH}"
             )
-    return Proved(orders, any_matrix, system.s if system.is_gauss else 0)
+    return Proved(orders, any_matrix, system.s if system.is_gauss else 0, system, root)

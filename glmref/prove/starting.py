@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any
@@ -426,7 +426,27 @@ def prove_finishing(
     return enclosed_block(system, finishing_function(block, base, order), digits, "finishing")
 
 
-def prove_blocks(document: Mapping[str, Any], target: Target) -> dict[str, int]:
+@dataclass(frozen=True)
+class Blocks:
+    """What is proved about the start and the finish of a document.
+
+    Attributes
+    ----------
+    orders : Mapping[str, int]
+        Claim -> the order that follows.
+    target : Target or None
+        What the start agrees with.
+    start, finish : Krawczyk or None
+        The interval tests; ``None`` for a block that needs none.
+    """
+
+    orders: Mapping[str, int] = field(default_factory=dict)
+    target: Target | None = None
+    start: Krawczyk | None = None
+    finish: Krawczyk | None = None
+
+
+def prove_blocks(document: Mapping[str, Any], target: Target) -> Blocks:
     """Prove the start and the finish of a document; name the claims that follow, with their order.
 
     Blocks without long decimals are exact and are left to exact arithmetic.
@@ -438,20 +458,21 @@ def prove_blocks(document: Mapping[str, Any], target: Target) -> dict[str, int]:
     """
     opening, closing = document.get("starting"), document.get("finishing")
     if opening is None or not starting_system(opening).unknowns:
-        return {}
+        return Blocks()
     digits = document.get("digits", 75)
     start = prove_starting(opening, target, digits=digits)
     found = {STARTING_ORDER.key: target.order}
     if len(target.L) > 1:
         found[NYSTROM_STARTING_ORDER.key] = max((t.order for t in target.zeta), default=0)
     if closing is None:
-        return found
+        return Blocks(found, target, start)
+    finish = None
     if not is_inverse(opening, closing):
         if not finishing_system(closing).unknowns:
-            return found
+            return Blocks(found, target, start)
         base = first_value(opening, start.box, target.order)
-        prove_finishing(closing, base, target.order, digits=digits)
-    return {**found, FINISHING_ORDER.key: target.order}
+        finish = prove_finishing(closing, base, target.order, digits=digits)
+    return Blocks({**found, FINISHING_ORDER.key: target.order}, target, start, finish)
 
 
 def enclosed_block(

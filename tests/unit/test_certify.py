@@ -18,10 +18,9 @@ from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
 from glmref.findings import Verdict
-from glmref.prove import certificate_enclosed
+from glmref.prove import certificate_enclosed, starting
 from glmref.prove.certificate import certificates_of
 from glmref.prove.field import Tower, radicals_of
-from glmref.prove.krawczyk import Outcome
 from glmref.prove.verifier import facts_for
 from glmref.theory.symplectic import GSymplecticity
 from tests.adversary.deceive import shipped
@@ -424,19 +423,21 @@ def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) 
     digits = "0.14433756729740644112728719512548936391"
     d = shipped("gsymplectic-n")
     d["digits"], d["starting"]["B"][1] = 38, ["0", f"-{digits}", digits]
-    monkeypatch.setattr(certificate_enclosed, "_test", lambda *given: {})
+    for name in ("_test", "_conditions"):
+        monkeypatch.setattr(certificate_enclosed, name, lambda *given: {})
     monkeypatch.setattr(
-        certificate_enclosed, "krawczyk",
-        lambda function, published, radius: SimpleNamespace(outcome=Outcome.UNIQUE, box=published),
+        starting, "enclosed_block",
+        lambda system, conditions, digits, key: SimpleNamespace(box=system.published(digits)),
     )  # fmt: skip
-    method = load_document(shipped("gsymplectic-n"))
+    monkeypatch.setattr(starting, "_check_parity", lambda *given: None)
+    target = starting.target_of(load_document(shipped("gsymplectic-n")))
     finishes = {"0": None, "1/3": None, f"0.{38 * '3'}": "finishing"}
     for entry, more in finishes.items():
         d["finishing"] = {"A": [["0", "0"], [entry, "0"]], "b": ["1", "-1"]}
-        found = certificate_enclosed.start_proofs(d, method)
+        found = certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None)
         assert list(found) == ["starting"] + [more] * (more is not None), entry
     d["starting"]["B"] = [["0"] * 3] * 2
-    assert certificate_enclosed.start_proofs(d, method) == {}
+    assert certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None) == {}
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,9 @@ from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
 from glmref.prove.certificate import certificates_of
 from glmref.prove.certificate_enclosed import equation_numbers, method_proof
+from glmref.prove.enclosure import root_of
 from glmref.prove.field import Tower
+from glmref.prove.system import SweepSystem
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import shipped
 from tests.build import SOURCE
@@ -612,5 +614,6 @@ def test_what_refutes_a_stage_order_at_the_order_is_no_principal_part(halves: st
 
 def test_the_trees_of_free_principal_parts_are_listed_by_order() -> None:
     """That which the file names comes first among those of its own order."""
-    free = method_proof(shipped("s5t-w3"), 7)["free"]
+    system = SweepSystem(shipped("s5t-w3"))
+    free = method_proof(system, root_of(shipped("s5t-w3"), system), 7)["free"]
     assert free == {"4": ["[ooo]"], "6": ["[ooooo]", "[ooo[o]]", "[o[o][o]]", "[[o][oo]]"]}

@@ -20,7 +20,7 @@ from glmref.prove import simplifying, starting
 from glmref.prove.certificate import _Writer
 from glmref.prove.certificate_enclosed import method_proof
 from glmref.prove.classes import Family, reduce_tree
-from glmref.prove.enclosure import WIDTH, _checked_width, radius_of
+from glmref.prove.enclosure import WIDTH, _checked_width, radius_of, root_of
 from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
 from glmref.prove.krawczyk import Outcome, _compared
@@ -162,9 +162,13 @@ def test_the_order_that_equations_give_ends_where_trees_are_compared(
 
 
 def test_the_proof_of_a_method_names_what_is_free() -> None:
-    assert method_proof(shipped("yoshida-6-midpoint"), 4)["free"] == {"4": ["[ooo]"]}
-    assert "free" not in method_proof(shipped("mclachlan-ss5-4"), 4)
-    assert method_proof(shipped("mclachlan-ss5-4"), 4)["trees"] == "all"
+    def proof(name: str) -> dict[str, Any]:
+        system = SweepSystem(shipped(name))
+        return method_proof(system, root_of(shipped(name), system), 4)
+
+    assert proof("yoshida-6-midpoint")["free"] == {"4": ["[ooo]"]}
+    assert "free" not in proof("mclachlan-ss5-4")
+    assert proof("mclachlan-ss5-4")["trees"] == "all"
 
 
 def test_what_is_proved_of_no_dense_output_is_nothing() -> None:
@@ -388,7 +392,8 @@ def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(
         given = {"starting": opening, "finishing": closing, "digits": 38}
         if first[1] == digits and closing is None:
             given["finishing"] = starting.inverse_block(opening)
-        found = starting.prove_blocks({k: v for k, v in given.items() if v is not None}, target)
+        wanted = {k: v for k, v in given.items() if v is not None}
+        found = starting.prove_blocks(wanted, target).orders
         assert (found, len(asked)) == (expected, tests)
     opening["B"] = [["0", "0"], ["0", "1/3"]]
-    assert starting.prove_blocks({"starting": opening}, target) == {}
+    assert starting.prove_blocks({"starting": opening}, target).orders == {}
