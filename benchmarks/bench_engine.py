@@ -10,10 +10,11 @@ import numpy as np
 
 from glmref import solve
 from glmref.catalogue.lookup import load
-from glmref.engine.codegen import ARGUMENTS, Options, kernel_source
+from glmref.engine.codegen import ARGUMENTS, kernel_source
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
 from glmref.engine.native import compile_kernel
+from glmref.engine.options import Options
 from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.starting_values import starting_values, zero_start

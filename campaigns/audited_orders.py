@@ -24,7 +24,7 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import write
-from glmref.conformance.vectors import problems
+from glmref.conformance.vector_problems import problems
 from glmref.engine.solve import solve
 from glmref.measure.timing import circumstances
 from glmref.problems.model import Problem

@@ -8,7 +8,7 @@ import pytest
 
 from campaigns.audited_orders import PAGE, PLACE, STEPS, TABLES, errors_of, observed
 from campaigns.pages import filled
-from glmref.conformance.vectors import problems
+from glmref.conformance.vector_problems import problems
 from tests.suite.real_defects import DEFECTS, mended, published
 
 RECORD = json.loads(PLACE.read_text("utf-8"))

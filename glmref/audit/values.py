@@ -283,6 +283,11 @@ class _Evaluator:
             return _each(lambda n: n.of(_root(n)), x)
         if last == "cbrt":
             return self._power(self.of(node.args[0]), Number(Exact(Fraction(1, 3))))
+        return self._call_of_arrays(node, name)
+
+    def _call_of_arrays(self, node: ast.Call, name: str) -> Any:
+        """Evaluate a method of a number or an array, or what makes, joins or measures arrays."""
+        last = name.rpartition(".")[2]
         if last in _METHODS and isinstance(node.func, ast.Attribute):  # x.add(y) of Java
             x, *more = (self.of(y) for y in (node.func.value, *node.args))
             if last == "newInstance":

@@ -20,7 +20,7 @@ from ..prove.facts import facts_of
 from .faults import reversal
 from .numbers import decimal_of, decimals, upper_text
 from .scheme import error_bound, error_field
-from .vectors import TestProblem
+from .vector_problems import TestProblem
 
 #: Digits of the computation, of the numbers shown, and of the computation of wrong results.
 DIGITS, SHOWN, FAULT_DIGITS = 60, 40, 25
@@ -208,7 +208,7 @@ class Bench:
         out: list[Any] = []
         half = len(rows[0]) // 2
         columns = (slice(0, half), slice(half, None)) if self.pair else (slice(None),)
-        for w, part in zip(outputs(self.method), columns, strict=True):
+        for w, part in zip(outputs(self.method.components), columns, strict=True):
             place = unit_place(w)
             if place is None:
                 raise UsageError(

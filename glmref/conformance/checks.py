@@ -23,7 +23,8 @@ from ..findings import Finding, Proof, Verdict
 from .compare import Comparison
 from .measure import Measurement
 from .subject import AdapterError, NotOffered, Subject
-from .vectors import Case, Vectors, problems, vectors_of
+from .vector_problems import problems
+from .vectors import Case, Vectors, vectors_of
 from .verdicts import Judgement
 
 #: claim -> claims that must hold before it is judged.

@@ -16,7 +16,8 @@ from .adapters.reference import Adapter
 from .diagnosis import known_bug, name_defect, residual_of_stages, stage_order, start_order
 from .faults import NOTES, wrong_runs
 from .subject import AdapterError, NotOffered, Subject
-from .vectors import Case, TestProblem, Vectors, array
+from .vector_problems import TestProblem, array
+from .vectors import Case, Vectors
 from .verdicts import INPUT_CHANGED, Judgement, errors_of, order_judgement, same
 
 

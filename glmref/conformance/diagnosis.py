@@ -19,7 +19,8 @@ from .identify import matches
 from .probe import read
 from .readings import Reading, without_idle
 from .subject import AdapterError, NotOffered, Subject
-from .vectors import Case, TestProblem, Vectors, array
+from .vector_problems import TestProblem, array
+from .vectors import Case, Vectors
 
 _SHOWN = 3
 

@@ -23,7 +23,7 @@ from .bench import DIGITS, SHOWN, Bench
 from .faults import NOTES
 from .run_cases import RunCases
 from .step_cases import StepCases
-from .vectors import FORMAT, problems
+from .vector_problems import FORMAT, problems
 
 #: Methods with a vector file.
 METHODS = (
@@ -124,6 +124,6 @@ if __name__ == "__main__":
     # by its name: other processes cannot import a function of what runs as `__main__`
     from glmref.conformance.generate import write as write_files
 
-    from .vectors import folder as home
+    from .vector_problems import folder as home
 
     write_files(home(), sys.argv[1:] or METHODS)

@@ -14,7 +14,7 @@ from .probe import box_of, read
 from .read_orders import HIGHEST, first_defect, nearest
 from .subject import NotOffered, Subject
 from .taylor import taylor_states
-from .vectors import TestProblem, array, problems
+from .vector_problems import TestProblem, array, problems
 from .verdicts import INPUT_CHANGED, Judgement, errors_of, floor_of, order_judgement, same
 
 #: Length of the runs that measure an order.

@@ -22,7 +22,7 @@ from .numbers import decimal_text, decimals, exact_decimal, fraction_of, upper_t
 from .proof import add_wrong, distance
 from .scheme import ball_field, enclosed_step, error_bound, error_field
 from .taylor import taylor_states
-from .vectors import TestProblem
+from .vector_problems import TestProblem
 
 _RUN_STEPS, _ORDER_STEPS, _ORDER_TIME = 8, (4, 8, 16, 32), 2
 #: A bound of rounding errors beyond this shows nothing in double precision, where it is 1e-8: that

@@ -17,7 +17,7 @@ from .faults import Wrong, wrong_start, wrong_steps
 from .numbers import decimal_of, decimals, exact_decimal, fraction_of
 from .proof import add_wrong, bound_of, conserved_form
 from .scheme import ball_field, enclosed_step
-from .vectors import TestProblem
+from .vector_problems import TestProblem
 
 
 class StepCases:

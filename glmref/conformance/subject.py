@@ -238,7 +238,7 @@ def _small(value: Any, key: str, name: str) -> float:
 
 def _problems(given: Any, name: str) -> tuple[str, ...] | None:
     """Read ``problems``: names of the problems of the vectors."""
-    from .vectors import problems
+    from .vector_problems import problems
 
     if given is None:
         return None

@@ -6,98 +6,28 @@ method without a file :func:`vectors_of` makes the same document on the spot.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..catalogue.lookup import data_root, load
-from ..catalogue.strict_json import read_json
+from ..catalogue.lookup import load
 from ..errors import DataError
 from ..method import Method
-from ..problems import Problem
 from .faults import NOTES
-
-FORMAT, PROBLEMS_FORMAT = "glmref-vectors-1", "glmref-vector-problems-1"
-
-
-@dataclass(frozen=True, eq=False)
-class TestProblem:
-    """A problem of the vectors."""
-
-    name: str
-    #: ``{"f": [..]}`` and, where separable, ``"dq"`` and ``"dp"``.
-    expressions: Mapping[str, Sequence[str]]
-    #: Exact decimals.
-    t0: str
-    y0: Sequence[str]
-    #: Symmetric matrix of a conserved quadratic form, or ``None``.
-    quadratic: Sequence[Sequence[str]] | None
-    problem: Problem  #: The same as a :class:`glmref.Problem`.
-
-    @property
-    def separable(self) -> bool:
-        """Whether it has the two halves that pairs need."""
-        return "dq" in self.expressions
-
-    @property
-    def autonomous(self) -> bool:
-        """Whether f does not depend on t."""
-        return not any("t" in text.replace("sqrt", "") for text in self.expressions["f"])
-
-
-def folder() -> Path:
-    """Where the vector files lie."""
-    return data_root() / "vectors"
-
-
-@cache
-def problems() -> Mapping[str, TestProblem]:
-    """Every problem of the vectors, by name."""
-    path = folder() / "problems.json"
-    document = _document(path, PROBLEMS_FORMAT)
-    with _as_specified(path):
-        return _problems(document)
-
-
-def _problems(document: Mapping[str, Any]) -> Mapping[str, TestProblem]:
-    found = {}
-    for entry in document["problems"]:
-        halves = {k: tuple(entry[k]) for k in ("f", "dq", "dp") if k in entry}
-        t0 = float(entry["t0"])
-        problem = Problem(
-            name=entry["name"],
-            y0=tuple(entry["y0"]),
-            t_span=(t0, t0 + 1.0),
-            f=halves["f"],
-            dq=halves.get("dq"),
-            dp=halves.get("dp"),
-        )
-        d, quadratic = problem.dimension, entry.get("quadratic")
-        if quadratic is not None:
-            _numbers(quadratic, (d, d), f"quadratic of {entry['name']}")
-        found[entry["name"]] = TestProblem(
-            entry["name"], halves, entry["t0"], entry["y0"], quadratic, problem
-        )
-    return found
-
-
-def _document(path: Path, form: str) -> dict[str, Any]:
-    value = read_json(path)
-    if not isinstance(value, dict) or value.get("format") != form:
-        raise DataError(f"{path.name}: the file must be a {form} document")
-    return value
-
-
-def array(numbers: Any) -> np.ndarray:
-    """Round decimals, nested to any depth, to doubles."""
-    if isinstance(numbers, str):
-        return np.float64(numbers)  # type: ignore[return-value]
-    return np.array([array(x) for x in numbers])
+from .generate import document_of
+from .vector_problems import (
+    FORMAT,
+    TestProblem,
+    array,
+    as_specified,
+    check_numbers,
+    document_in,
+    folder,
+    problems,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,29 +114,15 @@ def vectors_of(name: str) -> Vectors:
         raise DataError(f"{name}: vectors are made for single and partitioned methods only")
     path = folder() / f"{name}.json"
     if path.parent == folder() and path.is_file():
-        document = _document(path, FORMAT)
+        document = document_in(path, FORMAT)
     else:
-        from .generate import document_of
-
         document = document_of(method, name)
     known = problems()
-    with _as_specified(path):
+    with as_specified(path):
         cases = tuple(Case(x["id"], x["kind"], known[x["problem"]], x) for x in document["cases"])
         found = Vectors(name, method, document, cases)
         _check(found)
     return found
-
-
-@contextmanager
-def _as_specified(path: Path) -> Iterator[None]:
-    """Say in one sentence that a file is not what ``data/vectors/README.md`` specifies."""
-    try:
-        yield
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        what = " ".join(f"{type(error).__name__}: {error}"[:200].split())
-        raise DataError(
-            f"{path.name}: the file is not as data/vectors/README.md says ({what})"
-        ) from None
 
 
 #: Kind of a case -> the numbers and the arrays it must have.
@@ -233,9 +149,9 @@ def _check(vectors: Vectors) -> None:
         shapes: dict[str, tuple[int, ...]] = {} if pair else {"c": (s,)}
         shapes |= {"A": (s, slopes), "U": (s, r), "B": (r, slopes), "V": (r, r)}
         for key, shape in shapes.items():
-            _numbers(block[key], shape, f"{key} of the coefficients")
+            check_numbers(block[key], shape, f"{key} of the coefficients")
     if "G" in vectors.coefficients:
-        _numbers(vectors.coefficients["G"], (r, r), "G of the coefficients")
+        check_numbers(vectors.coefficients["G"], (r, r), "G of the coefficients")
     for case in vectors.cases:
         _check_case(case, r, pair)
         for flag in (*case.data.get("flags", ()), *(flag for flag, _ in case.wrong)):
@@ -260,11 +176,11 @@ def _check_case(case: Case, r: int, pair: bool) -> None:
     if case.kind == "finish":
         shapes["output"] = (1, d)
     for key in arrays.split() + (["input"] if "input" in case.data else []):
-        _numbers(case.data[key], shapes[key], f"{key} of {case.id}")
+        check_numbers(case.data[key], shapes[key], f"{key} of {case.id}")
     if case.kind == "step":
         stages = case.data["stages"]
         for part in (stages["Q"], stages["P"]) if pair else (stages,):
-            _numbers(part, (None, d // 2 if pair else d), f"stages of {case.id}")
+            check_numbers(part, (None, d // 2 if pair else d), f"stages of {case.id}")
     if case.kind == "trajectory" and len(case["solution"]) != int(case.data["steps"]) + 1:
         raise ValueError(f"solution of {case.id} has {len(case['solution'])} rows")
     for row in case.data["rows"] if case.kind == "order" else ():
@@ -273,22 +189,7 @@ def _check_case(case: Case, r: int, pair: bool) -> None:
                 f"a row of {case.id} has {row['steps']} steps and the error {row['error']}"
             )
         if "input" in row:
-            _numbers(row["input"], (r, d), f"input of {case.id}")
+            check_numbers(row["input"], (r, d), f"input of {case.id}")
     for x in case.data.get("wrong", ()):
         shape = (1, d) if case.kind == "trajectory" else shapes["output"]
-        _numbers(x["output"], shape, f"wrong output {x['flag']!r} of {case.id}")
-
-
-def _numbers(given: Any, shape: tuple[int | None, ...], place: str) -> None:
-    """Refuse what is no array of finite decimals of a shape; ``None`` is any length but 0."""
-    try:
-        found = array(given)
-    except (TypeError, ValueError):
-        raise ValueError(f"{place} is no array of decimals in strings") from None
-    fits = len(found.shape) == len(shape) and all(
-        n > 0 and n == (n if want is None else want)
-        for n, want in zip(found.shape, shape, strict=True)
-    )
-    if not fits or not np.isfinite(found).all():
-        wanted = " x ".join("n" if n is None else str(n) for n in shape)
-        raise ValueError(f"{place} must be {wanted} finite decimals")
+        check_numbers(x["output"], shape, f"wrong output {x['flag']!r} of {case.id}")

@@ -13,17 +13,17 @@ point and evaluates the expensive half once (the *halved form*).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 from ..problems.formula import Formula
 from .band import Band
-from .emit import INFINITE, TARGETS, ScalarTarget, Writer, length_check
+from .emit import TARGETS, ScalarTarget, Writer, length_check
 from .forms import StepForm
 from .kicks import KickWriter
 from .newton import COMPLEX_HELPERS, HELPERS
+from .options import Options
 from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
 from .updates import linear
 
@@ -36,30 +36,6 @@ ARGUMENTS = {
 #: Systems up to this dimension live in local variables, larger ones in arrays.
 SCALAR_LIMIT = 20
 SCALAR_STAGE_LIMIT = 256  # and at most this many stage components
-
-
-@dataclass(frozen=True)
-class Options:
-    """What to generate besides the form and the shape."""
-
-    compensated: bool = True  #: Compensated summation of the values.
-    solver: str = "fixed-point"  #: ``"fixed-point"`` or ``"newton"``.
-    target: str = "auto"  #: ``"scalar"``, ``"array"`` or ``"auto"``.
-    history: bool = False  #: Whether all values are recorded, not only the solution.
-    #: Whether the source is for the interpreter: arithmetic errors end the run by name instead of
-    #: raising.
-    interpreted: bool = False
-    fused: bool = False  #: Whether the compiler may fuse products and sums.
-    #: Whether rounds of the fixed point end where the next change would be below rounding.
-    quick: bool = False
-
-    @classmethod
-    def of(cls, arithmetic: str, **others: Any) -> Options:
-        """Options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
-        return cls(
-            compensated=arithmetic != "naive", fused=arithmetic == "fused",
-            quick=arithmetic == "quick", **others,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -388,11 +364,3 @@ class Builder(KickWriter):
         self._finite(" + ".join(checks))
         for values in self.sides:
             self._take(self._pairs(values), [], values.part)
-
-    def _finite(self, total: str) -> None:
-        with self.w.block(f"if not (abs({total}) < {INFINITE}):"):
-            self.w("outcome = 2", "break")
-
-    def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
-        """Statements by which old becomes new; in lanes, where the condition holds."""
-        return [f"{old} = {new}" for old, new in pairs]

@@ -16,9 +16,10 @@ from ..problems.model import Problem
 from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
 from ..system.arguments import one_of
 from . import compiled, native
-from .codegen import ARGUMENTS, KernelSource, Options, kernel_source
+from .codegen import ARGUMENTS, KernelSource, kernel_source
 from .forms import StepForm, shared_form
 from .kept import ByIdentity, T, form_of_method, recalled
+from .options import Options
 from .outcome import KERNEL_OUTCOMES, Outcome
 from .plan import check_arithmetic
 from .shape import Shape, shape_of

@@ -8,16 +8,13 @@ what a step costs; new values are made where they are checked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from .emit import ArrayTarget, Target
+from .emit import INFINITE, ArrayTarget, Target
 from .explicit import ExplicitWriter
 from .forms import StepForm
+from .options import Options
 from .shape import Shape
 from .updates import Values
-
-if TYPE_CHECKING:
-    from .codegen import Options
 
 
 class KickWriter(ExplicitWriter):
@@ -52,10 +49,12 @@ class KickWriter(ExplicitWriter):
             target.passing = {"u0", "n0", "r0"}
 
     def _finite(self, total: str) -> None:
-        raise NotImplementedError
+        with self.w.block(f"if not (abs({total}) < {INFINITE}):"):
+            self.w("outcome = 2", "break")
 
     def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
-        raise NotImplementedError
+        """Statements by which old becomes new; in lanes, where the condition holds."""
+        return [f"{old} = {new}" for old, new in pairs]
 
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
         """A force that is kept is G: at the first stage it is known, at the last it is made anew.

@@ -14,10 +14,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from .arithmetic import NOISE
-from .codegen import SCALAR_LIMIT, Builder, Options, header
+from .codegen import SCALAR_LIMIT, Builder, header
 from .emit import INFINITE, LaneTarget, VectorTarget, Writer
 from .expressions import Unsupported
 from .forms import StepForm
+from .options import Options
 from .shape import Shape
 from .stages import ROUND_OFF, ROUNDS, STALLS
 

@@ -18,11 +18,12 @@ import numpy as np
 from ..method import Method
 from ..problems.model import Problem
 from . import compiled, native
-from .codegen import ARGUMENTS, Builder, Options, choose_kind, header
+from .codegen import ARGUMENTS, Builder, choose_kind, header
 from .emit import TARGETS, ScalarTarget, Writer
 from .forms import Rows, StepForm, float_rows, floats
 from .kept import expressed, recalled
 from .native import Tuning
+from .options import Options
 from .shape import Shape, shape_of
 
 

@@ -15,17 +15,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .emit import ScalarTarget, Target, Writer
 from .forms import StepForm
+from .options import Options
 from .shape import Shape, inlined, jacobian_block, parameter_names
 from .updates import linear
-
-if TYPE_CHECKING:
-    from .codegen import Options
 
 INLINE_LIMIT = 3
 REFRESH_ROUNDS = 5
@@ -251,7 +248,11 @@ class NewtonWriter:
     unknowns: int
 
     def _time(self, i: int) -> None:
-        raise NotImplementedError
+        """Set ``time`` to that of stage i."""
+        if self.shape.uses_time:
+            self.w(f"time = start + hc{i}" if self.form.c[i] else "time = start")
+        elif any(part.timed and part.formula is None for part in self.shape.parts):
+            self.w("time = t0")
 
     @property
     def inline_newton(self) -> bool:

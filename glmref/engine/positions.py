@@ -16,15 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from .emit import ScalarTarget, Target
 from .forms import StepForm
+from .options import Options
+from .shape import Shape
 from .updates import balanced, linear
-
-if TYPE_CHECKING:
-    from .codegen import Options
-    from .shape import Shape
 
 #: z and a of each stage, see :mod:`.stages`.
 Bases = dict[int, tuple[str, str]]

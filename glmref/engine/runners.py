@@ -16,13 +16,13 @@ from ..method import Method
 from ..problems.model import Problem
 from ..problems.user import raised
 from . import compiled, native
-from .codegen import Options
 from .expressions import Unsupported
 from .kept import expressed, stepper_of
 from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remembered
 from .lanes import LANE_ARGUMENTS, LaneSource, in_vectors, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT, written_out
+from .options import Options
 from .outcome import KERNEL_OUTCOMES, Interrupted, Outcome
 from .plan import check_arithmetic
 from .solver_choice import choose_solver

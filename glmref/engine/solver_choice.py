@@ -20,11 +20,11 @@ from ..errors import UsageError
 from ..problems.derivative import Jacobian
 from ..problems.formula import Formula
 from ..problems.model import Problem
-from .codegen import Options
 from .forms import StepForm
 from .kept import ByIdentity, recalled
 from .memory import NEWTON_BYTES, gibibytes
 from .newton import NewtonWriter, written_out
+from .options import Options
 from .positions import SingleRounds
 from .shape import Shape, banded, jacobian_block
 

@@ -12,19 +12,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from .arithmetic import NOISE
 from .emit import Target
 from .forms import StepForm
 from .newton import REFRESH_ROUNDS, NewtonWriter
+from .options import Options
 from .positions import Bases, PositionRounds, SingleRounds
 from .shape import Part, Shape
 from .tableau import lagrange_weights
 from .updates import Term, Values, balanced, differences, linear
-
-if TYPE_CHECKING:
-    from .codegen import Options
 
 NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matter: 1/2000 ulp
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
@@ -81,13 +78,6 @@ class StageWriter(NewtonWriter):
     def _at(self, part: Part, stages: Sequence[int]) -> list[int]:
         """Those of some stages at which a part is evaluated."""
         return [i for i in stages if any(part is due for due in self._due(i))]
-
-    def _time(self, i: int) -> None:
-        """Set ``time`` to that of stage i."""
-        if self.shape.uses_time:
-            self.w(f"time = start + hc{i}" if self.form.c[i] else "time = start")
-        elif any(part.timed and part.formula is None for part in self.shape.parts):
-            self.w("time = t0")
 
     def _base(self, i: int, done: Sequence[int]) -> tuple[str, str]:
         """References to z and a of stage i, after writing what they need."""

@@ -11,10 +11,9 @@ Mixing the two gives a ball. A Python int or Fraction mixes with both; a float n
 Reading and writing the text form is the business of :mod:`glmref.exact.expression`.
 """
 
-from .ball import Ball, ball
 from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
-from .number import Exact, exact, root_of_unity
+from .number import Ball, Exact, ball, exact, root_of_unity
 from .products import BallMatrix, sum_of_products
 from .relations import RationalCombinations, box, cyclotomic, factorization
 from .to_decimals import rounded_decimal

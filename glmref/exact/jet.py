@@ -17,8 +17,7 @@ from typing import Any
 
 import flint
 
-from .ball import Ball
-from .number import Exact
+from .number import Ball, Exact
 
 #: Derivatives by the number of the unknown; never changed once a jet holds them.
 _Row = dict[int, flint.fmpq | flint.acb]

@@ -12,9 +12,8 @@ import flint
 
 from ..errors import ExactnessError
 from ..system.budget import spend
-from .ball import Ball, ball
 from .jet import Jet
-from .number import Exact
+from .number import Ball, Exact, ball
 
 _NIL = flint.fmpq(0)
 _ZERO = Exact(0)

@@ -222,8 +222,8 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     UsageError
         For a complex method, and for one that no start is known for.
     """
-    if None in map(unit_place, outputs(method)):
-        method = method.transform(*map(_basis, outputs(method)))
+    if None in map(unit_place, outputs(method.components)):
+        method = method.transform(*map(_basis, outputs(method.components)))
     if isinstance(method, PartitionedGLM):
         return _scheme_of_pair(method)
     if not method.is_real:
@@ -235,7 +235,7 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     several = method.r > 1 and method.starting is None
     return Scheme(
         pair=False,
-        heads=(_place(outputs(method)[0]),),
+        heads=(_place(outputs(method.components)[0]),),
         step=_table(method.A, method.U, method.B, method.V, c),
         start=_start_of(method.starting) if method.starting is not None else None,
         finish=_finish_of(method.finishing) if method.finishing is not None else None,
@@ -265,7 +265,7 @@ def _place(output: Vector) -> int:
 
 
 def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
-    reads = outputs(pair)
+    reads = outputs(pair.components)
     n = pair.n_Q + pair.n_P
     half = (1,) * pair.n_Q + (0,) * pair.n_P
     step = _table(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from .additive import AdditiveGLM
-from .component import Component, Method
+from .component import Component
 from .embedded import EmbeddedRow
 from .entries import Entries, Entry, Rows, as_matrix, as_vector
 from .glm import GLM, PartitionedGLM
+from .model import Method
 from .nystrom import nystrom
 from .rosenbrock import RosenbrockGLM
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod

@@ -12,10 +12,11 @@ from ..errors import DataError
 from ..exact.linalg import Matrix, Vector
 from ..system.arguments import shown
 from .base import Own, as_list
-from .component import Component, Method, Palette, additive_palette
+from .component import Component, Palette, additive_palette
 from .embedded import EmbeddedRow
 from .entries import Entry, Rows, as_matrix, as_vector, check_fields, check_shape
 from .glm import GLM, check_embedded
+from .model import Method
 from .starting import StartingMethod
 
 #: As many parts as there are digits to colour trees with.

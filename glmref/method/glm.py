@@ -18,9 +18,10 @@ from ..exact.linalg import Matrix, Vector
 from ..system.arguments import shown
 from . import preconsistency
 from .base import Own
-from .component import GENERAL, SEPARABLE, Method, Palette
+from .component import GENERAL, SEPARABLE, Palette
 from .embedded import EmbeddedRow, quoted
 from .entries import Entries, Rows, as_matrix, as_vector, check_fields, check_shape
+from .model import Method
 from .rounding import FloatGLM, FloatPair, rounded_blocks
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 

@@ -25,17 +25,15 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), Definit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from ..errors import DataError, ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
-
-if TYPE_CHECKING:  # a method of k components asks this module
-    from .component import Method
+from .component import Component
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Methods whose vectors are kept: theory, engine and measurements ask for them again and again.
@@ -199,9 +197,9 @@ def output(m: Block) -> Vector:
     return declared
 
 
-def outputs(method: Method) -> tuple[Vector, ...]:
-    """Output functionals of the components."""
-    return tuple(output(m) for m in method.components)
+def outputs(components: Iterable[Component]) -> tuple[Vector, ...]:
+    """Return the output functional of each component of a method."""
+    return tuple(map(output, components))
 
 
 def unit_place(w: Vector) -> int | None:

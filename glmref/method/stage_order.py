@@ -8,13 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ..exact import Scalar
 from ..exact.linalg import nonzero
-
-if TYPE_CHECKING:  # a method asks this module for its implicit stages
-    from .component import Component
+from .component import Component
 
 #: ``needs(i, j)``: whether number i is computed from number j.
 Needs = Callable[[int, int], bool]

@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from .component import SEPARABLE, Component, Method, Palette
+from .component import SEPARABLE, Component, Palette
 from .entries import as_rows, as_vector, check_fields
+from .model import Method
 
 
 class _Start(Method):

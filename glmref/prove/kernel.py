@@ -923,7 +923,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             raise ExactnessError("the order of a finish is judged where c = A 1")
         known = self.order_range(free=True)
         p = known.value
-        (w,) = outputs(self.method)
+        (w,) = outputs(self.method.components)
         series = self.series.get((True, False))
         given = {"o": start.u} if series is None else self._start_series(series, p)
         a: dict[Any, Any] = {t: linalg.dot(w, scalars(x)) for t, x in given.items()}

@@ -21,7 +21,8 @@ from typing import Any
 
 from ..errors import UsageError
 from ..exact import Exact, Scalar
-from ..method.component import ROOTED, Method, Palette
+from ..method.component import ROOTED, Palette
+from ..method.model import Method
 from ..method.stage_order import is_shared
 from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
 from .starting_series import tableau_series

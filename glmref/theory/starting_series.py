@@ -64,7 +64,8 @@ from typing import Any, Self
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.component import Method, Palette
+from ..method.component import Palette
+from ..method.model import Method
 from ..method.preconsistency import first_functional
 from ..system.budget import spend
 from .coefficients import (

@@ -39,7 +39,8 @@ from typing import Any
 
 from ..errors import ExactnessError, UsageError
 from ..exact.linalg import Matrix
-from ..method.component import GENERAL, SEPARABLE, Method, Palette
+from ..method.component import GENERAL, SEPARABLE, Palette
+from ..method.model import Method
 from ..system.budget import spend
 from .coefficients import apply, plus, scalars, tidy, times, weighted
 from .series import Iterates, Series

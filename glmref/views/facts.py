@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from .tables import shown_value
@@ -58,13 +58,7 @@ def analysis_rows(
     rows: list[tuple[str, str]] = []
 
     def put(name: str, value: object) -> None:
-        if isinstance(value, Mapping):
-            for key, x in value.items():
-                put(name if key == "holds" else f"{name} {key}", x)
-        elif isinstance(value, list) and value and all(isinstance(x, list) for x in value):
-            rows.extend((name if i == 0 else "", shown_value(row)) for i, row in enumerate(value))
-        elif (value is not None and value != "") or name in _DECISIONS:
-            rows.append((name, shown_value(value)))
+        rows.extend(_lines(name, value))
 
     for key, value in record.items():
         if key == "growth":
@@ -101,6 +95,17 @@ def analysis_rows(
         elif key not in ("format", "method", *_TOGETHER):
             put(_TITLES.get(key, key.replace("_", " ")), value)
     return rows
+
+
+def _lines(name: str, value: object) -> Iterator[tuple[str, str]]:
+    """Yield the lines of one value: of a mapping one for each key, of a matrix for each row."""
+    if isinstance(value, Mapping):
+        for key, x in value.items():
+            yield from _lines(name if key == "holds" else f"{name} {key}", x)
+    elif isinstance(value, list) and value and all(isinstance(x, list) for x in value):
+        yield from ((name if i == 0 else "", shown_value(row)) for i, row in enumerate(value))
+    elif (value is not None and value != "") or name in _DECISIONS:
+        yield name, shown_value(value)
 
 
 def consistent_to_digits(record: Mapping[str, Any]) -> bool:

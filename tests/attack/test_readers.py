@@ -110,7 +110,8 @@ def test_a_vector_file_that_is_not_as_specified_is_refused(tmp_path, monkeypatch
     block[last] = value
     (tmp_path / "rk4.json").write_text(json.dumps(doc))
     (tmp_path / "problems.json").write_text(json.dumps(vectors.sound()["problems"]))
-    monkeypatch.setattr(vectors.reader, "folder", lambda: tmp_path)
+    for module in (vectors.vector_problems, vectors.vectors):
+        monkeypatch.setattr(module, "folder", lambda: tmp_path)
     vectors._forget()
     try:
         with pytest.raises(DataError, match=r"rk4\.json: the file is not as data/vectors/README"):
@@ -126,7 +127,7 @@ def test_a_quadratic_form_that_is_none_is_refused_by_its_problem(matrix):
     doc = json.loads(json.dumps(vectors.sound()["problems"]))
     doc["problems"][0]["quadratic"] = matrix
     with pytest.raises(ValueError, match="quadratic of linear"):
-        vectors.reader._problems(doc)
+        vectors.vector_problems._problems(doc)
 
 
 def test_the_reciprocal_of_a_number_of_thousands_of_digits():

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-import glmref.conformance.vectors as reader
+from glmref.conformance import vector_problems, vectors
 from glmref.conformance.adapters.reference import Adapter
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
@@ -27,7 +27,7 @@ NAMES = ("rk4", "ab-2", "stormer-verlet", "gauss-2")
 @lru_cache
 def sound() -> dict[str, Any]:
     """Vector files of some methods, and the problems."""
-    folder = reader.folder()
+    folder = vectors.folder()
     return {x: json.loads((folder / f"{x}.json").read_text()) for x in (*NAMES, "problems")}
 
 
@@ -44,7 +44,10 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
         for x in (name, "problems"):
             content = mutated(draw, sound()[x]) if x == hit else json.dumps(sound()[x]).encode()
             (Path(folder) / f"{x}.json").write_bytes(content)
-        with patch.object(reader, "folder", lambda: Path(folder)):
+        where = [
+            patch.object(x, "folder", lambda: Path(folder)) for x in (vector_problems, vectors)
+        ]
+        with where[0], where[1]:
             try:
                 _forget()
                 found = Suite(Subject(Adapter((name,)))).findings()
@@ -56,5 +59,5 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
 
 
 def _forget() -> None:
-    reader.problems.cache_clear()
-    reader.vectors_of.cache_clear()
+    vectors.problems.cache_clear()
+    vectors.vectors_of.cache_clear()

@@ -18,7 +18,7 @@ from glmref.conformance.__main__ import main as conformance_main
 from glmref.conformance.adapter import SHIPPED
 from glmref.conformance.checks import RESTS_ON
 from glmref.conformance.pipe import OFFERS
-from glmref.conformance.vectors import problems
+from glmref.conformance.vector_problems import problems
 
 PAGE = Path(__file__).parents[2] / "docs" / "conformance.md"
 if not PAGE.is_file():

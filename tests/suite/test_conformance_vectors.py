@@ -18,7 +18,8 @@ from glmref.conformance.generate import METHODS, checksums, document_of, layout
 from glmref.conformance.run_cases import RunCases
 from glmref.conformance.scheme import ball_field, enclosed_step, step_over
 from glmref.conformance.step_cases import StepCases
-from glmref.conformance.vectors import file_names, problems, vectors_of
+from glmref.conformance.vector_problems import problems
+from glmref.conformance.vectors import file_names, vectors_of
 from glmref.exact import ball
 from glmref.method import Method
 

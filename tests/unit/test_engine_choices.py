@@ -16,9 +16,9 @@ import pytest
 from glmref import Problem, load, problem, solve
 from glmref.engine import kept, solver_choice
 from glmref.engine import kernel as kernel_module
-from glmref.engine.codegen import Options
 from glmref.engine.compiled import Built
 from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.shape import banded, shape_of
 from glmref.engine.solver_choice import choose_solver

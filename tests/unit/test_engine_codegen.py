@@ -6,8 +6,9 @@ from collections import Counter
 import pytest
 
 from glmref import GLM, Problem, load, problem, solve
-from glmref.engine.codegen import Options, kernel_source
+from glmref.engine.codegen import kernel_source
 from glmref.engine.kernel import prepare
+from glmref.engine.options import Options
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
 

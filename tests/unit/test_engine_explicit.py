@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine.codegen import Options, kernel_source
+from glmref.engine.codegen import kernel_source
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.kernel import prepare
+from glmref.engine.options import Options
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
 from glmref.engine.unroll import placed, unrolled

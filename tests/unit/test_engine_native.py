@@ -87,7 +87,7 @@ def kernel(x, n):
 
 def test_lanes_call_nothing_either():
     form, shape = choose_form(load("g6245"), problem("kepler"), "auto")
-    from glmref.engine.codegen import Options
+    from glmref.engine.options import Options
 
     declared, _ = functions(translated(lane_source(form, shape, Options(), 8).text, LANE_ARGUMENTS))
     assert declared <= ALLOWED

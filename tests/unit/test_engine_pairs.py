@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from glmref import UsageError, load, problem, solve
-from glmref.engine.codegen import Options, kernel_source
+from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import PACKED_STAGES, Kernel, prepare
+from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form

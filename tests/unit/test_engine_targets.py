@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 from glmref import GLM, Problem, load, problem, solve
-from glmref.engine.codegen import Options, kernel_source
+from glmref.engine.codegen import kernel_source
 from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel
+from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import stepper
 from glmref.engine.shape import banded, shape_of

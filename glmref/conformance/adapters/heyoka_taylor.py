@@ -12,7 +12,7 @@ import heyoka
 import numpy as np
 
 from ..expressions import evaluate
-from ..vectors import problems
+from ..vector_problems import problems
 
 
 class Adapter:
