@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
+from urllib.parse import quote
 
 from .. import __version__
 from .tables import counted, json_text, one_line
@@ -102,8 +103,6 @@ def sarif(remarks: Sequence[Remark]) -> str:
 
 
 def _uri(path: str) -> str:
-    from urllib.parse import quote
-
     return quote(path)
 
 
