@@ -134,6 +134,9 @@ class Solution(Shown):
         Sentences worth knowing, such as a fallback that was taken.
     renewals : int
         How often the values were made anew, see ``renew`` of :func:`glmref.solve`.
+    suspect : float or None
+        Time at which a parasitic part that takes over was found in a run with an explicit multistep
+        pair on a system that is not separable, see docs/nonseparable.md; else ``None``.
     names : tuple[str, ...]
         (d,) names of the components, such as ``q`` and ``p`` where H names them.
     origin : Any
@@ -162,6 +165,7 @@ class Solution(Shown):
     kernel: str
     notices: tuple[str, ...] = ()
     renewals: int = 0
+    suspect: float | None = None
     names: tuple[str, ...] = ()
     origin: Any = field(default=None, compare=False)
 

@@ -18,6 +18,7 @@ from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
+from .parasites import WINDOW, Watch, watched, windows
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .solver_choice import newton_bytes, with_band
@@ -69,6 +70,13 @@ class Run:
         self.finishing: Map | None = None
         #: Step and values from which the steps so far followed: those of the last renewal.
         self.base = (0, start.values)
+        #: What looks for a parasitic part that grows, and the time from which it is large.
+        self.watch: Watch | None = None
+        if watched(method, problem) and reference.arithmetic.digits is None:
+            self.watch = Watch(method, problem)
+        self.suspect: float | None = None
+        #: Copies of a kernel's state up to which nothing was found.
+        self.sound: tuple[np.ndarray, np.ndarray] | None = None
 
     def renewed_by(self, renew: int, start: Any) -> None:
         """Make the values anew by ``start`` after every ``renew`` steps; 0 for never."""
@@ -134,7 +142,7 @@ class Run:
         self.detail = f" (in making the values anew{why})"
 
     def _renews(self, n: int) -> bool:
-        return self.renew > 0 and n % self.renew == 0 and n < self.plan.steps
+        return self.renew > 0 and n % self.renew == 0 and 0 < n < self.plan.steps
 
     def _pause(self, done: int) -> bool:
         if self.progress is None and self.cancel is None:  # it is called after every step
@@ -163,6 +171,7 @@ class Run:
         if 0 in wanted:
             self._keep(0, self.values)
         begin = time.perf_counter()
+        recent = [self.values]
         try:
             while self.done < self.plan.steps:
                 taken = self.reference.step(t0 + self.done * h, self.values, h)
@@ -181,8 +190,13 @@ class Run:
                 if self._pause(self.done) and self.done < self.plan.steps:
                     self.outcome = Outcome.CANCELLED
                     break
+                if self.watch is not None:
+                    recent.append(self.values)
+                    if len(recent) == WINDOW:
+                        self._warn(self._large(np.array(recent), self.done), self.done)
+                        recent = []
                 if self._renews(self.done):
-                    self.values = self._renewal(self.done, self.values)
+                    self.values, recent = self._renewal(self.done, self.values), []
         except KeyboardInterrupt:
             self.outcome, self.interrupted = Outcome.CANCELLED, True
         except (ArithmeticError, ValueError) as error:
@@ -242,8 +256,12 @@ class Run:
         out = self.rows[self.kept :] if self.plan.every else self.rows[:0]
         marks = {self.plan.steps} if self.plan.every else {n for n in self.plan.rows if n}
         renewals = range(self.renew, self.plan.steps, self.renew) if self.renew else ()
+        begins = set(windows(self.plan.steps, self.renew)) if self.watch is not None else set()
+        self._hold(state)
         try:
-            for mark in sorted(marks.union(renewals)):
+            for mark in sorted(marks.union(renewals, begins)):
+                if 0 < mark <= state.step:  # within a window
+                    continue
                 self.outcome = self._advance(kernel, state, mark, t0, out)
                 if self.outcome is Outcome.STAGE_SOLVE_FAILED and solver == "auto":
                     kernel, state = self._retry(kernel, state, mark, t0, out)
@@ -253,6 +271,13 @@ class Run:
                     self._keep(mark, kernel.values(state))
                 if self._renews(mark):
                     state = self._renewed(kernel, state)
+                    self._hold(state)
+                if mark in begins and self.suspect is None:
+                    self.outcome = self._window(kernel, state, t0, out, marks)
+                    if self.outcome is not Outcome.COMPLETED:
+                        break
+            if self.outcome not in (Outcome.COMPLETED, Outcome.CANCELLED):
+                self._locate(kernel, state, t0)
         except KeyboardInterrupt:
             self.outcome, self.interrupted = Outcome.CANCELLED, True
         except RenewalFailed as error:
@@ -269,6 +294,69 @@ class Run:
         if state.trouble is not None:
             failed = self.outcome is Outcome.FUNCTION_FAILED
             self.detail = f": {state.trouble}" if failed else f" ({state.trouble})"
+
+    # --- parasitic part -------------------------------------------------------------------------
+
+    def _hold(self, state: State) -> None:
+        """Keep copies of a state, from which steps are taken again if the run is lost later."""
+        if self.watch is not None and self.suspect is None:
+            self.sound = state.work.copy(), state.tally.copy()
+
+    def _large(self, values: np.ndarray, step: int) -> bool:
+        assert self.watch is not None
+        return self.suspect is None and self.watch.large(self.reference.solution(values), step)
+
+    def _warn(self, found: bool, step: int) -> None:
+        if not found or self.watch is None:
+            return
+        first = max(0, step - WINDOW + 1)
+        self.suspect = self._time(first)
+        self.notices.append(self.watch.notice(self.suspect, first))
+
+    def _window(
+        self, kernel: Kernel, state: State, t0: float, out: np.ndarray, marks: set[int]
+    ) -> Outcome:
+        """Take the steps of a window, keep the rows asked for, and look at the parasitic part."""
+        first, every, written = state.step, self.plan.every, int(state.tally[5])
+        values, outcome = self._successive(kernel, state, t0)
+        state.tally[5] = written
+        for n, row in enumerate(values[1:], first + 1):
+            if every and n % every == 0:
+                out[state.tally[5]] = row
+                state.tally[5] += 1
+            elif not every and n in marks:
+                self._keep(n, row)
+        if len(values) == WINDOW:
+            if self._large(values, state.step):
+                self._locate(kernel, state, t0)
+            else:
+                self._hold(state)
+        return outcome
+
+    def _successive(self, kernel: Kernel, state: State, t0: float) -> tuple[np.ndarray, Outcome]:
+        """Return the values (n, r, d) of a state and of the steps after it, n = WINDOW at most."""
+        values = np.zeros((WINDOW, *self.rows.shape[1:]))
+        values[0], first = kernel.values(state), state.step
+        state.tally[5] = 1
+        outcome = self._advance(kernel, state, first + WINDOW - 1, t0, values, every=1)
+        return values[: state.step - first + 1], outcome
+
+    def _locate(self, kernel: Kernel, state: State, t0: float) -> None:
+        """Take the steps since the last sound state again; warn of the first large window.
+
+        Nothing of these steps is counted or kept.
+        """
+        if self.watch is None or self.sound is None or self.suspect is not None:
+            return
+        ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
+        seconds, last, found = self.seconds, state.step, False
+        state.take_back(*self.sound)
+        while state.step + WINDOW <= last and not found:
+            values, _ = self._successive(kernel, state, t0)
+            found = len(values) < WINDOW or self._large(values, state.step)
+        self._warn(found, state.step)
+        state.take_back(*ended)
+        state.trouble, self.seconds = trouble, seconds
 
     def _exception(self) -> Exception | None:
         """Return what a user's function raises in the step that has no finite values.
@@ -321,10 +409,12 @@ class Run:
             self.kept = len(self.marks)
 
     def _advance(
-        self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
-    ) -> Outcome:
+        self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray,
+        every: int | None = None,
+    ) -> Outcome:  # fmt: skip
+        every = self.plan.every if every is None else every
         outcome, seconds = kernel.advance(
-            state, mark, t0=t0, h=self.h, every=self.plan.every, out=out, pause=self._pause
+            state, mark, t0=t0, h=self.h, every=every, out=out, pause=self._pause
         )
         self.seconds += seconds
         if self._asked("progress", state.step, self.plan.steps) and state.step < self.plan.steps:
@@ -388,7 +478,7 @@ class Run:
             start_evaluations=self.start_evaluations, finish_evaluations=self.finish_evaluations,
             build_seconds=self.build_seconds, method=self.method.name, problem=self.problem.name,
             h=self.h, kernel=self.kernel, notices=tuple(self.notices),
-            renewals=self.renewals,
+            renewals=self.renewals, suspect=self.suspect,
         )  # fmt: skip
 
     def _times(self, t0: Any, h: Any) -> np.ndarray:

@@ -1,0 +1,200 @@
+"""Watch the parasitic part of a run with a symmetric multistep pair: free, from solutions it has.
+
+A parasitic part of the solution is a sum of ``zeta^n a`` over the eigenvalues zeta of V but 1, with
+a that changes slowly. Among the solutions of :data:`WINDOW` successive steps it is what no
+polynomial describes: each half of the window is fitted by polynomials of a degree below d and the
+powers of its roots, and the amplitude of a root is the least one over several d. A small d leaves
+parts of the orbit in the amplitudes, a large d amplifies rounding, so that every d gives a bound.
+
+The scale is what the method itself leaves over, the p-th difference of the polynomials times the
+error constant C of ``U (z - V)^-1 B = (1 + C x^p + ..)/x``, z = exp(x). Both are displacements of
+the solution, by which the energy is wrong in proportion.
+
+References
+----------
+    Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), section XV.5.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ..catalogue.claims import ORDER
+from ..method import Component, Method
+from ..problems.model import Problem
+
+#: Steps of a window.
+WINDOW = 96
+#: Steps between two windows of a long run at most: one part in 340 of the steps is looked at.
+MOST_BETWEEN = 2**15
+#: How often the truncation error the parasitic part is when a notice is given, and how often its
+#: size in the first window where the energy decides.
+FACTOR = 10.0
+#: With a Hamiltonian: growth of the energy error from that of the first steps at which a notice is
+#: given, how many these are, and how many solutions of a window it is computed of.
+_ENERGY, _EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
+#: The part of the truncation error that the parasitic part then has to be.
+_VISIBLE = 0.01
+#: Numbers of coefficients of the polynomials.
+_SIZES = range(12, 32, 2)
+#: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
+_SEPARATE = 1e-3
+#: x at which the error constant is read off: the terms dropped and rounding are below a tenth.
+_SMALL = 0.25
+#: Units in the last place by which solutions are rounded, and by which rounding in n steps may
+#: have moved them, over sqrt(n).
+_ROUNDING, _WALK = 8.0, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """Maps from the window (WINDOW, d) of one half."""
+
+    amplitudes: np.ndarray  #: (sizes, k, 2, WINDOW): cosine and sine part at each root.
+    allowed: np.ndarray  #: (sizes, k), whether the root is separate from the polynomials.
+    rest: np.ndarray  #: (sizes, WINDOW, WINDOW): what neither polynomials nor roots describe.
+    truncation: np.ndarray  #: (rows, WINDOW): C times the p-th differences.
+
+
+@lru_cache(maxsize=32)
+def _fit(roots: tuple[float, ...], order: int, constant: float) -> _Fit:
+    """Return the maps for roots exp(i angle), 0 < angle <= pi."""
+    n, angles = np.arange(WINDOW), np.array(roots)
+    x = (2 * n + 1) / WINDOW - 1
+    waves = np.concatenate([np.cos(np.outer(n, angles)), np.sin(np.outer(n, angles))], axis=1)
+    k = len(angles)
+    waves[:, k:][:, angles > math.pi - 1e-9] = 0.0
+    parts, allowed, rests, truncation = [], [], [], np.zeros((1, WINDOW))
+    for size in _SIZES:
+        basis = np.polynomial.legendre.legvander(x, size - 1)
+        found = np.linalg.pinv(np.concatenate([basis, waves], axis=1), rcond=1e-9)
+        part = found[size:].reshape(2, k, WINDOW).transpose(1, 0, 2)
+        separate = np.linalg.norm(part, axis=(1, 2)) * math.sqrt(WINDOW) * _SEPARATE < 1
+        parts.append(part)
+        allowed.append(separate)
+        rests.append(np.eye(WINDOW) - basis @ found[:size] - waves @ found[size:])
+        if separate.all() or size == _SIZES[0]:
+            smooth = basis @ found[:size]
+            truncation = constant * np.diff(smooth, n=order, axis=0)
+            truncation = truncation[WINDOW // 4 : -WINDOW // 4]
+    return _Fit(np.array(parts), np.array(allowed), np.array(rests), truncation)
+
+
+def _half(m: Component, order: int) -> _Fit:
+    """Return the maps of one half of a pair."""
+    U, B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.U, m.B, m.V))
+    angles = np.angle(np.linalg.eigvals(V))
+    roots = tuple(sorted(float(a) for a in angles if a > 1e-6))
+    transfer = U @ np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, B)
+    constant = abs(transfer[0, 0] - 1 / _SMALL) / _SMALL ** (order - 1)
+    return _fit(roots, order, float(constant))
+
+
+def watched(method: Method, problem: Problem) -> bool:
+    """Return whether a run is watched: two multistep halves, evaluated at the solution itself."""
+    return (
+        method.parts == 2 and method.carried > 1 and method.shared and method.is_explicit
+        and not problem.separable and all(len(c.U) == 1 for c in method.carriers)
+        and isinstance(method.claims.get(ORDER.key), int)
+    )  # fmt: skip
+
+
+def windows(steps: int, renew: int) -> list[int]:
+    """Return the steps at which windows begin: ever farther apart, each within one renewal."""
+    last = steps - WINDOW
+    if last < 0 or 0 < renew < WINDOW:
+        return []
+    found, b = [0], 0
+    while b < last:
+        b = min(2 * b + WINDOW, b + MOST_BETWEEN, last)
+        if renew:  # at the end of the steps after a renewal, where the parasitic part is largest
+            b = max(b, min(b - b % renew + renew - WINDOW, last))
+            if b % renew > renew - WINDOW:
+                b += (renew - WINDOW) - b % renew
+        if b < found[-1] + WINDOW:
+            break
+        found.append(b)
+    return found
+
+
+class Watch:
+    """The parasitic part and the truncation error over the windows of one run."""
+
+    def __init__(self, method: Method, problem: Problem) -> None:
+        order = method.claims[ORDER.key]
+        assert isinstance(order, int)
+        self.fits = [_half(c, order) for c in method.carriers]
+        self.scale = np.zeros(len(self.fits))
+        self.first: np.ndarray | None = None  #: The parasitic part of the first window.
+        self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
+        self.energy_error = 0.0  #: Of the first steps.
+
+    def parasitic(self, solutions: np.ndarray) -> np.ndarray:
+        """Return the size (2,) of the parasitic part in each half of a window (WINDOW, d)."""
+        found = []
+        for fit, y in zip(self.fits, np.split(solutions, len(self.fits), axis=1), strict=True):
+            sizes = np.linalg.norm(fit.amplitudes @ y, axis=(2, 3))
+            largest = np.where(fit.allowed, sizes, np.inf).min(axis=0).max()
+            rest = np.linalg.norm(fit.rest @ y, axis=(1, 2)).min() * math.sqrt(2 / WINDOW)
+            found.append(max(float(largest), float(rest)))
+        return np.array(found)
+
+    def _error_of_energy(self, solutions: np.ndarray, function: Any) -> float:
+        """Return the largest or the median error at some solutions, relative."""
+        assert self.hamiltonian is not None
+        first, *others = (
+            float(self.hamiltonian(y)) for y in (self.y0, *solutions[:: WINDOW // _SAMPLES])
+        )
+        errors = [abs(x - first) for x in others]
+        return float(function(errors)) / max(abs(first), np.finfo(float).tiny)
+
+    def large(self, solutions: np.ndarray, step: int) -> bool:
+        """Return whether the parasitic part is large against the truncation error so far.
+
+        Parameters
+        ----------
+        solutions : np.ndarray
+            (WINDOW, d) solutions of successive steps.
+        step : int
+            Number of the last one.
+        """
+        if not np.isfinite(solutions).all():
+            return True
+        found = self.parasitic(solutions)
+        halves = np.split(solutions, len(self.fits), axis=1)
+        truncation = [
+            np.linalg.norm(fit.truncation @ y, axis=1).max()
+            for fit, y in zip(self.fits, halves, strict=True)
+        ]
+        size = np.array([np.linalg.norm(y, axis=1).max() for y in halves])
+        unit = np.finfo(float).eps * (_ROUNDING + _WALK * math.sqrt(step))
+        now = np.maximum(np.array(truncation), unit * size)
+        if self.first is None:
+            # what the start leaves is in the error from the beginning
+            self.first = found
+            now = np.maximum(now, found)
+        self.scale = np.maximum(self.scale, now)
+        if self.hamiltonian is None:
+            return bool((found > FACTOR * self.scale).any())
+        if step <= _EARLY:
+            self.energy_error = max(self.energy_error, self._error_of_energy(solutions, max))
+            return False
+        enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
+        if (found <= enough).all():
+            return False
+        # at a close encounter the largest error is large for a moment, also of a sound orbit
+        error = self._error_of_energy(solutions, np.median)
+        return error > _ENERGY * max(self.energy_error, unit)
+
+    def notice(self, time: float, step: int) -> str:
+        """Return the sentence on what was found at a step."""
+        return (
+            f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
+            f"against the truncation error, and the orbit is being lost; give renew=1000, a "
+            f"smaller h, or an implicit method such as gauss-4, see docs/nonseparable.md"
+        )

@@ -1,0 +1,163 @@
+"""A run with an explicit multistep pair never loses its orbit without a notice."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from glmref import Solution, solve
+from glmref.engine import run as running
+from glmref.engine.outcome import Outcome
+from glmref.engine.parasites import WINDOW, windows
+from glmref.problems import problem
+from glmref.problems.model import Problem
+
+METHODS = ("multistep-general-6", "multistep-general-8", "multistep-general-8b")
+SHEAR = Problem.from_hamiltonian("(p**2 + q**2)/2 + 3*p*q/10", {"q": 1, "p": 0})
+DRIFT = Problem.from_hamiltonian("p**2/2 + q**4/4 + q**2/2 + q*p/5*(1 + q**2)", {"q": 1, "p": 0})
+PARTICLE = Problem.from_hamiltonian("p**2/(2*(1 + q**2)) + q**2/2", {"q": 1, "p": 0})
+UNEVEN = Problem.from_hamiltonian(
+    "(px**2 + py**2)/(2*(1 + 3*qx**2/10 + qy**2/5)) + (qx**2 + qy**2)/2",
+    {"qx": 1, "qy": "1/5", "px": "3/10", "py": "4/5"},
+)
+LATTICE = Problem.from_hamiltonian(
+    "((q1**2 + p1**2)**2 + (q2**2 + p2**2)**2 + (q3**2 + p3**2)**2)/4"
+    " - (q1*q2 + p1*p2 + q2*q3 + p2*p3)",
+    {"q1": 1, "q2": "1/10", "q3": 0, "p1": 0, "p2": 0, "p3": "1/10"},
+)
+BINARY = Problem.from_hamiltonian(
+    "(px**2 + py**2)/2 - 1/sqrt(qx**2 + qy**2) + e*(qx*px + qy*py)**2/(qx**2 + qy**2)",
+    {"qx": "7/10", "qy": 0, "px": 0, "py": "27/20"}, parameters={"e": "1/100"},
+)  # fmt: skip
+
+
+def errors(given: Problem, found: Solution) -> np.ndarray:
+    """Return the largest relative error of the energy so far at every row."""
+    assert given.hamiltonian is not None
+    with np.errstate(all="ignore"):
+        energy = np.array([float(given.hamiltonian(y)) for y in found.y])
+        return np.maximum.accumulate(np.nan_to_num(np.abs(energy / energy[0] - 1), nan=np.inf))
+
+
+def check_warned_in_time(given: Problem, method: str, h: float, steps: int) -> None:
+    found = solve(given, method, h=h, steps=steps, every=1)
+    error = errors(given, found)
+    early = max(error[3 * WINDOW], np.finfo(float).eps * 8)
+    assert error[-1] > 100 * early  # the orbit is lost
+    assert found.suspect is not None
+    assert error[int(np.searchsorted(found.t, found.suspect))] < 100 * early
+    assert f"from t = {found.suspect:.6g}" in " ".join(found.notices)
+
+
+@pytest.mark.parametrize(("given", "h"), [(SHEAR, 0.03), (DRIFT, 0.03)])
+def test_a_lost_orbit_is_reported_before_the_energy_error_is_a_hundredfold(
+    given: Problem, h: float
+) -> None:
+    check_warned_in_time(given, "multistep-general-8", h, 1400)
+
+
+LOST = [(SHEAR, 0.05, 2000), (SHEAR, 0.01, 6000), (DRIFT, 0.02, 2000), (LATTICE, 0.05, 20_000)]
+#: Three sites are too few for the method of least residues to lose them.
+KEPT = [(LATTICE, "multistep-general-8")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "h", "steps", "method"),
+    [(*row, method) for row in LOST for method in METHODS if (row[0], method) not in KEPT],
+)
+def test_lost_orbits_are_reported_at_other_steps(
+    given: Problem, h: float, steps: int, method: str
+) -> None:
+    check_warned_in_time(given, method, h, steps)
+
+
+def test_an_orbit_that_stays_is_not_reported() -> None:
+    found = solve(PARTICLE, "multistep-general-8", h=0.03, steps=200_000, every=1000)
+    assert found.suspect is None
+    assert found.notices == ()
+    assert found.evaluations == 200_000
+    assert errors(PARTICLE, found)[-1] < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "method", "h"),
+    [
+        (UNEVEN, "multistep-general-6", 0.02),
+        (UNEVEN, "multistep-general-8", 0.02),
+        (BINARY, "multistep-general-8", 0.02),
+        (PARTICLE, "multistep-general-8b", 0.03),
+        (problem("point-vortices"), "multistep-general-8", 0.02),
+        (problem("double-pendulum", q1="1/2", q2="3/10"), "multistep-general-8", 0.02),
+    ],
+    ids=["uneven-6", "uneven-8", "binary-8", "particle-8b", "vortices-8", "pendulum-8"],
+)
+def test_orbits_that_stay_are_not_reported(given: Problem, method: str, h: float) -> None:
+    found = solve(given, method, h=h, steps=1_000_000, every=100)
+    error = errors(given, found)
+    assert error[-1] < 30 * max(error[50], 1e-13)
+    assert found.suspect is None
+
+
+@pytest.mark.parametrize("how", [{"every": 7}, {"times": [1.2, 2.85, 6.0, 30.0]}])
+@pytest.mark.parametrize("renew", [0, 150])
+def test_what_is_computed_is_the_same_as_without(
+    how: dict[str, Any], renew: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = replace(PARTICLE, t_span=(0.0, 30.0))
+    found = solve(given, "multistep-general-8", h=0.03, renew=renew, **how)
+    monkeypatch.setattr(running, "watched", lambda *_: False)
+    without = solve(given, "multistep-general-8", h=0.03, renew=renew, **how)
+    assert np.array_equal(found.t, without.t)
+    assert np.array_equal(found.y, without.y)
+    assert found.total_evaluations == without.total_evaluations
+
+
+def test_every_engine_reports_the_same_orbit(tmp_path: Path) -> None:
+    given = replace(DRIFT, t_span=(0.0, 45.0))
+    # the reference looks at every window, a kernel first at few and then again
+    found = [
+        solve(given, "multistep-general-8", h=0.03, engine=engine)
+        for engine in ("compiled", "interpreted", "reference")
+    ]
+    assert found[0].suspect == found[1].suspect
+    assert found[2].suspect is not None
+    assert abs(found[2].suspect - float(found[0].suspect or 0)) <= WINDOW * 0.03
+    assert Solution.load(found[0].save(tmp_path / "lost.npz")).suspect == found[0].suspect
+
+
+def test_without_a_hamiltonian_the_truncation_error_is_the_measure() -> None:
+    given = replace(SHEAR, hamiltonian=None)
+    found = solve(given, "multistep-general-8", h=0.05, steps=2000)
+    assert found.suspect is not None
+    assert solve(replace(PARTICLE, hamiltonian=None), "multistep-general-8", h=0.03,
+                 steps=20_000).suspect is None  # fmt: skip
+
+
+def test_a_run_whose_values_overflow_is_reported_too() -> None:
+    found = solve(DRIFT, "multistep-general-8", h=0.03, steps=20_000)
+    assert found.outcome is Outcome.NOT_FINITE
+    assert found.suspect is not None
+    assert found.suspect < found.t[-1]
+
+
+def test_renewal_keeps_an_orbit_that_is_lost_without() -> None:
+    with_ = solve(SHEAR, "multistep-general-8", h=0.03, steps=20_000, renew=200)
+    assert with_.suspect is None
+    assert with_.renewals == 99
+
+
+@given(st.integers(0, 400_000), st.one_of(st.just(0), st.integers(1, 20_000)))
+def test_windows_lie_within_the_run_and_between_renewals(steps: int, renew: int) -> None:
+    found = windows(steps, renew)
+    assert all(b - a >= WINDOW for a, b in zip(found, found[1:], strict=False))
+    assert all(0 <= b <= steps - WINDOW for b in found)
+    if renew:
+        assert all(b // renew == (b + WINDOW - 1) // renew for b in found)
+    elif steps >= 2 * WINDOW:  # the end is looked at
+        assert found[-1] > steps - 2 * WINDOW
