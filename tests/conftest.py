@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import gc
 import os
+import shutil
 import signal
+import sys
+import tempfile
 from collections import defaultdict
 from zlib import crc32
 
@@ -14,7 +17,7 @@ from hypothesis import HealthCheck, settings
 from glmref.prove import verdict_cache as kept
 
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
-QUICK = 20
+QUICK = 15
 
 
 #: Processes that the whole suite runs on where the machine has as many cores.
@@ -33,6 +36,19 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     ):
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
         option.numprocesses = min(PROCESSES, cores or 1) if cores != 1 else None
+    if sys.dont_write_bytecode and "PYTEST_XDIST_WORKER" not in os.environ:
+        compile_once(config)
+
+
+def compile_once(config: pytest.Config) -> None:
+    """Keep byte code in a temporary folder, where none is to be written beside the sources.
+
+    Tests start hundreds of programs, and each would compile the whole package.
+    """
+    folder = tempfile.mkdtemp(prefix="glmref-bytecode-")
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ["PYTHONPYCACHEPREFIX"] = folder
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -83,6 +83,7 @@ def test_seventh_roots_of_unity_of_a_multistep_method_once_and_twice(times: int)
     assert findings(d)["zero-stable"].verdict is (HOLDS if times == 1 else FAILS)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", ["lobatto-iiia-4", "lobatto-iiib-4", "lobatto-iiic-4", "ralston-4"]
 )

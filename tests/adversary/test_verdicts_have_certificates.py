@@ -91,6 +91,7 @@ def without_a_certificate(d: dict[str, Any], folder: Path) -> list[str]:
     return [*sorted(decided), *refused]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_every_verdict_about_a_changed_file_has_a_certificate(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
@@ -188,6 +189,7 @@ def uncertified(name: str, digits: int, folder: Path) -> list[str]:
     return found
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name", ["heun-3", "bdf-2", "gsymplectic-n", "ars-2-3-2", "yoshida-4", "stoermer-13"]
 )

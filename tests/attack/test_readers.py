@@ -26,6 +26,7 @@ from . import (
 )  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("attack", "count", "ends"),
     [

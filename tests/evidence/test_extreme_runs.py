@@ -123,6 +123,7 @@ def test_a_wrong_coefficient_shows_on_the_linear_field():
 SCALED = ("rk4", "gauss-2", "sdirk-3", "g6245-w3", "s4-symmetric", "bdf-2", "stormer-verlet")
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", SCALED)
 @pytest.mark.parametrize("exponent", [-500, 500])
 def test_powers_of_two_commute_with_every_step(name, exponent):
@@ -189,6 +190,7 @@ def test_methods_without_symmetry_return_to_their_error_only():
     assert 1e-9 < np.max(np.abs(back.y[-1] - p.y0)) < 1.0
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("name", ["rk4", "gauss-2", "g6245", "bdf-2", "stormer-verlet"])
 @pytest.mark.parametrize("h", [1e3, 1e8, 1e300, -1e8])
 def test_far_beyond_stability_a_run_ends_in_a_name(name, h):
@@ -230,6 +232,7 @@ def test_a_hundred_thousand_components(name):
 METHODS = ("rk4", "gauss-2", "sdirk-4", "g6245-w3", "bdf-2")
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.parametrize("fault", ["fault-nan", "fault-infinity"])
 def test_what_is_no_number_stops_the_run_where_it_comes(name, fault):
@@ -252,6 +255,7 @@ def test_functions_of_the_user_that_fail_are_named(name, fault):
     assert said in found.message
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("entry", ["1000000", "0", "1/(y[0] - y[0])", "sqrt(0 - 1 - t)"])
 @pytest.mark.parametrize("name", ["sdirk-4", "gauss-2", "bdf-2"])
 def test_a_wrong_jacobian_gives_the_right_answer_or_a_failure(name, entry):

@@ -212,6 +212,7 @@ def lost(name, G, seed, h, steps):
     return abs(run.change(G)) / bound(run, steps)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", refuted())
 def test_a_broken_file_does_not_keep_the_form_it_gives(name):
     G = floats(load_once(name).G)

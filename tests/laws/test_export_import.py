@@ -123,7 +123,7 @@ def test_what_the_second_format_has_comes_back(name: str, form: str) -> None:
     assert (again.document or {})["class"] == shipped(name)["class"]
 
 
-@pytest.mark.sampled(20, besides=NESTED, whole=120)
+@pytest.mark.sampled(8, besides=NESTED, whole=120)
 @pytest.mark.parametrize("name", NAMES)
 def test_tables_of_other_packages_come_back_or_are_refused_in_one_sentence(name: str) -> None:
     method = glmref.load(name)

@@ -188,7 +188,7 @@ def test_the_generated_code_of_the_compiled_engine_passes(name: str) -> None:
     all_hold(Compiled((name,), engine="interpreted"))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["rk4", "gauss-2", "gsymplectic-n", "stormer-verlet"])
 def test_compiled_kernels_pass(name: str) -> None:
     all_hold(Compiled((name,)))

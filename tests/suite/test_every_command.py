@@ -57,7 +57,7 @@ def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
     return code
 
 
-@pytest.mark.sampled(8, besides=LONG)
+@pytest.mark.sampled(4, besides=LONG)
 @pytest.mark.parametrize("name", [*METHODS, *BROKEN])
 def test_what_describes_a_method_takes_every_one(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path

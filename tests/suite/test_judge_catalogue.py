@@ -264,6 +264,7 @@ ALONG = (
 )  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("key", ALONG, ids=" ".join)
 def test_changes_of_a_certificate_by_paths_are_refused(
     sample: dict[Any, dict[str, Any]], key: tuple[str, str]
@@ -285,6 +286,7 @@ def test_changes_of_a_certificate_by_paths_are_refused(
     assert not judge.verdict(value)[0]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("key", ALONG[2::2], ids=" ".join)
 def test_a_changed_start_is_refused_along_paths(
     sample: dict[Any, dict[str, Any]], key: tuple[str, str]

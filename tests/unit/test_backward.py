@@ -210,6 +210,7 @@ ORDERS = [
 ]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("name", "order", "hamiltonian", "conjugate", "energy"), ORDERS)
 def test_orders_of_conservation(name, order, hamiltonian, conjugate, energy):
     found = modified(name, order)
@@ -474,6 +475,7 @@ def _drifts(name, orders, digits):
     return [float(mpmath.log(a / b, 2)) for a, b in zip(*drifts, strict=True)]
 
 
+@pytest.mark.slow
 def test_drift_of_a_pair_on_the_pendulum():
     slopes = _drifts("stormer-verlet", (1, 3, 5), 30)
     assert slopes == pytest.approx([2, 4, 6], abs=0.2)

@@ -89,6 +89,7 @@ def contrary(value: Any) -> Any:
     return value
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     "name",
     [

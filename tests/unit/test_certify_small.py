@@ -168,11 +168,13 @@ def answer(d: dict[str, Any], claim: str, declared: Any) -> bool | None:
     return proved(d, claim, declared)[0]
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", range(12))
 def test_each_claim_of_a_method_or_its_contrary_is_certified(seed: int) -> None:
     check_every_claim(single(seed))
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", range(12))
 def test_each_claim_of_a_pair_or_its_contrary_is_certified(seed: int) -> None:
     check_every_claim(pair(seed))
@@ -198,6 +200,7 @@ def test_one_rank_that_is_decided_shows_that_a_pair_is_reducible(seed: int) -> N
     assert proved(rounded(pair(seed), "AB"), "reducible", True)[0]
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("letters", ["A", "B", "AB", "UV", "AUB"])
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_decided_within_decimals_is_certified(seed: int, letters: str) -> None:
@@ -225,6 +228,7 @@ def moved(name: str, T: list[list[int]]) -> dict[str, Any]:
     return {"class": "glm", **inner(d)}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("T", [[[1, 0], [1, 1]], [[2, 1], [1, 1]], [[1, 1], [0, -1]]])
 @pytest.mark.parametrize("name", ["gsymplectic-n", "g4123", "gsymplectic-n-pair"])
 def test_claims_stay_where_values_are_combined(name: str, T: list[list[int]]) -> None:
@@ -271,6 +275,7 @@ def test_a_start_of_one_method_that_fails_beyond_order_1_has_no_certificate(
     assert said == ["the claim is open", "the order of the start is not written out"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["g6245-w3", "s3-w3"])
 def test_an_enclosed_start_of_one_method_is_certified(name: str) -> None:
     """A start of an exact method, whose symmetry is shown, and one of an enclosed method."""
@@ -314,6 +319,7 @@ def test_radicals_beside_decimals_stand_in_the_field(root: str) -> None:
         assert not judge.verdict(found)[0]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["tsitouras-5-4", "s3-w3", "rodas4", "ros34pw2", "ros3p"])
 def test_orders_at_below_and_above_those_of_a_file_are_certified(name: str) -> None:
     """A sweep form asks for the equations of the order claimed, so that no other one is tried."""

@@ -204,6 +204,7 @@ def test_analyze_shows_the_modified_equation(run: Run, tmp_path: Path) -> None:
     assert "additive" in run("analyze", "ars-2-2-2", "--modified")[1].split("modified equation")[1]
 
 
+@pytest.mark.slow
 def test_analyze_says_the_same_interval_in_every_format(run: Run) -> None:
     """An end that is not proved is null in the proved part, and its measured value stands apart."""
     _, table, _ = run("analyze", "t115-i")

@@ -51,6 +51,7 @@ def error(problem: Problem, exact: np.ndarray, method: str, n: int) -> float:
     return float(np.abs(found.y[-1] - exact).max())
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("problem", "method", "order", "n"),
     [

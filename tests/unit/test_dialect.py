@@ -58,6 +58,7 @@ def verdicts(capsys: Any, command: str, file: str) -> tuple[int, list[str]]:
     return code, [x["verdict"] for x in json.loads(capsys.readouterr().out)["findings"]]
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys: Any) -> None:
     file = write(tmp_path, DIALECTS[dialect])
@@ -76,6 +77,7 @@ def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys:
         assert {str(x.verdict) for x in glmref.check(DIALECTS[dialect])} == {"holds"}
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("dialect", [x for x in DIALECTS if x != "at least"])
 def test_every_command_refutes_every_dialect(dialect: str, tmp_path: Path, capsys: Any) -> None:
     """The same with an order too high on top or under ``claims``."""
@@ -122,6 +124,7 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_method_is_checked_and_analysed(
     kind: str, tmp_path: Path, capsys: Any

@@ -327,6 +327,7 @@ def test_machine_code_and_interpreter_have_the_same_bits_for_every_method(name):
 STIFF_METHODS = ["lobatto-iiic-2", "lobatto-iiic-3", "lobatto-iiic-5", "radau-iia-3"]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("rate", [1e10, 1e13])
 @pytest.mark.parametrize("method", STIFF_METHODS)
 def test_stages_of_a_stiff_equation_are_solved_by_every_engine(method: str, rate: float) -> None:

@@ -24,6 +24,7 @@ def ring(sites, coupling="1"):
     return Problem(force=force, y0=tuple(0.1 * ((3 * i) % 7) for i in range(sites)) + (0,) * sites)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1, besides=("radau",))
 @pytest.mark.parametrize(
     ("made", "method", "width"),

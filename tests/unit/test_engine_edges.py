@@ -152,6 +152,7 @@ def test_a_large_chain_starts_at_once_in_little_memory():
     assert time.process_time() - begin < 5
 
 
+@pytest.mark.slow
 def test_the_memory_of_newton_is_what_its_work_array_takes(monkeypatch):
     monkeypatch.setattr(solver_choice, "_BANDED_FROM", 1000)
     form, chain = step_form(load("gauss-3")), problem("fput", sites=30)

@@ -79,6 +79,7 @@ def test_a_problem_that_depends_on_time_has_its_own_time_in_every_lane():
         np.testing.assert_array_equal(found.values[k], values)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("width", [1, 8, 16, 32])
 def test_neither_width_nor_threads_change_a_bit(width, threads):
@@ -180,7 +181,7 @@ SEPARABLE = (
 ANY = ("rk4", "ab-3", "gauss-2", "gauss-3", "g6245-w3", "s4-symmetric", "lobatto-iiia-3", "sdirk-3")
 
 
-@pytest.mark.sampled(4, besides=())
+@pytest.mark.sampled(1, besides=())
 @pytest.mark.parametrize("method", [*SEPARABLE, *ANY])
 @pytest.mark.parametrize("name", LARGE)
 def test_lanes_of_large_systems_have_the_bits_of_single_runs(name, method):
@@ -211,6 +212,7 @@ def test_a_lane_of_a_large_system_that_fails_is_named_and_stands_still():
         assert np.isfinite(found.values).all()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("d", [1, 12])
 @pytest.mark.parametrize("method", ["multistep-rkn-8", "stormer-verlet", "multivalue-rkn-12"])
 def test_kicked_values_of_a_run_that_fails_are_those_of_its_last_step(method, d):
@@ -250,6 +252,7 @@ def test_a_function_is_called_again_at_the_end_of_the_first_trajectory(steps, ca
     assert ends == [(found.t[-1], found.y[-1, 0].tolist())]
 
 
+@pytest.mark.slow
 def test_what_has_no_lanes_goes_one_by_one():
     def width(of, method, h=0.01, **options):
         y0 = np.array([of.y0])

@@ -161,6 +161,7 @@ def by_kernel(method: GLM | PartitionedGLM, of: Any, values: np.ndarray, target:
     return kernel.values(state)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("target", ["scalar", "array"])
 @pytest.mark.parametrize("name", ["stormer-verlet", "rk4", "ab-2", "symplectic-euler-a"])
 def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
@@ -179,6 +180,7 @@ def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
 # --- generated text ------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("compensated", [True, False])
 @pytest.mark.parametrize("history", [True, False])
 @pytest.mark.parametrize("of", ["pendulum", "outer-solar-system"])

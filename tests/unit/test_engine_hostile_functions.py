@@ -277,6 +277,7 @@ def test_an_ensemble_asks_for_a_state_before_it_compiles(monkeypatch):
         solve_ensemble(oscillator(lambda t, y: map(float, y)), "rk4", [[1, 0]] * 2, h=0.1, steps=2)
 
 
+@pytest.mark.slow
 def test_an_ensemble_of_infinite_slopes_warns_of_nothing():
     from glmref.engine.ensemble import solve_ensemble
 

@@ -66,7 +66,7 @@ def test_an_unknown_jacobian_of_a_large_system_leaves_the_fixed_point():
     assert solver == "fixed-point"
 
 
-@pytest.mark.sampled(8, besides=("toda",))
+@pytest.mark.sampled(3, besides=("toda",))
 @pytest.mark.parametrize("method", ["g6245", "s4-symmetric", "gauss-2", "sdirk-3"])
 @pytest.mark.parametrize(
     "name", ["pendulum", "kepler", "rigid-body", "double-pendulum", "lotka-volterra-logarithmic", "toda"]
@@ -107,6 +107,7 @@ def test_the_head_of_the_work_array_is_the_state():
     np.testing.assert_allclose(state.memory, 0.1 * np.outer(weights, np.ones(4)))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["outer-solar-system", "nonseparable-chain", "arenstorf", "toda"])
 def test_array_kernels_agree_with_the_reference(name):
     h = {"outer-solar-system": 20.0, "arenstorf": 1e-4}.get(name, 0.01)

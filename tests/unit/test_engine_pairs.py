@@ -64,6 +64,7 @@ def test_arrays_have_the_bits_of_local_variables(name, compensated):
     assert not np.array_equal(found[0], other[0])
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", NAMES)
 def test_machine_code_of_arrays_has_the_bits_of_the_interpreter(name):
     of = problem("toda", sites=12)

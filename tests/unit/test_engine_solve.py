@@ -71,6 +71,7 @@ def test_time_runs_backwards_with_negative_h():
     assert np.abs(back.y[-1] - problem("pendulum").y0).max() < 1e-13
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("engine", ["compiled", "reference", "interpreted"])
 @pytest.mark.parametrize("name", ["g6245", "g6245-w3", "gsymplectic-n", "leapfrog", "gauss-3"])
 def test_without_a_right_hand_side_the_step_is_exactly_V(name, engine):
@@ -303,6 +304,7 @@ def test_arithmetic_can_be_chosen():
     assert "not compensated" in kernels["naive"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("method", "steps"), [("gauss-5", 200), ("blanes-moan-rkn-6-14", 4000)])
 def test_fused_sums_are_compensated_all_the_same(method, steps):
     """At these steps the error of the method is below round-off, so that the energy shows sums.
@@ -382,6 +384,7 @@ def test_no_steps_give_the_start():
     assert run.completed
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gauss-3", "g6245-w3"])
 def test_quick_rounds_are_fewer_and_end_near(name):
     strict, quick = (

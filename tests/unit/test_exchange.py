@@ -515,6 +515,7 @@ def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: st
 HEAD = "block,row,column,value\n"
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("form", "text", "said"),
     [

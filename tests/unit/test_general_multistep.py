@@ -203,6 +203,7 @@ def test_the_error_converges_with_the_order(name: str) -> None:
     assert errors[1] < max(errors[0] / 2 ** (facts_of(m).kernel.range("order").value - 1), 1e-11)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["point-vortices", "double-pendulum", "nonseparable-chain"])
 def test_kernels_do_what_the_reference_does(name: str) -> None:
     given = problem(name)

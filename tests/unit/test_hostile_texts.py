@@ -253,6 +253,7 @@ ENDS = (
 )
 
 
+@pytest.mark.sampled(60)
 @pytest.mark.parametrize("evil", ENDS)
 @pytest.mark.parametrize("target", TARGETS)
 def test_texts_of_a_file_stay_in_the_comments_of_an_export(target: str, evil: str) -> None:

@@ -69,6 +69,7 @@ def test_equations_scaled_alone_are_not():
     assert symplectic_defect(scaled, np.array([0.7, 0.4])) > 1e-3
 
 
+@pytest.mark.slow
 def test_a_constant_step_keeps_a_sharp_orbit():
     """At e = 0.99, 800 steps a period: right to 1e-6 in s, and nothing in t."""
     method, steps = load("g6245-w3"), 8000
