@@ -24,6 +24,7 @@ from glmref.derive.recipes.record import GROWS_IN_SURVEY, survey_notes
 ROWS = json.loads(FILE.read_text(encoding="utf-8"))["rows"]
 
 
+@pytest.mark.slow
 def test_the_record_holds_what_it_says():
     assert {x["method"] for x in ROWS} <= set(surveyed())
     assert {x["method"] for x in ROWS} >= set(ONE_VALUE)

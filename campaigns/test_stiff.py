@@ -26,6 +26,7 @@ def distinct_diagonals(method):
     return len(found)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", DIAGONALLY_IMPLICIT)
 def test_diagonally_implicit_methods_factor_one_small_matrix_for_each_diagonal(name):
     method, subject = load(name), problem("hires")
@@ -35,11 +36,13 @@ def test_diagonally_implicit_methods_factor_one_small_matrix_for_each_diagonal(n
     assert found.distinct == distinct_diagonals(method)
 
 
+@pytest.mark.slow
 def test_of_a_separable_problem_only_half_the_components_are_unknown():
     subject = problem("fput-stiff", omega=5000)
     assert matrices_of(load("sdirk-4"), subject, h=0.01).size == subject.dimension // 2
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("name", "count"), [("gauss-2", 1), ("gauss-3", 2), ("radau-iia-3", 2)])
 def test_coupled_stages_are_separated_by_the_eigenvalues_of_a(name, count):
     # one matrix for each real eigenvalue and each complex pair, of the size of the problem
@@ -63,6 +66,7 @@ def test_small_systems_write_their_matrix_out():
     assert found.inline and found.size == 2
 
 
+@pytest.mark.slow
 def test_matrices_are_kept_from_step_to_step():
     linear = problem("linear-field", dimension=8)
     # one Jacobian serves a linear problem for ever
@@ -79,6 +83,7 @@ def test_the_generated_source_has_no_other_elimination():
 MEASURED = data_root() / "measurements" / "stiff-cost.json"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not MEASURED.exists(), reason="not measured yet")
 def test_the_measured_counts_are_measured_again():
     rows = json.loads(MEASURED.read_text("utf-8"))["rows"]

@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, settings
 from glmref.prove import verdict_cache as kept
 
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
-QUICK = 15
+QUICK = 10
 
 
 #: Processes that the whole suite runs on where the machine has as many cores.

@@ -132,6 +132,7 @@ def steady_pairs(stored):
     return pairs, [x for x in pairs if x not in unsteady]
 
 
+@pytest.mark.slow
 def test_what_is_recommended_for_long_runs_survived_all_of_them():
     stored = measured("kepler-long")
     page = named(CHOOSE, f"Recommended for more than {LIMIT}:", r"They carry one value")

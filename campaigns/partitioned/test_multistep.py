@@ -286,6 +286,7 @@ def test_two_kicks_of_a_higher_order_are_found_by_solving_for_it():
         assert np.log(errors[0] / errors[1]) / np.log(4 / 3) > 9  # 7.6 without the conditions
 
 
+@pytest.mark.slow
 def test_three_kicks_of_a_higher_order_are_found_by_solving_for_it():
     (x, *_) = counted(1, 6, seed=1, starts=6, s=3)
     stages = _of(x, 3)

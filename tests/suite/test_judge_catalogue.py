@@ -206,6 +206,7 @@ def test_a_thousand_changes_of_enclosed_certificates_are_refused(
     assert not changed(sample, 1000, seed=20261)
 
 
+@pytest.mark.slow
 def test_a_condition_of_a_start_cannot_be_left_out(sample: dict[Any, dict[str, Any]]) -> None:
     for key in (("t115-i", "starting-order"), ("pair-4-4", "starting-order")):
         value = copy.deepcopy(sample[key])

@@ -1057,7 +1057,7 @@ GROWING = ("a = a^40", "a = a*a", "a = vcat(a, a)", "a = [a, a]", "a = zeros(100
            "a = [[[1 for i in 1:200] for j in 1:200] for k in 1:9]", "a = a + a")  # fmt: skip
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("line", GROWING)
 @pytest.mark.parametrize("first", ["10^40", "[1, 1]", "sqrt(2) + 3"])
 def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
@@ -1072,7 +1072,7 @@ def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
     assert process_time() - begun < 5
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("form", "text"),
     [

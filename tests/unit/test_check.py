@@ -67,6 +67,7 @@ def test_stated_digits_decide_nothing_within_them() -> None:
         glmref.check([[0, 0], [0.6667, 0]], [0.25, 0.75], order=2, digits=15)
 
 
+@pytest.mark.slow
 def test_rounded_abscissae_do_not_hide_orders_beyond_eight() -> None:
     """Trees with leaves for t are looked at through order 8; c that is rounded is not another c."""
     gauss = glmref.load("gauss-5")

@@ -87,6 +87,7 @@ def test_json_is_one_document_with_the_records(scene, tmp_path, capsys):
     assert again["records"] == document["records"]
 
 
+@pytest.mark.slow
 def test_csv_has_a_row_for_each_record(scene, tmp_path, capsys):
     assert main(["run", str(scene), "--output", str(tmp_path), "--format", "csv"]) == 0
     table = list(csv.DictReader(io.StringIO(capsys.readouterr().out)))

@@ -174,6 +174,7 @@ RKF45 = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("command", ["check", "verify", "analyze"])
 @pytest.mark.parametrize("form", ["plain", "doubles", "format"])
 def test_the_wrong_entry_and_its_correction_are_named_everywhere(

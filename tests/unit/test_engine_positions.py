@@ -70,6 +70,7 @@ def test_single_stages_keep_the_momentum_of_their_form(name: str) -> None:
     assert np.abs(momentum / momentum[0] - 1).max() < 2e-14
 
 
+@pytest.mark.slow
 def test_a_round_of_a_single_stage_is_a_product_and_a_sum() -> None:
     def source(name: str, on: str = "kepler", solver: str = "fixed-point") -> str:
         return prepare(load(name), problem(on), h=0.01, solver=solver).source.text

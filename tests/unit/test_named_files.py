@@ -149,6 +149,7 @@ def test_a_campaign_names_shipped_problems_and_methods_or_files_beside_it(
     assert task["file"] == str(inner / "own.json")
 
 
+@pytest.mark.slow
 def test_a_link_of_a_checkout_that_leads_out_is_unread(
     inner: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

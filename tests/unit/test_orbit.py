@@ -57,6 +57,7 @@ def test_no_revolution_beats_with_the_marks(period):
         assert largest_gap(evenly, period) > 0.2
 
 
+@pytest.mark.slow
 def test_points_lie_on_the_path():
     subject = problem("kepler")
     found = orbit(subject, load("gauss-5"), h=2 * np.pi / 200, steps=400)

@@ -519,6 +519,7 @@ at = 1e-4
 """
 
 
+@pytest.mark.slow
 def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

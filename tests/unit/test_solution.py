@@ -80,6 +80,7 @@ def test_components_have_the_names_of_the_problem() -> None:
 # --- between the rows -------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("method", "h", "every"),
     [("gauss-4", 0.1, 7), ("ab-2", 0.01, 30), ("stormer-verlet", -0.01, 9), ("pair-6-8", 0.1, 4)],
