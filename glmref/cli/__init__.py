@@ -27,6 +27,7 @@ from .comparing import compare, problems
 from .deriving import derive
 from .describing import analyze, errata
 from .exchanging import export, import_
+from .feeding import feed
 from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
 from .probing import conformance, probe
@@ -90,7 +91,7 @@ for command in (
         report,
         campaign,
     ),
-    *(export, import_, problems, compare, check, conformance, audit, lint),
+    *(export, import_, problems, compare, check, conformance, audit, feed, lint),
 ):
     group.add_command(command)
 

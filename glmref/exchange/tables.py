@@ -131,7 +131,7 @@ def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
     return found if isinstance(found, int) else 0
 
 
-def _expression(x: Scalar) -> str | None:
+def expression(x: Scalar) -> str | None:
     """The exact expression of a number, or ``None`` where it has none."""
     if not isinstance(x, Exact):
         return None
@@ -155,7 +155,7 @@ def _exact_lines(rows: Mapping[str, Matrix]) -> list[str]:
         return []
     for letter, matrix in rows.items():
         for row in matrix:
-            texts = [_expression(x) for x in row]
+            texts = [expression(x) for x in row]
             if any(text is None for text in texts):
                 return []
             lines.append(f"exact {letter}: {'; '.join(x or '' for x in texts)}")
@@ -532,14 +532,14 @@ def _all_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
         yield from (("finishing.A", method.finishing.A), ("finishing.b", (method.finishing.b,)))
 
 
-def _places(numbers: Sequence[Scalar], wanted: int | None) -> int:
+def places_of(numbers: Sequence[Scalar], wanted: int | None) -> int:
     """Digits after the point: as many as are wanted and as the narrowest enclosure has."""
     widest = max((x.radius() for x in numbers if isinstance(x, Ball)), default=0.0)
     known = PLACES if widest == 0 else min(PLACES, max(1, math.floor(-math.log10(2 * widest)) - 1))
     return known if wanted is None else min(wanted, known)
 
 
-def _fixed(x: Scalar, places: int) -> str:
+def fixed(x: Scalar, places: int) -> str:
     """A decimal with so many digits after the point, of a real number."""
     return decimal(x.ball(), places)
 
@@ -659,20 +659,20 @@ def _as_texts(
     method: Method, blocks: Mapping[str, Matrix], digits: int | None
 ) -> tuple[dict[str, Rows], int | None]:
     numbers = [x for matrix in blocks.values() for row in matrix for x in row]
-    texts = {id(x): None if digits is not None else _expression(x) for x in numbers}
+    texts = {id(x): None if digits is not None else expression(x) for x in numbers}
     rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
     if rough and not all(x.is_real() for x in rough):
         raise UsageError(
             f"{method.name or 'the method'} is complex, and its entries are written as "
             f"expressions only; leave out the number of digits"
         )
-    places = _places(rough, digits) if rough else None
+    places = places_of(rough, digits) if rough else None
 
     def text(x: Scalar) -> str:
         found = texts[id(x)]
         if found is not None:
             return found
-        return to_text(x) if isinstance(x, Exact) and _is_whole(x) else _fixed(x, places or 1)
+        return to_text(x) if isinstance(x, Exact) and _is_whole(x) else fixed(x, places or 1)
 
     return {name: [[text(x) for x in row] for row in m] for name, m in blocks.items()}, places
 
@@ -703,7 +703,7 @@ def _about(method: Method) -> dict[str, Any]:
     return {**about, "generated": f"glmref {__version__}"}
 
 
-def _held(method: Method) -> dict[str, Matrix]:
+def held(method: Method) -> dict[str, Matrix]:
     """The blocks of a method in JSON and CSV: all that determines it.
 
     Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
@@ -764,7 +764,7 @@ _VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae", "output")
 
 
 def _json(method: Method, digits: int | None) -> str:
-    blocks, places = _as_texts(method, _held(method), digits)
+    blocks, places = _as_texts(method, held(method), digits)
     document = {**_about(method), **({"digits": places} if places is not None else {})}
     for name, rows in blocks.items():
         outer, _, letter = name.partition(".") if "." in name else ("", "", name)
@@ -775,7 +775,7 @@ def _json(method: Method, digits: int | None) -> str:
 
 
 def _csv(method: Method, digits: int | None) -> str:
-    blocks, places = _as_texts(method, _held(method), digits)
+    blocks, places = _as_texts(method, held(method), digits)
     cells: list[Sequence[object]] = [("block", "row", "column", "value")]
     for key, value in {**_about(method), "digits": places}.items():
         if isinstance(value, Mapping):
@@ -794,7 +794,7 @@ def _csv(method: Method, digits: int | None) -> str:
 def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
     def cell(x: Scalar) -> str:
         if digits is None:
-            found = _expression(x)
+            found = expression(x)
             if found is not None:
                 return LATEX.of(found)
         if not x.is_real():

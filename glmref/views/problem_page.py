@@ -49,7 +49,7 @@ def described(problem: Problem, about: str = "") -> dict[str, Any]:
         if not derived and not (key == "f" and problem.separable):
             function = getattr(problem, key)
             if function is not None:
-                formulas[key] = _lines(function)
+                formulas[key] = formula_lines(function)
     return {
         "name": problem.name,
         "about": about,
@@ -65,7 +65,8 @@ def described(problem: Problem, about: str = "") -> dict[str, Any]:
     }
 
 
-def _lines(function: Any) -> list[str]:
+def formula_lines(function: Any) -> list[str]:
+    """Return the expressions of a function, those of common parts first; of loops their name."""
     if isinstance(function, Formula):
         named = [f"{name} = {text}" for name, text in function.common]
         return [*named, *function.outputs]

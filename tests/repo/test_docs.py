@@ -26,7 +26,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted(page.name for page in DOCS.glob("*.md"))
 FENCE = re.compile(r"^```(python|json|toml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Pages whose commands, or whose examples in Python, take more than a few seconds.
-SLOW = {"derive.md", "quickstart.md", "scenes.md"}
+SLOW = {"derive.md", "feed.md", "quickstart.md", "scenes.md"}
 SLOW_EXAMPLES = {"choose.md", "quickstart.md"}
 MEASURED = DOCS.parent / "data" / "measurements"
 WORDS = {2: "two", 4: "four", 8: "eight", 16: "sixteen"}

@@ -51,7 +51,7 @@ OUTSIDE: dict[str, str] = {
     "jinja2": "report",
     "llvmlite": "engine",
     "markupsafe": "report",
-    "mpmath": "conformance derive engine exact problems",
+    "mpmath": "conformance derive engine exact exchange problems",
     "nodepy": "conformance",
     "numba": "engine",
     "numpy": "conformance derive engine measure method problems scenes views",
