@@ -1,10 +1,5 @@
 """Tables of claims: which there are, and which parts prove which statement (section 7)."""
 
-WITNESS = {  # keys of a witness, after the bar those that may be missing
-    "row": "row parts", "to-digits": "rows", "not-to-digits": "row | tree order",
-}  # fmt: skip
-
-
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 
 

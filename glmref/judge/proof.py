@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import TypeVar
 
 from .arithmetic import Fraction, Interval, rational_of
-from .claims import LOOKS_AT, WITNESS
+from .claims import LOOKS_AT
 from .document import Method
 from .enclosed_pair import Pair
 from .enclosed_rk import RungeKutta
@@ -21,7 +21,7 @@ from .linalg import apply, equal, is_exact
 from .numbers import apart, as_real
 from .parity import even_start, start_with_parity
 from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
-from .rule import Bound, Conclusion, Replaced, Reversal, Rule
+from .rule import Bound, Conclusion, Replaced, Reversal
 from .series import Solved
 from .trees import PATHS, size, through
 
@@ -120,15 +120,21 @@ def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]
         member(isinstance(field.get("kind"), str), "the field has no kind")
         lines = isinstance(texts, list) and all(isinstance(x, str) for x in texts)
         member(lines, "the identities are no list of strings")
-        member(isinstance(parts, list) and 0 < len(parts) <= 20, "the parts are no list of 1 to 20")
-        for part in parts:
-            keys(part, "rule witness", "", "part")
-            member(isinstance(part["witness"], dict), "a witness is no object")
-            known = isinstance(part["rule"], str) and part["rule"] in rules
-            member(known, f"no rule is called {part['rule']!r}")
+        check_parts(parts, rules)
     except Malformed as error:
         raise NoCertificate(str(error)) from None
     return document, statement
+
+
+def check_parts(parts: object, rules: Mapping[str, object]) -> None:
+    """Refuse what is no list of rules with their witnesses."""
+    if not isinstance(parts, list) or not 0 < len(parts) <= 20:
+        raise Malformed("the parts are no list of 1 to 20")
+    for part in parts:
+        keys(part, "rule witness", "", "part")
+        member(isinstance(part["witness"], dict), "a witness is no object")
+        known = isinstance(part["rule"], str) and part["rule"] in rules
+        member(known, f"no rule is called {str(part['rule'])[:40]!r}")
 
 
 def member(fine: bool, why: str) -> None:
@@ -168,16 +174,10 @@ class Proof:
 
     def apply(self, part):
         """Check one part; keep and return what it shows, if anything."""
-        rule, witness = self.table[part["rule"]], part["witness"]
-        if isinstance(rule, Rule):
-            found = rule.apply(self, witness)
-        else:
-            keys(witness, *WITNESS.get(part["rule"], "").split("|"))
-            found = rule(self, witness)
+        found = self.table[part["rule"]].apply(self, part["witness"])
         if isinstance(found, Replaced):
             self.method = found.method
-        if found is not None:
-            self.shown.append(found)
+        self.shown.append(found)
         if isinstance(found, Bound):
             before = self.known.get(found.quantity)
             self.known[found.quantity] = before.meet(found) if before else found

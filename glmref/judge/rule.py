@@ -75,6 +75,15 @@ class Truth:
 
 
 @dataclass(frozen=True)
+class RowOrder:
+    """The order of the method with the weights of a row of `embedded`, between two bounds."""
+
+    row: str
+    low: int
+    high: int  # 20, the largest order that a claim may name, where no bound is shown
+
+
+@dataclass(frozen=True)
 class Bounded:
     """The powers of V of a component are bounded."""
 
@@ -112,7 +121,7 @@ class Replaced:
     method: Method
 
 
-Conclusion = Bound | Truth | Bounded | Spectrum | Reversal | Replaced
+Conclusion = Bound | Truth | RowOrder | Bounded | Spectrum | Reversal | Replaced
 
 
 class Case:

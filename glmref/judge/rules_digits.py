@@ -1,14 +1,41 @@
 """Rules for orders that hold to the printed digits (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from operator import itemgetter, mul
 
 from .arithmetic import RATIONAL, Fraction
+from .document import Method
 from .grammar import two_digits
 from .linalg import dot
 from .numbers import floor
-from .refusals import NotShown, as_object, keys, require, whole
+from .refusals import Malformed, as_object, keys, require, whole
+from .rule import Case, Fails, Rule, Truth
 from .series import Series
-from .trees import gamma, is_coloured, is_nystrom, read_tree, show, size, stands, trees
+from .trees import Tree, gamma, is_coloured, is_nystrom, read_tree, size, stands, trees
+
+SECTION_5 = "docs/certificates.md, section 5"
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What is declared of a row: its order; the residuals are at most `most`, one above `least`."""
+
+    order: int
+    most: Fraction
+    least: Fraction
+    exponent: int
+
+    @classmethod
+    def of(cls, value: object) -> Declared:
+        """Return what a claim says of one row: an order and a size of two digits."""
+        if not isinstance(value, list) or len(value) != 2:
+            raise Malformed("an order and a size are declared of a row")
+        most, least = two_digits(value[1])
+        return cls(whole(value[0], 1, 14), most, least, int(value[1].partition("e-")[2]))
 
 
 class Sizes:
@@ -16,9 +43,6 @@ class Sizes:
 
     def __init__(self, method, bits):
         self.method, self.bits, self.known = method, bits, {}
-        for m in method.parts.values():
-            fine = all(x == 1 for row in (*m.U, *m.V) for x in row) and m.r == 1
-            require(fine, "the value carried is not the solution")
         self.A = {c: [self.whole(row) for row in m.A] for c, m in method.parts.items()}
         self.sparse = {c: [([x for x in row if x], [j for j, x in enumerate(row) if x])
                            for row in rows] for c, rows in self.A.items()}  # fmt: skip
@@ -27,7 +51,6 @@ class Sizes:
 
     def whole(self, row):
         """Return the integers below 2^bits times rational numbers."""
-        require(all(type(x) in RATIONAL for x in row), "the entries are not rational")
         return [floor(Fraction(x) * 2**self.bits) for x in row]
 
     def phi(self, tree, keep=True):
@@ -76,84 +99,197 @@ class Sizes:
         return abs(dot(b, slopes) - Fraction(1, gamma(tree)))
 
 
-class ToDigits:
-    """The residuals of the rows of weights, and what is declared of them."""
+class DigitsCase(Case):
+    """A part about the residuals of the rows of weights, and what is declared of them."""
 
-    def __init__(self, proof):
-        method, declared = proof.method, as_object(proof.declared)
-        rows, self.nystrom = method.rows(), method.kind == "nystrom"
-        require("b" not in rows, "a row has the name of the solution")
-        require(set(declared) == {"b", *rows}, "other weights are declared")
-        self.declared, exponent = {}, 0
-        for name, value in declared.items():
-            require(isinstance(value, list) and len(value) == 2, "an order and a size are declared")
-            self.declared[name] = whole(value[0], 1, 14), *two_digits(value[1])
-            exponent = max(exponent, int(value[1].partition("e-")[2]))
-        self.base = method.for_claim("order")
-        self.sizes, self.b, self.scaled = Sizes(self.base, 256 + 4 * exponent), {}, {}
-        for name in declared:
-            one = self.base if name == "b" else method.with_row(rows[name][0]).for_claim("order")
-            carried = all(x == 1 for m in one.parts.values() for row in m.V for x in row)
-            require(carried, "the row does not carry the solution")
-            self.b[name] = {c: m.B[0] for c, m in one.parts.items()}
-            self.scaled[name] = {c: self.sizes.whole(b) for c, b in self.b[name].items()}
+    @cached_property
+    def rows(self) -> dict:
+        """Return the weights of the rows of `embedded` by name."""
+        return self.method.rows()
 
-    def counted(self, tree):
+    @cached_property
+    def declared(self) -> dict[str, Declared]:
+        """Return what is declared by name of the row."""
+        return {name: Declared.of(value) for name, value in as_object(self.proof.declared).items()}
+
+    @cached_property
+    def base(self) -> Method:
+        """Return the method that the claim is about, with c apart where the file has it."""
+        return self.method.for_claim("order")
+
+    def with_weights(self, name: str) -> Method:
+        """Return the method with the weights of a row."""
+        if name == "b":
+            return self.base
+        require(name in self.rows, "no row of embedded has the name")
+        return self.method.with_row(self.rows[name][0]).for_claim("order")
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Return the conditions in integers with bits for the smallest number declared."""
+        return Sizes(self.base, 256 + 4 * max(x.exponent for x in self.declared.values()))
+
+    @cached_property
+    def weights(self) -> dict[str, dict[str, tuple[list, list]]]:
+        """Return by name and colour the weights, and what they are in integers."""
+        return {name: {c: (m.B[0], self.sizes.whole(m.B[0]))
+                       for c, m in self.with_weights(name).parts.items()}
+                for name in self.declared}  # fmt: skip
+
+    def counted(self, tree: Tree) -> bool:
         """Tell whether the claim is about the condition of a tree."""
-        return stands(tree, self.base.system) and (is_nystrom(tree) or not self.nystrom)
+        palette, nystrom = self.base.palette, self.method.kind == "nystrom"
+        fine = is_coloured(tree, palette) and stands(tree, self.base.system)
+        return fine and (is_nystrom(tree) or not nystrom)
 
-    def trees(self, order):
-        """Return the trees of an order whose conditions are meant."""
-        return filter(self.counted, trees(self.base.palette, order))
+    def trees(self, low: int, high: int) -> Iterator[Tree]:
+        """Return the trees of these orders whose conditions are meant."""
+        level = (t for n in range(low, high + 1) for t in trees(self.base.palette, n))
+        return filter(self.counted, level)
 
-    def read(self, text, low, high):
-        """Return a tree of a witness, whose order is one of these."""
-        tree = read_tree(text)
-        require(low <= size(tree) <= high and is_coloured(tree, self.base.palette), "the tree")
-        require(self.counted(tree), "the condition of the tree is not meant")
-        return tree
-
-    def residual(self, name, tree, *limits, keep=True):
+    def residual(self, name: str, tree: Tree, *limits: Fraction, keep: bool = True) -> tuple:
         """Return bounds of a residual, itself where a limit is between them."""
-        low, high = self.sizes.residual(tree, self.scaled[name][tree[0]], keep)
+        exact, scaled = self.weights[name][tree[0]]
+        low, high = self.sizes.residual(tree, scaled, keep)
         if any(low <= x < high for x in limits):
-            low = high = self.sizes.exactly(tree, self.b[name][tree[0]])
+            low = high = self.sizes.exactly(tree, exact)
         return low, high
 
+    def exceeds(self, name: str, tree: Tree, limit: Fraction) -> bool:
+        """Tell whether the residual of a tree is above a number."""
+        return self.residual(name, tree, limit, keep=False)[0] > limit
 
-def to_digits(proof, w):
-    """Rule to-digits: every residual through an order, the largest one, and one of the next."""
-    known, shown = ToDigits(proof), as_object(w["rows"])
-    require(set(shown) == set(known.declared), "other weights are shown")
-    for name, (order, most, least) in known.declared.items():
-        keys(shown[name], "largest beyond")
-        largest, seen = known.read(shown[name]["largest"], 1, order), False
-        for n in range(1, order + 1):
-            for tree in known.trees(n):
-                low, high = known.residual(name, tree, most, least, keep=n < order)
-                if high > most:
-                    raise NotShown(f"the residual of tree {show(tree)}")
-                seen = seen or (tree == largest and low > least)
-        require(seen, "no residual is as large")
-        tree = known.read(shown[name]["beyond"], order + 1, order + 1)
-        low, _ = known.residual(name, tree, 1000 * most, keep=False)
-        require(low > 1000 * most, "the residual of the tree beyond")
+    def none_above(self, name: str, low: int, high: int, limit: Fraction) -> bool | Fails:
+        """Tell whether no residual of these orders is above a number."""
+        for tree in self.trees(low, high):
+            if self.residual(name, tree, limit, keep=size(tree) < high)[1] > limit:
+                return Fails(tree)
+        return True
 
 
-def not_to_digits(proof, w):
-    """Rule not-to-digits: one residual is too large, or all are too small, or all of the next."""
-    require(("tree" in w) is not ("order" in w), "a tree or an order")
-    known, name = ToDigits(proof), w["row"]
-    require(name in known.declared, "no row of this name")
-    order, most, least = known.declared[name]
-    if "tree" in w:
-        low, _ = known.residual(name, known.read(w["tree"], 1, order), most)
-        require(low > most, "the residual of the tree")
-        return
-    beyond = whole(w["order"], order, order + 1) > order
-    limit = 1000 * most if beyond else least
-    for n in range(order + 1 if beyond else 1, w["order"] + 1):
-        for tree in known.trees(n):
-            _, high = known.residual(name, tree, limit, keep=n < w["order"])
-            if high > limit:
-                raise NotShown(f"the residual of tree {show(tree)}")
+class ToDigitsCase(DigitsCase):
+    """A part that the residuals of every row are those declared."""
+
+    @cached_property
+    def named(self) -> dict[str, tuple[Tree, Tree]]:
+        """Return by row the trees `largest` and `beyond`."""
+        found = {}
+        for name, shown in as_object(self.witness["rows"]).items():
+            keys(shown, "largest beyond", where="row of the witness")
+            shown = as_object(shown)
+            found[name] = read_tree(shown["largest"]), read_tree(shown["beyond"])
+        return found
+
+
+class NotToDigitsCase(DigitsCase):
+    """A part that the residuals of one row are not those declared."""
+
+    @cached_property
+    def name(self) -> str:
+        """Return the name of the row."""
+        return str(self.witness["row"])
+
+    @cached_property
+    def row(self) -> Declared:
+        """Return what is declared of the row."""
+        require(self.name in self.declared, "no row has this name")
+        return self.declared[self.name]
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Return the tree of the witness."""
+        return read_tree(self.witness["tree"])
+
+
+def names_are_those_of_the_file(case: DigitsCase) -> bool:
+    """The declared names are `b` and those of the rows of the file."""
+    return set(case.declared) == {"b", *case.rows} and "b" not in case.rows
+
+
+def entries_are_rational(case: DigitsCase) -> bool:
+    """The entries are rational, as decimals are that are taken as they stand."""
+    methods = map(case.with_weights, case.declared)
+    return all(type(x) in RATIONAL for one in methods for m in one.parts.values()
+               for row in (*m.A, *m.B) for x in row)  # fmt: skip
+
+
+def value_carried_is_the_solution(case: DigitsCase) -> bool:
+    """The one value that the method carries, with each row of weights, is the solution."""
+    parts = [m for name in case.declared for m in case.with_weights(name).parts.values()]
+    return all(m.r == 1 and x == 1 for m in parts for row in (*m.U, *m.V) for x in row)
+
+
+def every_row_is_shown(case: ToDigitsCase) -> bool:
+    """The witness has the trees of every row that is declared."""
+    return set(case.named) == set(case.declared)
+
+
+def trees_are_of_their_orders(case: ToDigitsCase) -> bool:
+    """`largest` has at most the order of its row, `beyond` the next; both are meant."""
+    return all(
+        size(largest) <= case.declared[name].order == size(beyond) - 1
+        and case.counted(largest) and case.counted(beyond)
+        for name, (largest, beyond) in case.named.items()
+    )  # fmt: skip
+
+
+def residuals_are_within_the_size(case: ToDigitsCase) -> bool | Fails:
+    """No residual through the order of its row is above the declared size."""
+    for name, row in case.declared.items():
+        outcome = case.none_above(name, 1, row.order, row.most)
+        if not outcome:
+            return outcome
+    return True
+
+
+def a_residual_has_the_size(case: ToDigitsCase) -> bool:
+    """The residual of `largest` is above the number of two digits before the declared size."""
+    return all(case.exceeds(name, largest, case.declared[name].least)
+               for name, (largest, _) in case.named.items())  # fmt: skip
+
+
+def next_order_is_beyond(case: ToDigitsCase) -> bool:
+    """The residual of `beyond` is above 1000 times the declared size."""
+    return all(case.exceeds(name, beyond, 1000 * case.declared[name].most)
+               for name, (_, beyond) in case.named.items())  # fmt: skip
+
+
+def tree_or_order_refutes(case: NotToDigitsCase) -> bool | Fails:
+    """A residual is above the size, or all are below it, or the next order has none beyond."""
+    row = case.row
+    if "tree" in case.witness:
+        return case.exceeds(case.name, case.tree, row.most)
+    if whole(case.witness["order"], row.order, row.order + 1) == row.order:
+        return case.none_above(case.name, 1, row.order, row.least)
+    return case.none_above(case.name, row.order + 1, row.order + 1, 1000 * row.most)
+
+
+def a_tree_or_an_order_is_named(case: NotToDigitsCase) -> bool:
+    """The witness has a tree or an order, not both."""
+    return ("tree" in case.witness) is not ("order" in case.witness)
+
+
+def tree_is_within_the_order(case: NotToDigitsCase) -> bool:
+    """The tree has at most the order of its row, and its condition is meant."""
+    if "tree" not in case.witness:
+        return True
+    return size(case.tree) <= case.row.order and case.counted(case.tree)
+
+
+WITH_DIGITS = (names_are_those_of_the_file, entries_are_rational, value_carried_is_the_solution)
+
+DIGIT_RULES = (
+    Rule(
+        "to-digits", "order-to-digits", "holds", "the definition", SECTION_5, "rows", ToDigitsCase,
+        (*WITH_DIGITS, every_row_is_shown, trees_are_of_their_orders, residuals_are_within_the_size,
+         a_residual_has_the_size, next_order_is_beyond),
+        lambda case: Truth("order-to-digits"),
+    ),
+    Rule(
+        "not-to-digits", "order-to-digits", "fails", "the definition", SECTION_5,
+        "row | tree order", NotToDigitsCase,
+        (*WITH_DIGITS, a_tree_or_an_order_is_named, tree_is_within_the_order,
+         tree_or_order_refutes),
+        lambda case: Truth("order-to-digits", False),
+    ),
+)  # fmt: skip

@@ -1,25 +1,75 @@
 """Rules for what the equations of an enclosure imply (section 6)."""
 
+from __future__ import annotations
+
+from functools import cached_property
+
 from .enclosed_sweep import Sweep
-from .linalg import equal
+from .linalg import less
 from .numbers import vanishes
-from .refusals import require
+from .rule import Case, Rule, Truth
 
 
-def implied(proof, w):
-    """Rule implied: what holds at the root of an enclosure."""
-    root, claim = proof.root(), proof.claim
-    if claim in ("growth", "parasitism-free"):
-        count = root.zero_growths()
-        require(count is not None, "an eigenvalue has no equation")
-        if claim == "growth":
-            declared = proof.claimed(proof.declared)
-            same = len(declared) == count and vanishes(declared)
-            require(same == proof.holds, "the parameters are all 0")
-    elif claim == "abscissae":
-        require(isinstance(root, Sweep), "the abscissae of pairs")
-        found = root.abscissae()
-        require(found is not None, "an abscissa is not fixed")
-        equal(found, proof.claimed(proof.declared), "the list of abscissae")
-    else:
-        require(root.implies(claim), f"{claim} does not follow")
+class ImpliedCase(Case):
+    """A part about what holds at the root of an enclosure."""
+
+    @property
+    def claim(self) -> str:
+        """Return the claim."""
+        return self.proof.claim
+
+    @cached_property
+    def growths(self) -> int | None:
+        """Return how many growth parameters are 0 by the equations, None where some may not be."""
+        return self.proof.root().zero_growths()
+
+    @cached_property
+    def abscissae(self) -> list | None:
+        """Return the abscissae that the file fixes, None where it does not; those of a sweep."""
+        root = self.proof.root()
+        return root.abscissae() if isinstance(root, Sweep) else None
+
+    @cached_property
+    def declared(self) -> list:
+        """Return the declared numbers."""
+        return self.proof.claimed(self.proof.declared)
+
+
+def growth_parameters_are_0(case: ImpliedCase) -> bool:
+    """Growth: an equation is named for every eigenvalue of modulus 1 but the simple 1."""
+    return case.claim not in ("growth", "parasitism-free") or case.growths is not None
+
+
+def declared_growth_is_0_where_it_holds(case: ImpliedCase) -> bool:
+    """The claim `growth` holds where as many 0 are declared as there are parameters, else fails."""
+    if case.claim != "growth":
+        return True
+    return (len(case.declared) == case.growths and vanishes(case.declared)) == case.proof.holds
+
+
+def abscissae_are_fixed(case: ImpliedCase) -> bool:
+    """Abscissae: the sweep fixes all, and they are those declared."""
+    if case.claim != "abscissae":
+        return True
+    found = case.abscissae
+    same = found is not None and len(found) == len(case.declared)
+    return same and vanishes(less(found, case.declared))
+
+
+def claim_follows_from_the_equations(case: ImpliedCase) -> bool:
+    """What is claimed follows from the equations, from symmetry or from the form of the file."""
+    if case.claim in ("growth", "parasitism-free", "abscissae"):
+        return True
+    return case.proof.root().implies(case.claim)
+
+
+ENCLOSED_RULES = (
+    Rule(
+        "implied", "any", "holds",
+        "the equations, the form of the file and its symmetry give what is claimed at the root",
+        "docs/certificates.md, 6.5 and 6.8", "", ImpliedCase,
+        (growth_parameters_are_0, declared_growth_is_0_where_it_holds, abscissae_are_fixed,
+         claim_follows_from_the_equations),
+        lambda case: Truth(case.claim, case.proof.holds),
+    ),
+)  # fmt: skip

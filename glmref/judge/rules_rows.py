@@ -2,57 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
+from typing import cast
 
 from .arithmetic import Fraction
 from .claims import ABSENT
 from .document import Component, Method, gaps_of_rows
 from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, transpose
 from .numbers import apart, inverse, total, vanishes
+from .proof import check_parts
 from .refusals import as_object, require, whole
-from .rule import Bound, Case, Fails, Rule, Truth
+from .rule import Bound, Case, Fails, RowOrder, Rule, Truth
 from .series import Series
 from .trees import Tree, gamma, read_tree, size, trees
 
 PAGE = "docs/certificates.md, section 4"
 DENSE = "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.6"
-
-
-def row(proof, w):
-    """Rule row: the order of the method with the weights of an embedded row; return (name, p)."""
-    rows, whole_method = proof.method.rows(), proof.method
-    require(w["row"] in rows, "no row of embedded has the name")
-    require(isinstance(w["parts"], list), "the parts of a row are a list")
-    names = [part["rule"] for part in w["parts"]]
-    low, high = ["order-at-least"], ["order-at-most"]
-    own = ([["implied-order", *high]] if proof.record.root is not None
-           else [low + high, ["no-order-1"]])  # fmt: skip
-    own += [high] if proof.holds else [high, low, ["implied-order"]]
-    require(names in own, "the parts of a row")
-    nystrom = whole_method.kind == "nystrom"
-    inner = proof.of_row(w["row"], whole_method.with_row(rows[w["row"]][0]).for_claim("order"))
-    for part in w["parts"]:
-        inner.apply(part)
-    if names == ["no-order-1"]:
-        return w["row"], range(1)
-    kinds = (True, "nystrom-paths") if nystrom else (False,)
-    bound = inner.known["order"]
-    require(bound.identity and bound.trees in kinds, "an order of another kind")
-    most = 20 if bound.high is None else bound.high  # the largest order that a claim may name
-    return w["row"], range(bound.low or 0, most + 1)
-
-
-def check_rows(proof, found):
-    """Refuse orders of rows that do not decide what is declared: of all rows, or of one."""
-    orders, declared = dict(found), as_object(proof.declared)
-    require(len(orders) == len(found) and set(declared) == set(proof.method.rows()), "rows")
-    if proof.holds:
-        require(set(orders) == set(declared), "a row is missing")
-        fits = all(x == range(declared[name], declared[name] + 1) for name, x in found)
-        require(fits, "the order of a row is not shown to be this")
-    else:
-        require(any(declared[name] not in x for name, x in found), "the rows may have the orders")
 
 
 def differences_of(method):
@@ -111,6 +77,77 @@ def gaps_of_end(method):
     """Return b(1) - b."""
     ends = [total(x) for x in method.matrix("dense")]
     return less(ends, method.single().B[0])
+
+
+class RowCase(Case):
+    """A part about the order of the method with the weights of an embedded row."""
+
+    @cached_property
+    def rows(self) -> dict:
+        """Return the weights of the rows of the file by name."""
+        return self.method.rows()
+
+    @cached_property
+    def name(self) -> str:
+        """Return the name of the row."""
+        return str(self.witness["row"])
+
+    @cached_property
+    def parts(self) -> list[Mapping[str, object]]:
+        """Return the parts about the row."""
+        parts = self.witness["parts"]
+        check_parts(parts, self.proof.table)
+        return cast("list[Mapping[str, object]]", parts)
+
+    @cached_property
+    def names(self) -> list[object]:
+        """Return the rules of the parts."""
+        return [part["rule"] for part in self.parts]
+
+    @cached_property
+    def bound(self) -> Bound:
+        """Return what the parts show of the order of the row."""
+        method = self.method.with_row(self.rows[self.name][0]).for_claim("order")
+        inner = self.proof.of_row(self.name, method)
+        for part in self.parts:
+            inner.apply(part)
+        if self.names == ["no-order-1"]:
+            return Bound("order", 0, 0, True, self.method.kind == "nystrom")
+        return inner.known["order"]
+
+
+def row_is_one_of_the_file(case: RowCase) -> bool:
+    """The file has a row of the name in `embedded`."""
+    return case.name in case.rows
+
+
+def parts_bound_the_order(case: RowCase) -> bool:
+    """The parts are a lower and an upper bound, or `no-order-1`; where it fails one is enough."""
+    low, high = "order-at-least", "order-at-most"
+    at_root = case.proof.record.root is not None
+    both = [["implied-order", high]] if at_root else [[low, high], ["no-order-1"]]
+    return case.names in both or case.names in (
+        [[high]] if case.proof.holds else [[high], [low], ["implied-order"]]
+    )
+
+
+def order_is_that_of_the_solution(case: RowCase) -> bool:
+    """The order is that of the solution, principal `identity`, on the trees of the class."""
+    kinds = (True, "nystrom-paths") if case.method.kind == "nystrom" else (False,)
+    return case.bound.identity and case.bound.trees in kinds
+
+
+def check_rows(holds: bool, declared: Mapping[str, object], names: set, found: list) -> None:
+    """Refuse orders of rows that do not decide what is declared: of all rows, or of one."""
+    orders = {x.row: x for x in found}
+    require(len(orders) == len(found) and set(declared) == names, "rows")
+    if holds:
+        require(set(orders) == names, "a row is missing")
+        require(all(x.low == x.high == declared[x.row] for x in found),
+                "the order of a row is not shown to be this")  # fmt: skip
+    else:
+        require(any(not x.low <= whole(declared[x.row]) <= x.high for x in found),
+                "the rows may have the orders")  # fmt: skip
 
 
 class RowsCase(Case):
@@ -263,6 +300,13 @@ def all_or_not(name: str, other: str, claim: str, case: type[RowsCase]) -> tuple
 
 
 ROW_RULES = (
+    Rule(
+        "row", "embedded-order", "holds", "the definition", PAGE, "row parts", RowCase,
+        (row_is_one_of_the_file, parts_bound_the_order, order_is_that_of_the_solution),
+        lambda case: RowOrder(
+            case.name, case.bound.low or 0, 20 if case.bound.high is None else case.bound.high
+        ),
+    ),
     *all_or_not("differences", "no-differences", "embedded-difference", DifferencesCase),
     *all_or_not("row-sums", "no-row-sums", "row-sums", RowSumsCase),
     *all_or_not("dense-end", "no-dense-end", "dense-end", DenseEndCase),

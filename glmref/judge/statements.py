@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from .claims import (
     ABSENT,
     ADDITIVE,
@@ -19,26 +17,27 @@ from .claims import (
 from .document import CLASSES
 from .proof import Proof, record_of
 from .refusals import Malformed, Refused, as_object, require, whole
-from .rule import Bound, Bounded, Rule
-from .rules_digits import not_to_digits, to_digits
-from .rules_enclosed import implied
+from .rule import Bound, Bounded, RowOrder, Rule
+from .rules_digits import DIGIT_RULES
+from .rules_enclosed import ENCLOSED_RULES
 from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
 from .rules_orders import ORDER_RULES
-from .rules_rows import ROW_RULES, check_rows, row
+from .rules_rows import ROW_RULES, check_rows
 from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
 from .rules_structure import STRUCTURE_RULES
 from .rules_symmetry import SYMMETRY_RULES
 
-#: Rules by name: records, and functions of (proof, witness) that are not records yet.
-RECORDS = (
-    *ORDER_RULES, *START_RULES, *GROWTH_RULES, *FORM_RULES, *SYMMETRY_RULES, *STRUCTURE_RULES,
-    *STABILITY_RULES, *ROW_RULES,
-)  # fmt: skip
-RULES: dict[str, Rule | Callable] = {rule.name: rule for rule in RECORDS} | {
-    rule.__name__.replace("_", "-"): rule for rule in (implied, row, to_digits, not_to_digits)
-}
+#: The rules by name.
+RULES: dict[str, Rule] = {
+    rule.name: rule
+    for family in (
+        ORDER_RULES, START_RULES, GROWTH_RULES, FORM_RULES, SYMMETRY_RULES, STRUCTURE_RULES,
+        STABILITY_RULES, ROW_RULES, DIGIT_RULES, ENCLOSED_RULES,
+    )
+    for rule in family
+}  # fmt: skip
 
 
 def has_meaning(proof: Proof) -> bool:
@@ -116,11 +115,13 @@ def decide(proof: Proof) -> None:
     check_declared(proof)
     fine = proof.rules == ["absent"] or fits(proof)
     require(fine, f"these parts do not prove {claim}: {proof.rules}")
-    results = [proof.apply(part) for part in proof.parts]
+    for part in proof.parts:
+        proof.apply(part)
     if proof.rules == ["absent"]:
         return
     if claim == "embedded-order":
-        check_rows(proof, results)
+        rows = set(proof.method.rows())
+        check_rows(proof.holds, as_object(proof.declared), rows, proof.all_shown(RowOrder))
     elif claim in (*ORDERS, *SECOND, "dense-order"):
         decide_order(proof, SECOND.get(claim, "dense-order" if claim == "dense-order" else "order"))
     if claim == "zero-stable" and "bounded" in proof.rules:
