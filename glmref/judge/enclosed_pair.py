@@ -10,7 +10,7 @@ from .enclosures import Enclosed, parameter
 from .krawczyk import at_values
 from .lie import lie_images
 from .linalg import ones
-from .numbers import apart, is_nil, total
+from .numbers import is_nil, total
 from .refusals import require
 from .series import Solved
 from .trees import is_nystrom, read_tree, size, trees, versions
@@ -154,29 +154,37 @@ class Pair(Enclosed):
                 chosen.add(row)
         return len(chosen.rows) == len(every.rows)
 
-    def order_holds(self, p, identity_mode, nystrom):
-        """Refuse unless the equations give order p."""
-        require(self.signs is not None or self.one_step, "the pair is not symmetric")
-        require(self.identity_through(p - 1, nystrom), "a principal part is not shown to be 0")
-        for n in range(1, p + 1, 2 if self.signs is not None else 1):
-            require(self.covered(n, nystrom), f"the conditions of order {n}")
+    def is_of_the_theorem(self, identity_mode, nystrom, row):
+        """Tell whether the pair is symmetric or carries one value of each component."""
+        return self.signs is not None or self.one_step
+
+    def principal_is_zero(self, p, identity_mode, nystrom):
+        """Tell whether all principal parts below p are 0."""
+        return self.identity_through(p - 1, nystrom)
+
+    def gives_order(self, p, nystrom, row, method):
+        """Tell whether the equations give all conditions through order p."""
+        step = 2 if self.signs is not None else 1
+        return all(self.covered(n, nystrom) for n in range(1, p + 1, step))
+
+    def gives_stage_order(self, q):
+        """Return False: no equation is about the stages of a pair."""
+        return False
 
     def implies(self, claim):
         """Tell whether a claim that is true or false holds at the root."""
-        if claim in ("g-symplectic", "symplectic"):
-            weights = at_values(self.b, self.root) + at_values(self.c, self.root)
-            require(all(map(apart, weights)), "a weight may be 0")
-            return claim == "g-symplectic" or self.one_step
+        if claim == "symplectic":
+            return self.one_step
         if claim == "consistent":
             return self.covered(1, False)
-        return claim == "preconsistent" or (claim == "symmetric" and self.signs is not None)
+        if claim == "symmetric":
+            return self.signs is not None
+        return claim in ("preconsistent", "g-symplectic")
 
     def zero_start_holds(self, q, nystrom):
-        """Refuse unless every value but the first is 0 on all trees through order q."""
-        if self.one_step:
-            return
-        require(self.signs is not None, "the pair is not symmetric")
+        """Tell whether every value but the first is 0 on all trees through order q."""
+        if self.one_step or self.signs is None:
+            return self.one_step
         L = self.reversal()
-        fine = all(self.is_zero_start(t, k, L) for n in range(1, q + 1)
+        return all(self.is_zero_start(t, k, L) for n in range(1, q + 1)
                    for t in listed(n, nystrom) for k in range(1, len(L[t[0]])))  # fmt: skip
-        require(fine, "a value is not shown to start with 0")

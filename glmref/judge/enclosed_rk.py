@@ -149,16 +149,20 @@ class RungeKutta(Enclosed):
             return self.given(LEAF, None)
         return self.given(("o", below), None) and self.given(attach(("o", below), LEAF), None)
 
-    def order_holds(self, p, identity_mode, nystrom, row, method):
-        """Refuse unless the equations give order p with the weights of a row."""
-        require(not nystrom and identity_mode, "one value is carried")
-        require(row in self.rows, "no row of embedded has the name")
+    def is_of_the_theorem(self, identity_mode, nystrom, row):
+        """Tell whether the order is that of the solution on all trees, with weights of the file."""
+        return not nystrom and identity_mode and row in self.rows
+
+    def principal_is_zero(self, p, identity_mode, nystrom):
+        """Return True: the one value is the solution."""
+        return True
+
+    def gives_order(self, p, nystrom, row, method):
+        """Tell whether the equations give all conditions through order p with the row."""
         if row is None and self.gauss:
-            require(p <= 2 * self.s, "the Gauss method has order 2 s")
-            return
-        for n in range(1, p + 1):
-            fine = all(self.given(t, row) for t in pool_of(method, n, nystrom))
-            require(fine, f"the conditions of order {n}")
+            return p <= 2 * self.s
+        level = (t for n in range(1, p + 1) for t in pool_of(method, n, nystrom))
+        return all(self.given(t, row) for t in level)
 
     def implies(self, claim):
         """Tell whether a claim that is true or false holds at the root."""
@@ -171,9 +175,8 @@ class RungeKutta(Enclosed):
         return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
 
     def zero_growths(self):
-        """No growth parameter is an equation."""
+        """Return None: no growth parameter is an equation."""
 
-    def stage_order_holds(self, q, p):
-        """Refuse all but q = 1, which c = A 1 is, and q <= s of the Gauss method."""
-        most = self.s if self.gauss else 1
-        require(len(self.below) == 1 and q <= min(p, most), "the stages are not given")
+    def gives_stage_order(self, q):
+        """Tell whether q is 1, which c = A 1 is, or q <= s of the Gauss method."""
+        return len(self.below) == 1 and q <= (self.s if self.gauss else 1)

@@ -151,15 +151,20 @@ class Sweep(Enclosed):
             given.add(bush)
         return given
 
-    def order_holds(self, p, identity_mode, nystrom):
-        """Refuse unless the equations give order p."""
-        require(not nystrom and self.signs is not None, "the method is not symmetric")
+    def is_of_the_theorem(self, identity_mode, nystrom, row):
+        """Tell whether the method is symmetric, and its order is on all trees."""
+        return not nystrom and self.signs is not None
+
+    def principal_is_zero(self, p, identity_mode, nystrom):
+        """Tell whether the first value is 0 at all classes below p, where it is the solution."""
+        if not identity_mode or p < 2:
+            return True
+        return all(is_nil(x[0]) for x in self.series(self.root, p).eta.values())
+
+    def gives_order(self, p, nystrom, row, method):
+        """Tell whether the equations give all conditions through order p."""
         given = self.given_trees()
-        for n in range(1, p + 1, 2):
-            require(conditions_follow(n, self.q, given, self.free), f"the conditions of order {n}")
-        if identity_mode and p > 1:
-            eta = self.series(self.root, p).eta
-            require(all(is_nil(x[0]) for x in eta.values()), "a principal part may not be 0")
+        return all(conditions_follow(n, self.q, given, self.free) for n in range(1, p + 1, 2))
 
     def implies(self, claim):
         """Tell whether a claim that is true or false holds at the root."""
@@ -171,9 +176,9 @@ class Sweep(Enclosed):
             return self.r == 1
         return claim == "symmetric" and self.signs is not None
 
-    def stage_order_holds(self, q, p):
-        """Refuse unless every stage has order q."""
-        require(1 <= q <= min(self.q, p), "the stages are not given")
+    def gives_stage_order(self, q):
+        """Tell whether every stage has order q."""
+        return q <= self.q
 
 
 class ByClasses(Solved):

@@ -6,8 +6,6 @@ from functools import cached_property
 
 from .arithmetic import Fraction
 from .document import Method
-from .enclosed_pair import Pair
-from .enclosed_rk import RungeKutta
 from .linalg import apply, is_exact, kernel, less, ones
 from .numbers import apart, total, vanishes
 from .refusals import not_covered, require, whole
@@ -179,14 +177,21 @@ def next_order_fails(case: OrderCase) -> bool:
     return any(map(apart, series.condition(case.tree)))
 
 
-def order_follows_from_the_equations(case: OrderCase) -> bool:
+def theorem_is_about_the_method(case: OrderCase) -> bool:
+    """The method is symmetric, or carries the solution only, and the trees are not paths."""
+    root = case.proof.root()
+    return not case.along_paths and root.is_of_the_theorem(*case.kind, case.proof.row)
+
+
+def principal_parts_are_0(case: OrderCase) -> bool:
+    """The principal parts below the order, where the theorem needs them, are 0."""
+    return case.proof.root().principal_is_zero(case.order, *case.kind)
+
+
+def equations_give_the_order(case: OrderCase) -> bool:
     """The equations of the enclosure give the conditions of every order through p."""
-    proof, p = case.proof, whole(case.witness["order"], 1, 20)
-    require(not case.along_paths, "paths decide for exact pairs")
-    root = proof.root()
-    more = (proof.row, case.method) if isinstance(root, RungeKutta) else ()
-    root.order_holds(p, *case.kind, *more)
-    return True
+    root = case.proof.root()
+    return root.gives_order(case.order, case.kind[1], case.proof.row, case.method)
 
 
 # ---------------------------------------------------------------------------- stage order
@@ -295,17 +300,9 @@ def a_stage_is_wrong(case: BoundCase) -> bool:
     return any(map(apart, stage_defect(series, case.tree, case.q + 1 == case.most)))
 
 
-def stage_order_follows_from_the_equations(case: BoundCase) -> bool:
+def equations_give_the_stage_order(case: BoundCase) -> bool:
     """The equations of the enclosure give the order of every stage."""
-    root, low = case.proof.root(), case.order.low
-    require(case.q >= 1 and not isinstance(root, Pair), "the stage order of pairs")
-    root.stage_order_holds(case.q, low)
-    return True
-
-
-def order_is_shown(case: BoundCase) -> bool:
-    """The order of the method is bounded below by a part before."""
-    return case.order.low is not None
+    return case.proof.root().gives_stage_order(case.q)
 
 
 ORDER_RULES = (
@@ -349,7 +346,8 @@ ORDER_RULES = (
         "implied-order", "order", "at least",
         "the equations and symmetry give the conditions of every order through p",
         "docs/certificates.md, 6.2 to 6.4 and 6.8", "order principal trees", OrderCase,
-        (order_follows_from_the_equations,), lambda case: case.bound(low=case.order),
+        (theorem_is_about_the_method, equations_give_the_order, principal_parts_are_0),
+        lambda case: case.bound(low=case.order),
     ),
     Rule(
         "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE, "q", BoundCase,
@@ -368,7 +366,7 @@ ORDER_RULES = (
         "implied-stage-order", "stage-order", "at least",
         "the equations `defect`, mirrored, are those of every stage",
         "docs/certificates.md, 6.3", "q", BoundCase,
-        (order_is_shown, stage_order_follows_from_the_equations),
+        (bound_is_below_the_order, equations_give_the_stage_order),
         lambda case: Bound("stage-order", case.q, None, *case.kind),
     ),
 )  # fmt: skip

