@@ -30,7 +30,7 @@ from .exchanging import export, import_
 from .feeding import feed
 from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
-from .probing import conformance, probe
+from .probing import board, conformance, probe
 from .reporting import report
 from .running import run
 
@@ -91,7 +91,7 @@ for command in (
         report,
         campaign,
     ),
-    *(export, import_, problems, compare, check, conformance, audit, feed, lint),
+    *(export, import_, problems, compare, check, conformance, audit, feed, lint, board),
 ):
     group.add_command(command)
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from contextlib import redirect_stdout
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..views.tables import FORMATS, Style, columns, json_text, one_line, shown_value
-from .output import HOLDS, INTERNAL, format_option, say
+from ..views.tables import FORMATS, Style, columns, counted, json_text, one_line, shown_value
+from .output import FAILED, HOLDS, INTERNAL, Progress, complain, format_option, say
 
 if TYPE_CHECKING:
     from ..conformance.identify import Probe
@@ -64,6 +65,52 @@ def probe(adapter: str, method: str | None, form: str) -> int:
         style = Style.of(sys.stdout)
         say("\n\n".join(_page(x, style) for x in found))
     return INTERNAL if any(x.reading is None or x.notes for x in found) else HOLDS
+
+
+@click.command(short_help="Run the conformance suite on many integrators: one page.")
+@click.argument("adapters", nargs=-1, metavar="[ADAPTER]...")
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("board"),
+    help="Folder of the page and of the runs; board by default.",
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(1, 10**6),
+    default=600,
+    help="Time limit of each integrator; 600 by default.",
+)
+@click.option("--recipe", metavar="ADAPTER", help="Write its container recipe and stop.")
+def board(adapters: tuple[str, ...], output: Path, seconds: float, recipe: str | None) -> int:
+    """Run the conformance suite on integrators, and write a page: integrator by property.
+
+    An ADAPTER is written as for `glmref conformance`; by default all that are shipped, except for
+    the engines of glmref. What is not installed is grey, with the reason. Exit code 1 when a check
+    fails, or when the adapter that is wrong on purpose passes.
+    """
+    from ..conformance import board as suite
+    from ..report.board import build_board
+
+    if recipe is not None:
+        say(suite.recipe(recipe).rstrip())
+        return HOLDS
+    runs = []
+    with Progress(len(adapters or suite.DEFAULT), "board", "adapter") as progress:
+        for run in suite.board(adapters, seconds):
+            runs.append(run)
+            progress.advance(run.name)
+    place = build_board(runs, output)
+    rows = [row for run in runs for row in run.rows]
+    absent = sum(bool(run.reason) for run in runs)
+    say(
+        f"{counted(len(rows), 'method')} of {counted(len(runs) - absent, 'integrator')}, "
+        f"{absent} did not run; open {one_line(place)}"
+    )
+    wrong = [run for run in runs if not run.reason and not run.as_it_should_be]
+    for run in wrong:
+        complain(f"{run.name}: {'passes' if run.name == suite.PLANTED else 'a check fails'}")
+    return FAILED if wrong else HOLDS
 
 
 def _page(found: Probe, style: Style) -> str:

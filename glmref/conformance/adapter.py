@@ -20,6 +20,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -31,15 +32,48 @@ if TYPE_CHECKING:
 
     from ..problems import Problem
 
-#: Adapters that come with the package; each imports its library when it is asked for.
-SHIPPED: Mapping[str, str] = {
-    "reference": "glmref.conformance.adapters.reference:Adapter",
-    "compiled": "glmref.conformance.adapters.compiled:Adapter",
-    "scipy": "glmref.conformance.adapters.scipy_steps:Adapter",
-    "diffrax": "glmref.conformance.adapters.diffrax_steps:Adapter",
-    "heyoka": "glmref.conformance.adapters.heyoka_taylor:Adapter",
-    "rebound": "glmref.conformance.adapters.rebound_leapfrog:Adapter",
-    "nodepy": "glmref.conformance.adapters.nodepy_explicit:Adapter",
+
+@dataclass(frozen=True)
+class Shipped:
+    """An adapter that comes with the package; its library is imported when it is asked for.
+
+    Attributes
+    ----------
+    place : str
+        Module of ``glmref.conformance.adapters`` and class.
+    packages : str
+        Packages of PyPI that it needs, in addition to glmref.
+    system : str
+        Packages of Debian that it needs.
+    """
+
+    place: str
+    packages: str = ""
+    system: str = ""
+
+    @property
+    def target(self) -> str:
+        """Module and class, as a user would write them."""
+        return f"glmref.conformance.adapters.{self.place}"
+
+
+#: Adapters that come with the package.
+SHIPPED: Mapping[str, Shipped] = {
+    "reference": Shipped("reference:Adapter"),
+    "compiled": Shipped("compiled:Adapter"),
+    "scipy": Shipped("scipy_steps:Adapter", "scipy"),
+    "diffrax": Shipped("diffrax_steps:Adapter", "diffrax"),
+    "heyoka": Shipped("heyoka_taylor:Adapter", "heyoka"),
+    "rebound": Shipped("rebound_leapfrog:Adapter", "rebound"),
+    "nodepy": Shipped("nodepy_explicit:Adapter", "nodepy six sympy"),
+    "extensisq": Shipped("extensisq_steps:Adapter", "extensisq"),
+    "gsl": Shipped("gsl_steps:Adapter", system="libgsl27"),
+    "odeint": Shipped("odeint_steps:Adapter", system="g++ libboost-dev"),
+    "exported-c": Shipped("exported:InC", system="gcc libc6-dev"),
+    "exported-c++": Shipped("exported:InCpp", system="g++"),
+    "exported-rust": Shipped("exported:InRust", system="rustc"),
+    "exported-python": Shipped("exported:InPython"),
+    "planted": Shipped("planted:Adapter"),
 }
 
 
@@ -117,7 +151,8 @@ def load_adapter(text: str) -> Any:
     UsageError
         One sentence on what is wrong and what to do.
     """
-    text = SHIPPED.get(text, text)
+    if text in SHIPPED:
+        text = SHIPPED[text].target
     if text.startswith("cmd:"):
         from .pipe import PipeAdapter
 

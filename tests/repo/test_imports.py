@@ -28,7 +28,7 @@ LAYERS = [
     "prove derive",
     "problems engine",
     "measure views",
-    "scenes conformance exchange audit",
+    "scenes exchange conformance audit",
     "report cli",
     "__main__ __init__",
 ]
@@ -45,6 +45,7 @@ VERSION = {"compute", "views", "scenes", "exchange", "report", "cli"}
 OUTSIDE: dict[str, str] = {
     "click": "cli",
     "diffrax": "conformance",
+    "extensisq": "conformance",
     "flint": "exact",
     "heyoka": "conformance",
     "jax": "conformance",

@@ -219,7 +219,7 @@ def test_a_peer_passes(name: str, library: str) -> None:
 def test_every_shipped_adapter_has_a_module() -> None:
     from importlib.util import find_spec
 
-    assert all(find_spec(place.partition(":")[0]) for place in SHIPPED.values())
+    assert all(find_spec(x.target.partition(":")[0]) for x in SHIPPED.values())
 
 
 class Plain:
