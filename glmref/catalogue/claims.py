@@ -3,7 +3,7 @@
 What the package knows of a claim apart from its proof follows from this table: the keys a file may
 have and their kinds of values (:mod:`.keys`, :mod:`.reader`), their order in a file
 (:mod:`.canonical`), which methods can make it (:mod:`glmref.prove.verifier`), the rule of the
-kernel that decides (:mod:`glmref.prove.kernel`), and the JSON Schema and the table of
+kernel that finds what is true (:mod:`glmref.prove.kernel`), and the JSON Schema and the table of
 ``data/README.md``, which ``python -m tools.method_schema`` writes. Modules that need one particular
 claim take its key from here, for example ``ZERO_STABLE.key``.
 

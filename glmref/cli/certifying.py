@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -25,11 +25,6 @@ def certify(name: str, output: str | None) -> int:
     without a certificate is named on stderr, with the reason. docs/certificates.md specifies the
     format.
     """
-    return write_lines(name, output)
-
-
-def write_lines(name: str, output: str | None = None) -> int:
-    """Write the certificates of a method to stdout, or into a folder; return the exit code."""
     written = 0
     try:
         certificates = _certificates(name)
@@ -51,7 +46,7 @@ def write_lines(name: str, output: str | None = None) -> int:
 
 
 #: A claim, and its certificate or the reason why it has none.
-_Found = tuple[str, dict[str, Any] | str]
+_Found = tuple[str, Mapping[str, Any] | str]
 
 
 def _certificates(name: str) -> list[_Found]:
@@ -89,20 +84,17 @@ def _certificates(name: str) -> list[_Found]:
 def _made(path: Path, proofs: Callable[[], AbstractContextManager[None]]) -> Iterator[_Found]:
     """Make the certificates of a file; what surrounds the proofs is entered once it is read."""
     from ..catalogue.lookup import read_method
-    from ..prove.certificate import certificates_of
     from ..prove.verifier import asked_of, facts_for
 
     doc, method = read_method(path)
     claims = asked_of(method, doc.get("broken"))
     with proofs():
         facts = facts_for(method)
-        statements = {
-            claim: (declared, facts.judge(claim, declared)) for claim, declared in claims.items()
-        }
-        yield from certificates_of(facts, statements)
+        for claim, declared in claims.items():
+            yield claim, facts.judge(claim, declared).certificate
 
 
-def _write(folder: Path, certificate: dict[str, Any]) -> None:
+def _write(folder: Path, certificate: Mapping[str, Any]) -> None:
     make_folder(folder)
     statement = certificate["statement"]
     path = folder / f"{statement['method']}.{statement['claim']}.json"

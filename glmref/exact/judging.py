@@ -19,8 +19,10 @@ from types import ModuleType
 import flint
 
 from .. import judge
+from ..errors import BudgetError
 from ..judge.arithmetic import Ring
 from ..judge.refusals import Refused, Undecided
+from ..system.budget import spend
 
 PRECISION = 512  # bits of a ball
 
@@ -153,6 +155,7 @@ class Gradient(Ring):
 
 def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.fmpq:
     """Return sum x_i y_i."""
+    spend()
     found = flint.fmpq(0)
     for a, b in zip(x, y, strict=True):
         if a and b:
@@ -162,6 +165,7 @@ def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.
 
 def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | flint.fmpq:
     """Return sum x_i y_i of intervals and rationals; an exact zero stays one."""
+    spend()
     exact, found = flint.fmpq(0), None
     for a, b in zip(x, y, strict=True):
         if type(a) is Interval:
@@ -186,6 +190,7 @@ def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | flint.fmpq:
 
 def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
     """Return sum x_i y_i of intervals, rationals and gradients."""
+    spend()
     value, by = flint.arb(0), {}
     for a, b in pairs:
         u, du = _split(a)
@@ -255,6 +260,16 @@ def fast_judge() -> ModuleType:
 
 
 def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:
-    """Return (accepted, sentence) of a certificate, judged with FLINT's numbers."""
+    """Return (accepted, sentence) of a certificate, judged with FLINT's numbers.
+
+    Raises
+    ------
+    BudgetError
+        Where the budget in force is spent, see :mod:`glmref.system.budget`.
+    """
     with flint.ctx.workprec(PRECISION):
-        return fast_judge().verdict(certificate)
+        try:
+            return fast_judge().verdict(certificate)
+        except BudgetError:  # a series may have been left half made
+            fast_judge().proof.record_of.cache_clear()
+            raise

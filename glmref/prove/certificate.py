@@ -1,9 +1,9 @@
 """Certificates: what was proved about a file, written so that others can check it.
 
-The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel decides first; then
-its series, and the witnesses it was handed, are written down; a statement that rests on an
-enclosure gets its interval test. What has no certificate, such as a method that declares an
-output, is said with the reason.
+The format is ``glmref-certificate-1`` (``docs/certificates.md``). The kernel finds what is true;
+then its series, and the witnesses it was handed, are written down; a statement that rests on an
+enclosure gets its interval test. Nothing is decided here: that is what the judge does with what was
+written (:mod:`.verdicts`). What has no certificate is said with the reason.
 """
 
 from __future__ import annotations
@@ -36,13 +36,14 @@ from ..catalogue.claims import (
     W_ORDER,
 )
 from ..catalogue.files import document as shipped_document
-from ..errors import ExactnessError
+from ..errors import ExactnessError, UsageError
 from ..exact import Exact, linalg
 from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
-from ..findings import Proof, Verdict
+from ..findings import Proof
 from ..method.embedded import EmbeddedRow
 from ..method.preconsistency import consistency_vector, preconsistency_vector
+from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import difference, is_zero, scalars
 from ..theory.starting_series import StartingSeries
@@ -54,7 +55,7 @@ from .algebra import (
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
 from .field import Tower, radicals_of, written_out
 from .finders import proposal_for
-from .kernel import Judgement, Kernel
+from .kernel import Found, Kernel
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
@@ -67,27 +68,21 @@ _ABOUT = {
     STARTING_ORDER.key: "starting",
     FINISHING_ORDER.key: "finishing",
 }
+#: Orders of the method itself.
+_ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
 _PROSE = frozenset(
     {"name", "title", "source", "notes", "broken", "claims", "enclosure", "stages", "row"}
 )
 
 
-def certificates_of(
-    facts: Any, statements: Mapping[str, tuple[object, Judgement]]
-) -> Iterator[tuple[str, dict[str, Any] | str]]:
-    """Write the certificate of every statement, or say why there is none.
-
-    Yields
-    ------
-    tuple[str, dict[str, Any] or str]
-        (claim, certificate or reason).
-    """
-    shared = _Shared(facts)
-    for claim, (declared, judgement) in statements.items():
-        try:
-            yield claim, _certificate(facts, claim, declared, judgement, shared)
-        except ExactnessError as error:
-            yield claim, str(error)
+def certificate_of(
+    facts: Any, shared: Shared, claim: str, declared: object, found: Found
+) -> dict[str, Any] | str:
+    """Write the certificate of what was found about a claim, or say why there is none."""
+    try:
+        return _certificate(facts, claim, declared, found, shared)
+    except ExactnessError as error:
+        return str(error)
 
 
 def _trees(series: StartingSeries, nystrom: bool) -> str:
@@ -97,12 +92,31 @@ def _trees(series: StartingSeries, nystrom: bool) -> str:
     return "nystrom" if nystrom else "all"
 
 
-class _Shared:
+class Shared:
     """What the certificates of one file share: its interval tests and its number fields."""
 
     def __init__(self, facts: Any) -> None:
-        self.facts, self.document = facts, facts.method.document or {}
+        self.facts = facts
         self._towers: dict[frozenset[str], Tower] = {}
+
+    @cached_property
+    def document(self) -> Mapping[str, Any]:
+        """The document of the method; of one without a file that which ``save`` writes.
+
+        Raises
+        ------
+        ExactnessError
+            For a method without a file that no file can hold exactly.
+        """
+        method = self.facts.method
+        if method.document is not None:
+            return method.document
+        if not method.is_exact:
+            raise ExactnessError("a method without a file, in numbers that are not exact")
+        try:
+            return above("exchange.tables", "method_document")(method, method.name, None)
+        except UsageError as error:
+            raise ExactnessError(f"a method without a file: {error}") from error
 
     @cached_property
     def method(self) -> dict[str, Any]:
@@ -188,14 +202,10 @@ class _Texts:
 
 
 def _certificate(
-    facts: Any, claim: str, declared: Any, judged: Judgement, shared: _Shared
+    facts: Any, claim: str, declared: Any, judged: Found, shared: Shared
 ) -> dict[str, Any]:
-    if judged.verdict is Verdict.OPEN:
-        raise ExactnessError("the claim is open")
     enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
-    document = facts.method.document
-    if document is None:
-        raise ExactnessError("a method without a file has no certificate")
+    document = shared.document
     writer = (_EnclosedWriter if enclosed else _Writer)(facts, claim, declared, judged)
     parts = writer.parts()
     kept = {k: v for k, v in document.items() if k not in ("claims", "source", "notes", "title")}
@@ -203,10 +213,10 @@ def _certificate(
     found = {
         "format": FORMAT,
         "statement": {
-            "method": facts.method.name,
+            "method": document["name"],
             "claim": claim,
             "declared": declared,
-            "verdict": str(judged.verdict),
+            "verdict": "holds" if judged.truth else "fails",
             "proof": str(judged.proof),
         },
         "document": kept,
@@ -252,11 +262,11 @@ class _Reduced:
 class _Writer:
     """The parts of one statement."""
 
-    def __init__(self, facts: Any, claim: str, declared: Any, judged: Judgement) -> None:
+    def __init__(self, facts: Any, claim: str, declared: Any, judged: Found) -> None:
         self.facts, self.claim, self.declared, self.judged = facts, claim, declared, judged
         self.kernel: Kernel = facts.kernel
         self.identities: list[str] = []
-        self.holds = judged.verdict is Verdict.HOLDS
+        self.holds = judged.truth is True
 
     def parts(self) -> list[Part]:
         """The parts that prove the statement."""
@@ -264,12 +274,11 @@ class _Writer:
 
     def _absent(self) -> bool:
         """Whether the file has nothing that the claim is about."""
-        document = self.facts.method.document or {}
         if self.claim == EMBEDDED_ORDER.key:
             rows = {x.name for x in self.facts.method.embedded}
             return not rows or set(self.declared) != rows
         key = _ABOUT.get(self.claim)
-        return key is not None and not document.get(key) and not (
+        return key is not None and not self.facts.shared.document.get(key) and not (
             key == "starting" and self.kernel.is_pair
         )  # fmt: skip
 
@@ -348,9 +357,10 @@ class _Writer:
         if free and self.kernel.method.system:
             raise ExactnessError("the effective order of a table with c apart")
         found = self.kernel.order_range(free=free, nystrom=nystrom)
-        if found.upper is None or found.lower != found.upper:
+        settled, below = found.lower == found.upper, self._is_below_declared(found.upper)
+        if not (settled or below or self._is_above_declared(found.lower)):
             raise ExactnessError("the order is not settled")
-        p = found.upper
+        p = found.upper if below and found.upper is not None else found.lower
         if p == 0 and (self.kernel.exact or not found.tree):
             return [self._no_order()]
         if (free, nystrom) in self.kernel.series:
@@ -365,13 +375,24 @@ class _Writer:
             "principal": "free" if free else "identity",
             "trees": _trees(series, nystrom),
         }
+        least = {"rule": "order-at-least", "witness": names}
+        most = {"rule": "order-at-most", "witness": {**names, "tree": found.tree}}
+        if settled or below:
+            self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
+        if below and not settled:
+            return [most]
         count = sum(len(series.level(n)) for n in range(1, p + 1))
-        self.identities.append(f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
-        self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
-        return [
-            {"rule": "order-at-least", "witness": names},
-            {"rule": "order-at-most", "witness": {**names, "tree": found.tree}},
-        ]
+        self.identities.insert(0, f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
+        return [least, most] if settled else [least]
+
+    def _is_above_declared(self, lower: int) -> bool:
+        """Whether an order of at least this is not the one declared, which fails."""
+        return not self.holds and self.claim in _ORDERS and lower > self.declared
+
+    def _is_below_declared(self, upper: int | None) -> bool:
+        """Whether an order of at most this is not the one declared, which fails."""
+        fails = not self.holds and self.claim in _ORDERS
+        return fails and upper is not None and upper < self.declared
 
     def _no_order(self) -> Part:
         """A component that is not consistent."""

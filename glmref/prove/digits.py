@@ -25,7 +25,7 @@ from ..system.budget import spend
 from ..theory.trees import Tree, tree, trees
 
 if TYPE_CHECKING:
-    from .kernel import Judgement, Proposal
+    from .kernel import Found, Proposal
 
 #: A condition of the next order has a residual above so many times the one declared.
 GAP = 1000
@@ -363,7 +363,7 @@ class DigitRules:
         if not kernels or not all(_carries_on(*b) for x in kernels for b in x.blocks.values()):
             raise ExactnessError("only methods that carry one value are judged to digits")
 
-    def _order_to_digits(self, declared: Mapping[str, Any], proposal: Proposal) -> Judgement:
+    def _order_to_digits(self, declared: Mapping[str, Any], proposal: Proposal) -> Found:
         """Judge the orders that rounded coefficients have to a size of their residuals."""
         names = [SOLUTION, *(row.name for row in self.method.embedded)]
         if set(declared) != set(names):

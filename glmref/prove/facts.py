@@ -25,8 +25,10 @@ from ..theory.reduction import reduction
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
+from .certificate import Shared, certificate_of
 from .finders import proposal_for
-from .kernel import Judgement, Kernel
+from .kernel import Found, Kernel
+from .verdicts import Judgement, judged
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
@@ -75,9 +77,21 @@ class Facts:
             return Proof.EXACT
         return Proof.MEASURED if self.implied is None else Proof.ENCLOSED
 
+    def find(self, claim: str, declared: object) -> Found:
+        """Find whether one claim is true: a proposal to the judge."""
+        return self.kernel.find(claim, declared, proposal_for(self, claim))
+
     def judge(self, claim: str, declared: object) -> Judgement:
-        """Judge one claim: a finder proposes, the kernel decides."""
-        return self.kernel.judge(claim, declared, proposal_for(self, claim))
+        """Judge one claim: what the finders find is written down, and the judge decides."""
+        found = self.find(claim, declared)
+        if found.truth is None:
+            return judged(found, "")
+        return judged(found, certificate_of(self, self.shared, claim, declared, found))
+
+    @cached_property
+    def shared(self) -> Shared:
+        """What the certificates about the method share."""
+        return Shared(self)
 
     def truth(self, claim: str) -> bool | None:
         """Whether a claim that is true or false is true, as far as it is proved."""

@@ -1,16 +1,18 @@
-"""The kernel: the only code that gives a verdict other than ``open``.
+"""The kernel: it finds what is true of a method, and the witnesses that the judge decides by.
 
-Everything that *finds* (starting series, forms, involutions, eigenvalues, interval boxes) proposes;
-the rules here take the method, a claim, the declared value and what was proposed, evaluate the
-identities themselves, over exact numbers or balls, and say ``holds`` or ``fails`` only where these
-prove it. A proposal that is missing, wrong or beyond what a rule covers gives ``open``, with the
-reason. There is no tolerance: an identity whose ball overlaps zero is not proved, an inequality
+It gives no verdict: a claim holds or fails where the judge (:mod:`glmref.judge`) accepts the
+certificate written of what was found here (:mod:`.verdicts`).
+
+The rules take the method, a claim, the declared value and what other finders proposed (forms,
+involutions, eigenvalues, interval boxes), and evaluate the identities over exact numbers or balls.
+A proposal that is missing, wrong or beyond what a rule covers gives ``None``, with the reason.
+There is no tolerance: an identity whose ball overlaps zero is not known to hold, an inequality
 whose ball excludes zero is (for every method in the balls).
 
 One rule for each claim says what is known: a truth value, a list of numbers, or a *range* for an
-order, a proved lower bound and a proved upper bound. :meth:`Kernel.judge` compares that with what
-is declared. For a file with an enclosure the lower bounds and truths of the one true method within
-its digits come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
+order, a lower bound and an upper bound. :meth:`Kernel.find` compares that with what is declared.
+For a file with an enclosure the lower bounds and truths of the one true method within its digits
+come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
 
 What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in
 :mod:`glmref.exact.linalg`, polynomials and their root counts (Sturm, Schur-Cohn), its own trees and
@@ -24,7 +26,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import factorial
-from typing import Any, NoReturn
+from typing import Any
 
 from ..catalogue.claims import (
     ABSCISSAE,
@@ -39,7 +41,7 @@ from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
 from ..exact.expression import Text, parse
 from ..exact.linalg import Matrix, Vector
-from ..findings import Finding, Proof, Verdict
+from ..findings import Proof
 from ..method import Method
 from ..method.component import Palette
 from ..method.preconsistency import (
@@ -88,7 +90,6 @@ from .rows import RowRules
 from .stability_rules import StabilityRules
 
 _ZERO, _ONE = Exact(0), Exact(1)
-_SEAL = object()
 #: What the numbers of a claim are called in a sentence.
 _CALLED: Mapping[str, str] = {
     GROWTH.key: "growth parameters",
@@ -103,14 +104,16 @@ LONGEST_PATH = 20
 SMALL, ROUNDING = 1e-3, 1e-9
 
 
-class Judgement:
-    """A verdict with what is known; only the kernel can make one.
+@dataclass(frozen=True)
+class Found:
+    """What the kernel found about a claim: a proposal, which the judge accepts or not.
 
     Attributes
     ----------
-    verdict, proof
-        What was decided, and how. ``open`` has the proof that a decision over these numbers would
-        have had.
+    truth : bool or None
+        Whether the claim is true; ``None`` where no rule decides it.
+    proof : Proof
+        Which arithmetic decides, or would decide, it.
     value : object
         The value that was found, or as much as is known of it.
     residual : float
@@ -119,63 +122,11 @@ class Judgement:
         One sentence.
     """
 
-    __slots__ = ("proof", "reason", "residual", "value", "verdict")
-    verdict: Verdict
+    truth: bool | None
     proof: Proof
     value: object
     residual: float
     reason: str
-
-    def __init__(
-        self,
-        verdict: Verdict,
-        proof: Proof,
-        value: object,
-        residual: float,
-        reason: str,
-        *,
-        seal: object,
-    ) -> None:
-        if seal is not _SEAL:
-            raise TypeError("only the kernel makes judgements")
-        for name, x in zip(
-            ("verdict", "proof", "value", "residual", "reason"),
-            (verdict, proof, value, residual, reason),
-            strict=True,
-        ):
-            object.__setattr__(self, name, x)
-
-    def __setattr__(self, name: str, value: object) -> NoReturn:
-        raise AttributeError(f"a judgement cannot be changed: `{name}`")
-
-    def finding(self, method: str, claim: str, declared: object) -> Finding:
-        """Return this verdict as the finding about one claim of a method."""
-        return Finding(
-            method=method, claim=claim, declared=declared, verdict=self.verdict, value=self.value,
-            proof=self.proof, residual=self.residual, witness=self.reason,
-        )  # fmt: skip
-
-
-def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
-    """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
-
-    Parameters
-    ----------
-    judgement : Judgement
-        Of the claim.
-    as_expected : bool
-        Whether it fails for the reason that was announced.
-    reason : str
-        Another sentence.
-    """
-    swap = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
-    verdict = swap.get(judgement.verdict, Verdict.OPEN)
-    if verdict is Verdict.HOLDS and not as_expected:
-        verdict = Verdict.FAILS
-    return Judgement(
-        verdict, judgement.proof, judgement.value, judgement.residual, reason or judgement.reason,
-        seal=_SEAL,
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -247,18 +198,18 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         #: the kernel that knows the order: another one where time is a component of its own
         self.timed = self if timed is method else Kernel(timed)
 
-    # -- judging ---------------------------------------------------------------------------------
+    # -- claims ----------------------------------------------------------------------------------
 
-    def judge(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
-        """Judge one claim: the only way to a verdict."""
+    def find(self, claim: str, declared: object, proposal: Proposal) -> Found:
+        """Find whether one claim is true."""
         try:
             kind = CLAIMS[claim].type
             if kind is int:
-                return self._judge_range(claim, declared, proposal)
+                return self._find_range(claim, declared, proposal)
             if kind is dict:
                 return self._rule(claim)(declared, proposal)
             if kind is not bool:
-                return self._judge_list(claim, declared, proposal)
+                return self._find_list(claim, declared, proposal)
             known = self.known(claim, proposal)
         except ExactnessError as error:
             return self._made(None, exact=self.exact, value=None, residual=0.0, reason=str(error))
@@ -275,12 +226,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
     @staticmethod
     def _made(
         truth: bool | None, *, exact: bool, value: object, residual: float, reason: str
-    ) -> Judgement:
+    ) -> Found:
         if truth is None and not reason:
             reason = "no rule decides it" if exact else "the published digits do not decide it"
-        verdict = Verdict.OPEN if truth is None else Verdict.HOLDS if truth else Verdict.FAILS
         proof = Proof.EXACT if exact else Proof.ENCLOSED
-        return Judgement(verdict, proof, value, residual, reason, seal=_SEAL)
+        return Found(truth, proof, value, residual, reason)
 
     def known(self, claim: str, proposal: Proposal) -> Known:
         """What is known of a claim that is true or false."""
@@ -299,7 +249,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         """
         return getattr(self, f"_{CLAIMS[claim].rule}")
 
-    def _judge_range(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
+    def _find_range(self, claim: str, declared: object, proposal: Proposal) -> Found:
         found = self.range(claim)
         wanted = int(declared)  # type: ignore[call-overload]
         truth = None
@@ -323,7 +273,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
             reason=reason,
         )
 
-    def _judge_list(self, claim: str, declared: object, proposal: Proposal) -> Judgement:
+    def _find_list(self, claim: str, declared: object, proposal: Proposal) -> Found:
         texts = list(declared) if isinstance(declared, list) else [declared]
         known = self._rule(claim)([_number(x) for x in texts], proposal.witness())
         reason = known.reason
@@ -1211,21 +1161,3 @@ def reach(
             break
     return Reach(proved, tuple(sizes), tuple(worst), refuted, exact, tuple(first),
                  tuple(residuals))  # fmt: skip
-
-
-def reaches(found: Reach, order: int, reason: str) -> Judgement:
-    """Judge whether an order is reached, or more."""
-    truth = True if found.proved >= order else None
-    if found.refuted is not None and found.refuted <= order:
-        truth = False
-    value = found.proved if found.refuted is None else found.refuted - 1
-    residual = 0.0 if truth else found.size(min(order, len(found.sizes)))
-    return Kernel._made(truth, exact=found.exact, value=value, residual=residual, reason=reason)
-
-
-def vanishing(x: Scalar, reason: str) -> Judgement:
-    """Judge whether a number is zero."""
-    truth = x.is_zero()
-    residual = 0.0 if truth else x.magnitude()
-    exact = isinstance(x, Exact)
-    return Kernel._made(truth, exact=exact, value=residual, residual=residual, reason=reason)

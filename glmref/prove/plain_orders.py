@@ -32,7 +32,7 @@ from ..findings import Finding, Verdict
 from ..method.digits import digits_of, meant, within_digits
 from .digits import rounded_up
 from .facts import facts_of
-from .kernel import Reach, reaches, vanishing
+from .kernel import Reach
 from .schemes import (
     LARGEST,
     Scheme,
@@ -46,6 +46,7 @@ from .schemes import (
     runge_kutta,
     w_method,
 )
+from .verdicts import reaches, vanishing
 from .wrong_entry import ROUNDING, corrected, row_apart
 
 #: Through which order decimals are looked at as they are written; rounded ones fail before.

@@ -9,12 +9,13 @@ from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Vector
+from ..findings import Proof
 from ..theory.trees import Tree, trees
 from .algebra import all_of, consistent_values, constants, first_value, is_exact
 from .ranges import MAX_ORDER, Known, Range
 
 if TYPE_CHECKING:
-    from .kernel import Judgement, Kernel, Proposal
+    from .kernel import Found, Kernel, Proposal
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -109,23 +110,23 @@ class RowRules:
             return NYSTROM_ORDER.key
         return ORDER.key if self.method.is_one_step else ORDER_IDENTITY.key
 
-    def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Judgement:
+    def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Found:
         """Judge the order of every embedded row; the first that is not as declared decides."""
         kernels, made = dict(self.row_kernels), self._made
         if not kernels or declared.keys() != kernels.keys():
             reason = f"the rows of `embedded` are {', '.join(kernels) or 'none'}"
             return made(False, exact=True, value=None, residual=0.0, reason=reason)
         found = {
-            name: x.judge(self.row_claim, declared[name], proposal) for name, x in kernels.items()
+            name: x.find(self.row_claim, declared[name], proposal) for name, x in kernels.items()
         }
-        by_verdict = {str(x.verdict): (name, x) for name, x in reversed(found.items())}
-        truth = False if "fails" in by_verdict else None if "open" in by_verdict else True
-        name, decides = by_verdict.get("fails") or by_verdict.get("open") or (
+        by_truth = {x.truth: (name, x) for name, x in reversed(found.items())}
+        truth = False if False in by_truth else None if None in by_truth else True
+        name, decides = by_truth.get(False) or by_truth.get(None) or (
             "", max(found.values(), key=lambda x: x.residual)
         )  # fmt: skip
         return made(
             truth,
-            exact=self.exact and all(str(x.proof) == "exact" for x in found.values()),
+            exact=self.exact and all(x.proof is Proof.EXACT for x in found.values()),
             value={key: x.value for key, x in found.items()},
             residual=decides.residual,
             reason=f"row {name}: {decides.reason}" if name else "",

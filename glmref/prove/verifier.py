@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..catalogue.claims import (
     PlainClaims,
 )
 from ..catalogue.lookup import is_shipped, method_of, path_of, read_method
+from ..catalogue.reader import load_document
 from ..errors import (
     BudgetError,
     DataError,
@@ -24,6 +25,8 @@ from ..errors import (
     UsageError,
     did_you_mean,
 )
+from ..exact import Ball
+from ..exact.judging import fast_judge
 from ..findings import Finding, Proof, Verdict
 from ..method import Method
 from ..system.arguments import listed, number, shown
@@ -31,8 +34,8 @@ from ..system.budget import PROVING, limited
 from ..system.shown import ShownList
 from .facts import Facts, facts_of
 from .implications import implied_by
-from .kernel import Judgement, refuted
 from .plain_orders import ORDERS, order_findings
+from .verdicts import Judgement, refuted
 from .wrong_entry import suspected
 
 
@@ -82,7 +85,38 @@ def verify(
         raise UsageError(f"there is no claim {shown(unknown[0])}; {hint}")
     if isinstance(method, str | Path):
         return ShownList(verify_file(method, only=only, budget=budget, tell=tell))
-    method = method_of(method)
+    return _verified(_with_own_document(method_of(method)), only=only, budget=budget, tell=tell)
+
+
+def _with_own_document(method: Any) -> Any:
+    """The method without a document that is not its own: `dataclasses.replace` keeps that."""
+    if method.document is None or not method.is_exact:
+        return method
+    return (
+        method if _same(load_document(method.document), method) else replace(method, document=None)
+    )
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Tell whether two methods, or parts of methods, have the same numbers."""
+    if is_dataclass(one):
+        names = (x.name for x in fields(one) if x.name not in ("name", "claims", "document"))
+        return type(one) is type(other) and all(
+            _same(getattr(one, x), getattr(other, x)) for x in names
+        )
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    return one.overlaps(other) if isinstance(one, Ball) else one == other
+
+
+def _verified(
+    method: Method,
+    *,
+    only: Collection[str],
+    budget: float | None,
+    tell: Callable[[Finding], None],
+) -> list[Finding]:
+    """Check every claim of a method whose document is its own, see :func:`verify`."""
     if not _says_anything(method):
         raise DataError(
             f"the method {method.name or '(unnamed)'!r} carries no claims to verify; "
@@ -273,6 +307,7 @@ def verify_file(
     """
     path = path_of(name)
     doc, method = read_method(path)
+    fast_judge()  # loaded before the time of the proofs counts
     budget = budget_of(path, budget)
     broken = doc.get("broken")
     if broken is not None and only and broken["claim"] not in only:
@@ -284,7 +319,7 @@ def verify_file(
         )
     try:
         if broken is None:
-            return verify(method, only=only, budget=budget, tell=tell)
+            return _verified(method, only=only, budget=budget, tell=tell)
         claim = str(broken["claim"])
         tell(undecided(method, f"refutes {claim}", method.claims.get(claim), ""))
         with limited(budget):

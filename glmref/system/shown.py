@@ -28,6 +28,7 @@ ABOVE = (
     ("views.plot", "plot_solution"),
     ("engine.between", "at"),
     ("exchange.export", "save"),
+    ("exchange.tables", "method_document"),
 )
 
 

@@ -11,7 +11,7 @@ from glmref.findings import Verdict
 from tests.adversary.deceive import doc, findings, shipped
 from tests.adversary.test_verdicts_have_certificates import without_a_certificate
 
-HOLDS, FAILS = Verdict.HOLDS, Verdict.FAILS
+HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
 TINY = "+1/1" + "0" * 80
 #: Zeros, each of another field.
 ZEROS = (
@@ -72,7 +72,11 @@ def test_equal_eigenvalues_written_in_two_ways(
     }
     for claim in (True, False):
         d = doc("glm", {"zero-stable": claim}, field="complex", **keys)
-        assert findings(d)["zero-stable"].verdict is (HOLDS if claim is bounded else FAILS)
+        found = findings(d)["zero-stable"]
+        if "degree" in found.witness:  # of a field that no certificate writes out
+            assert found.verdict is OPEN and "29" in second
+            continue
+        assert found.verdict is (HOLDS if claim is bounded else FAILS)
 
 
 @pytest.mark.parametrize("times", [1, 2])

@@ -1,7 +1,7 @@
 """``python -m tests.oracle --count N --seed S``: draw statements, and compare three opinions on them.
 
-The verdict of the kernel, the judge's answer to the certificates in both directions, and the oracle
-may leave a statement open, but never contradict each other.
+What the kernel finds, the judge's verdict and its answer to the certificates in both directions, and
+the oracle may leave a statement open, but never contradict each other.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from typing import Any
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
 from glmref.findings import Verdict
-from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
 from glmref.system.budget import limited
 from tests.adversary.both_ways import accepted, contradicts
@@ -48,32 +47,29 @@ def compared(
     for claim, declared in claims.items():
         try:
             with limited(10):
-                judged = facts.judge(claim, declared)
-                found = [x for _, x in certificates_of(facts, {claim: (declared, judged)})]
+                seen, judged = facts.find(claim, declared), facts.judge(claim, declared)
         except GlmrefError:
             count["statements refused"] += 1
             continue
         count["statements"] += 1
         word, other = WORDS.get(judged.verdict), None
+        count["found without a verdict"] += seen.truth is not None and word is None
         try:
             other = oracle.judge(claim, declared)
         except (IndexError, KeyError, TypeError, ValueError) as error:
             yield f"{claim} = {declared}: the oracle breaks down: {error!r}"
-        count["kernel decides"] += word is not None
+        count["judge decides"] += word is not None
         count["oracle decides"] += other is not None
         if word is not None and other is not None:
             count["both decide"] += 1
             if word is not other:
-                yield f"{claim} = {declared}: the kernel says {word}, the oracle {other}"
-        for certificate in found:
-            if not isinstance(certificate, dict):
-                count["decided without a certificate"] += word is not None
-                continue
-            if not accepted(certificate):
-                count["certificates refused"] += 1
-                continue
-            count["certificates accepted"] += 1
-            for reason in contradicts(certificate):
+                yield f"{claim} = {declared}: the judge says {word}, the oracle {other}"
+        if seen.truth is not None and other is not None and seen.truth is not other:
+            yield f"{claim} = {declared}: the kernel finds {seen.truth}, the oracle {other}"
+        if isinstance(judged.certificate, dict):
+            if not accepted(judged.certificate):
+                yield f"{claim} = {declared}: refused over fractions, accepted over FLINT"
+            for reason in contradicts(judged.certificate):
                 yield f"{claim} = {declared}: accepted in both directions: {reason}"
 
 

@@ -1,4 +1,4 @@
-"""Only the kernel makes verdicts: checked over the source of the whole package."""
+"""Only the judge's answers make verdicts: checked over the source of the whole package."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ import pytest
 
 from glmref.findings import Proof, Verdict
 from glmref.prove.implications import Implied
-from glmref.prove.kernel import Judgement
+from glmref.prove.kernel import Found
+from glmref.prove.verdicts import Judgement, judged
 from tests import sources
 from tests.sources import PACKAGE, nodes, text
 
 #: Findings of the conformance suite are measurements of programs, with the proof "measured".
 SOURCES = tuple(p for p in sources.SOURCES if p.parent.name != "conformance")
-#: The kernel, and the tables that colour what is read.
-READERS = {"prove/kernel.py", "views/tables.py"}
+#: What asks the judge, and the tables that colour what is read.
+READERS = {"prove/verdicts.py", "views/tables.py"}
+
+
+FOUND = Found(True, Proof.EXACT, True, 0.0, "")
 
 
 def _made(tree: ast.AST) -> list[int]:
@@ -50,7 +54,7 @@ def test_no_other_module_makes_a_verdict() -> None:
         if name not in READERS and ("HOLDS" in text(path) or "FAILS" in text(path)):
             tree = nodes(path)[0]
             assert not _made(tree), f"{name} makes a verdict on lines {_made(tree)}"
-        assert not calls(path, "Judgement") or name == "prove/kernel.py", name
+        assert not calls(path, "Judgement") or name == "prove/verdicts.py", name
         assert not calls(path, "Implied") or name == "prove/implications.py", name
 
 
@@ -60,7 +64,7 @@ def test_findings_are_made_from_judgements_only() -> None:
             verdict = next(k.value for k in node.keywords if k.arg == "verdict")
             # what was not decided, because a budget was spent, may be said anywhere
             said = ast.unparse(verdict)
-            of_judgement = said == "self.verdict" and path == PACKAGE / "prove" / "kernel.py"
+            of_judgement = said == "self.verdict" and path == PACKAGE / "prove" / "verdicts.py"
             assert of_judgement or said in ("row.verdict", "Verdict.OPEN"), path
 
 
@@ -77,10 +81,19 @@ def test_findings_are_read_back_where_they_are_kept_or_sent_only() -> None:
 
 
 def test_the_constructors_are_sealed() -> None:
-    with pytest.raises(TypeError, match="kernel"):
-        Judgement(Verdict.HOLDS, Proof.EXACT, True, 0.0, "", seal=object())
+    with pytest.raises(TypeError, match="judge"):
+        Judgement(Verdict.HOLDS, FOUND, "", "", seal=object())
     with pytest.raises(TypeError, match="implications"):
         Implied({"order": "because"})
+
+
+def test_nothing_holds_without_a_certificate_that_the_judge_accepts() -> None:
+    without = judged(FOUND, "it is not written")
+    assert (without.verdict, without.certificate) == (Verdict.OPEN, "it is not written")
+    assert without.reason == "no certificate is written: it is not written"
+    refused = judged(FOUND, {"format": "glmref-certificate-1"})
+    assert refused.verdict is Verdict.OPEN
+    assert refused.reason.startswith("the judge refuses the certificate: ")
 
 
 def test_the_kernel_imports_no_finder() -> None:

@@ -14,7 +14,6 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.judge import verdict as checked
-from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, trees
@@ -186,7 +185,7 @@ def test_the_abscissae_of_the_parts_stand_one_after_another():
         assert verdicts(method) == {"abscissae": expected}
         facts = facts_for(method)
         found = facts.judge("abscissae", method.claims["abscissae"])
-        ((_, proof),) = certificates_of(facts, {"abscissae": (declared, found)})
+        proof = found.certificate
         assert checked(json.loads(json.dumps(proof)))[0], proof
     parts = copy.deepcopy(EULER["parts"])
     parts[1]["b"] = ["0", "1/2"]

@@ -19,7 +19,6 @@ from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
 from glmref.findings import Verdict
 from glmref.prove import certificate_enclosed, starting
-from glmref.prove.certificate import certificates_of
 from glmref.prove.field import Tower, radicals_of
 from glmref.prove.verifier import facts_for
 from glmref.theory.symplectic import GSymplecticity
@@ -271,7 +270,7 @@ def certified(d: dict[str, Any], claim: str, facts: Any = None) -> dict[str, Any
     """The certificate of a claim, which the checker accepts."""
     facts = facts or facts_for(load_document(d))
     declared = d["claims"][claim]
-    ((_, found),) = certificates_of(facts, {claim: (declared, facts.judge(claim, declared))})
+    found = facts.judge(claim, declared).certificate
     assert isinstance(found, dict), found
     found = json.loads(json.dumps(found))
     accepted, why = judge.verdict(found)

@@ -17,7 +17,6 @@ from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
-from glmref.prove.certificate import certificates_of
 from glmref.prove.certificate_enclosed import equation_numbers, method_proof
 from glmref.prove.enclosure import root_of
 from glmref.prove.field import Tower
@@ -35,7 +34,7 @@ def written(d: dict[str, Any], claim: str, declared: Any) -> dict[str, Any] | st
     method = load_document({**HEAD, **d, "claims": {**d.get("claims", {}), claim: declared}})
     facts = facts_for(method)
     judged = facts.judge(claim, declared)
-    ((_, found),) = certificates_of(facts, {claim: (declared, judged)})
+    found = judged.certificate
     return found if isinstance(found, str) else json.loads(json.dumps(found))
 
 

@@ -23,7 +23,6 @@ from glmref.judge import verdict
 from glmref.method import GLM
 from glmref.method.embedded import EmbeddedRow
 from glmref.prove.analysis import analyze
-from glmref.prove.certificate import certificates_of
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import doc, findings
 
@@ -45,7 +44,7 @@ def judged(doc: dict[str, Any], declared: Any = None) -> tuple[Any, Any]:
     doc = {**doc, "claims": {KEY: declared}}
     facts = facts_for(load_document(doc))
     found = facts.judge(KEY, declared)
-    ((_, certificate),) = certificates_of(facts, {KEY: (declared, found)})
+    certificate = found.certificate
     assert isinstance(certificate, dict), certificate
     return found, verdict(json.loads(json.dumps(certificate)))
 
@@ -101,9 +100,7 @@ def test_in_a_run_the_row_less_the_solution_is_the_local_error() -> None:
 def test_a_certificate_of_other_weights_is_refused() -> None:
     doc = {**changed(), "claims": {KEY: {"estimate": 3}}}
     facts = facts_for(load_document(doc))
-    ((_, good),) = certificates_of(
-        facts, {KEY: ({"estimate": 3}, facts.judge(KEY, {"estimate": 3}))}
-    )
+    good = facts.judge(KEY, {"estimate": 3}).certificate
     assert isinstance(good, dict)
     for key, value in (("v", ["4/5", "1/5"]), ("b", ["3/4", "2/5"]), ("v", ["9/10"])):
         bad = json.loads(json.dumps(good))
@@ -183,7 +180,7 @@ def test_a_row_that_doubles_the_solution_has_no_order_to_digits(v: str, expected
     found = facts.judge(TO_DIGITS, claims[TO_DIGITS])
     assert found.verdict is expected
     if expected is Verdict.HOLDS:
-        ((_, good),) = certificates_of(facts, {TO_DIGITS: (claims[TO_DIGITS], found)})
+        good = found.certificate
         assert isinstance(good, dict) and verdict(json.loads(json.dumps(good)))[0]
         good["document"]["embedded"][0]["v"] = ["2"]
         accepts, why = verdict(json.loads(json.dumps(good)))
@@ -199,7 +196,7 @@ def difference(d: dict[str, Any]) -> tuple[Verdict, str, bool]:
         found = facts_for(load_document(d)).judge(DIFFERENCE, declared)
         if found.verdict is Verdict.OPEN:
             continue
-        ((_, good),) = certificates_of(facts_for(load_document(d)), {DIFFERENCE: (declared, found)})
+        good = found.certificate
         assert isinstance(good, dict), good
         accepted.append(verdict(json.loads(json.dumps(good))))
     found = facts.judge(DIFFERENCE, True)
@@ -262,7 +259,7 @@ def test_an_estimate_where_u_is_not_unique(keys: Any, row: Any, expected: Verdic
 def test_a_forged_certificate_of_a_difference_is_refused() -> None:
     d = {**changed(), "claims": {DIFFERENCE: True}}
     facts = facts_for(load_document(d))
-    ((_, good),) = certificates_of(facts, {DIFFERENCE: (True, facts.judge(DIFFERENCE, True))})
+    good = facts.judge(DIFFERENCE, True).certificate
     assert isinstance(good, dict)
     for key, value in (("v", ["2/3", "1/3"]), ("b", ["3/4", "2/5"]), ("v", ["1"])):
         bad = json.loads(json.dumps(good))

@@ -64,20 +64,18 @@ def test_the_tree_decides_over_balls_what_it_excludes_and_is_enclosed():
     assert (found.upper, found.exact) == (2, False)
 
 
-@pytest.mark.parametrize(
-    ("b", "verdict"), [("1", Verdict.FAILS), ("2", Verdict.HOLDS), ("1+i", Verdict.FAILS)]
-)
-def test_the_imaginary_parts_of_a_form_count(b, verdict):
+@pytest.mark.parametrize(("b", "truth"), [("1", False), ("2", True), ("1+i", False)])
+def test_the_imaginary_parts_of_a_form_count(b, truth):
     # d = b* g and 2 d Re a = |b|^2 g: with b = 1 + i the real parts alone have a solution
     facts = facts_of(runge_kutta([["1"]], [b], field="complex"))
-    assert facts.judge("g-symplectic", True).verdict is verdict
+    assert facts.find("g-symplectic", True).truth is truth
 
 
 def test_a_form_that_was_found_is_enough_where_decimals_play_no_part():
     # the second stage is used by nobody: its entry of 0.3 +- 0.1 meets the weight 0
     facts = facts_of(runge_kutta([["1/2", "0"], ["0.3", "0"]], ["1", "0"], digits=1))
-    found = facts.judge("g-symplectic", True)
-    assert (found.verdict, found.proof) == (Verdict.HOLDS, Proof.ENCLOSED)
+    found = facts.find("g-symplectic", True)
+    assert (found.truth, found.proof) == (True, Proof.ENCLOSED)
 
 
 def test_a_given_form_in_decimals_is_refuted_by_balls():
@@ -98,14 +96,14 @@ def growing_pair(last, *, separable):
 
 
 def test_eigenvalues_of_one_half_alone_leave_growth_open_where_stages_are_shared():
-    for last, separable, verdict in (
-        ("-1", False, Verdict.HOLDS),
-        ("-1", True, Verdict.HOLDS),
-        ("1/2", False, Verdict.OPEN),
-        ("1/2", True, Verdict.HOLDS),
+    for last, separable, truth in (
+        ("-1", False, True),
+        ("-1", True, True),
+        ("1/2", False, None),
+        ("1/2", True, True),
     ):
         facts = facts_of(growing_pair(last, separable=separable))
-        assert facts.judge("parasitism-free", True).verdict is verdict, (last, separable)
+        assert facts.find("parasitism-free", True).truth is truth, (last, separable)
 
 
 def two_values_at_1(*B):
@@ -117,14 +115,14 @@ def two_values_at_1(*B):
 
 def test_a_double_1_without_the_solution_leaves_parasitism_open():
     """Of a method that is not consistent no eigenvalue of the growth matrix is the solution's 1."""
-    for B, verdict in (
-        ((1, 0), Verdict.HOLDS),
-        ((0, 0), Verdict.OPEN),  # rank 0
-        ((1, -1), Verdict.FAILS),  # nilpotent: exp(t M) grows
-        ((2, 0), Verdict.OPEN),  # the eigenvalue 2
+    for B, truth in (
+        ((1, 0), True),
+        ((0, 0), None),  # rank 0
+        ((1, -1), False),  # nilpotent: exp(t M) grows
+        ((2, 0), None),  # the eigenvalue 2
     ):
         facts = facts_of(two_values_at_1(*B))
-        assert facts.judge("parasitism-free", True).verdict is verdict, B
+        assert facts.find("parasitism-free", True).truth is truth, B
 
 
 def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
@@ -174,7 +172,8 @@ def test_the_first_order_that_fails_is_kept_and_an_order_is_proved_after_the_one
 def test_an_order_is_reached_where_it_is_proved_and_not_where_one_below_is_refuted(
     refuted, order, verdict, value
 ):
-    from glmref.prove.kernel import Reach, reaches
+    from glmref.prove.kernel import Reach
+    from glmref.prove.verdicts import reaches
 
     found = reaches(Reach(2, (0.0, 0.0, 0.1, 0.2), ("", "", "t", "s"), refuted, True), order, "")
     assert (str(found.verdict), found.value) == (verdict, value)
@@ -182,9 +181,11 @@ def test_an_order_is_reached_where_it_is_proved_and_not_where_one_below_is_refut
 
 
 def test_what_is_open_stays_open_where_a_failure_was_announced():
-    from glmref.prove.kernel import refuted
+    from glmref.prove.kernel import Reach
+    from glmref.prove.verdicts import reaches, refuted
 
-    made = {x: Kernel._made(x, exact=True, value=1, residual=0.5, reason="why")
+    refutes = {True: None, False: 1, None: None}  # an order that is proved, refuted, or neither
+    made = {x: reaches(Reach(int(x is True), (0.5,), ("t",), refutes[x], True), 1, "why")
             for x in (True, False, None)}  # fmt: skip
     verdicts = [str(refuted(made[x], as_expected=y).verdict)
                 for x in (True, False, None) for y in (True, False)]  # fmt: skip
@@ -313,9 +314,9 @@ def test_a_scheme_of_two_colours_is_exact_where_both_are():
 
 def test_an_error_constant_needs_a_multistep_method():
     method = single([["0"]], [["1"]], [["1"]], [["1"]])
-    found = facts_of(method).judge("error-constant", "1/2")
-    assert (found.verdict, found.reason) == (
-        Verdict.OPEN, "an error constant is defined for multistep methods only"
+    found = facts_of(method).find("error-constant", "1/2")
+    assert (found.truth, found.reason) == (
+        None, "an error constant is defined for multistep methods only"
     )  # fmt: skip
 
 

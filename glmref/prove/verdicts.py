@@ -1,0 +1,154 @@
+"""Verdicts: what the judge says about the certificate of what was found.
+
+A finder proposes whether a claim is true (:mod:`.kernel`), a certificate is written of it
+(:mod:`.certificate`), and the judge decides (:mod:`glmref.judge`, over FLINT's numbers): a claim
+``holds`` or ``fails`` where it accepts the certificate, and is ``open`` where it does not, or where
+no certificate could be written.
+
+The orders of plain documents, each at least what is said, are the exception: no statement of the
+format is about them. Their conditions are evaluated on schemes (:func:`reaches`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+from ..exact import Exact, Scalar
+from ..exact.judging import verdict as judges_verdict
+from ..findings import Finding, Proof, Verdict
+from .kernel import Found, Reach
+
+_SEAL = object()
+
+
+class Judgement:
+    """A verdict with what is known; only this module can make one.
+
+    Attributes
+    ----------
+    verdict, proof
+        What was decided, and how. ``open`` has the proof that a decision over these numbers would
+        have had.
+    value : object
+        The value that was found, or as much as is known of it.
+    residual : float
+        Size of the identity that decides, 0.0 when it holds exactly.
+    reason : str
+        One sentence.
+    certificate : Mapping[str, Any] or str
+        What the judge accepted, or why there is none.
+    """
+
+    __slots__ = ("certificate", "proof", "reason", "residual", "value", "verdict")
+    verdict: Verdict
+    proof: Proof
+    value: object
+    residual: float
+    reason: str
+    certificate: Mapping[str, Any] | str
+
+    def __init__(
+        self,
+        verdict: Verdict,
+        found: Found,
+        reason: str,
+        certificate: Mapping[str, Any] | str,
+        *,
+        seal: object,
+    ) -> None:
+        if seal is not _SEAL:
+            raise TypeError("only the judge's answers are judgements")
+        for name, x in zip(
+            ("verdict", "proof", "value", "residual", "reason", "certificate"),
+            (verdict, found.proof, found.value, found.residual, reason, certificate),
+            strict=True,
+        ):
+            object.__setattr__(self, name, x)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a judgement cannot be changed: `{name}`")
+
+    def finding(self, method: str, claim: str, declared: object) -> Finding:
+        """Return this verdict as the finding about one claim of a method."""
+        return Finding(
+            method=method, claim=claim, declared=declared, verdict=self.verdict, value=self.value,
+            proof=self.proof, residual=self.residual, witness=self.reason,
+        )  # fmt: skip
+
+
+def judged(found: Found, certificate: Mapping[str, Any] | str) -> Judgement:
+    """Return the judge's verdict about what was found.
+
+    Parameters
+    ----------
+    found : Found
+        Whether the claim is true, as a finder has it.
+    certificate : Mapping[str, Any] or str
+        Its certificate, or why there is none.
+    """
+    if found.truth is None:
+        return Judgement(Verdict.OPEN, found, found.reason, "the claim is open", seal=_SEAL)
+    if isinstance(certificate, str):
+        missing = f"no certificate is written: {certificate}"
+        reason = "; ".join(x for x in (found.reason, missing) if x)
+        return Judgement(Verdict.OPEN, found, reason, certificate, seal=_SEAL)
+    plain = json.loads(json.dumps(certificate))  # texts with their values become plain ones
+    accepted, sentence = judges_verdict(plain)
+    if not accepted:
+        refused = f"the judge refuses the certificate: {sentence}"
+        return Judgement(Verdict.OPEN, found, refused, refused, seal=_SEAL)
+    verdict = Verdict.HOLDS if found.truth else Verdict.FAILS
+    return Judgement(verdict, found, found.reason, plain, seal=_SEAL)
+
+
+def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
+    """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
+
+    Parameters
+    ----------
+    judgement : Judgement
+        Of the claim.
+    as_expected : bool
+        Whether it fails for the reason that was announced.
+    reason : str
+        Another sentence.
+    """
+    swap = {Verdict.FAILS: Verdict.HOLDS, Verdict.HOLDS: Verdict.FAILS}
+    verdict = swap.get(judgement.verdict, Verdict.OPEN)
+    if verdict is Verdict.HOLDS and not as_expected:
+        verdict = Verdict.FAILS
+    found = Found(
+        None, judgement.proof, judgement.value, judgement.residual, reason or judgement.reason
+    )
+    return Judgement(verdict, found, found.reason, judgement.certificate, seal=_SEAL)
+
+
+def reaches(found: Reach, order: int, reason: str) -> Judgement:
+    """Judge whether an order is reached, or more."""
+    truth = True if found.proved >= order else None
+    if found.refuted is not None and found.refuted <= order:
+        truth = False
+    value = found.proved if found.refuted is None else found.refuted - 1
+    residual = 0.0 if truth else found.size(min(order, len(found.sizes)))
+    return _of_conditions(truth, value, residual, reason, exact=found.exact)
+
+
+def vanishing(x: Scalar, reason: str) -> Judgement:
+    """Judge whether a number is zero."""
+    truth = x.is_zero()
+    residual = 0.0 if truth else x.magnitude()
+    exact = isinstance(x, Exact)
+    return _of_conditions(truth, residual, residual, reason, exact=exact)
+
+
+def _of_conditions(
+    truth: bool | None, value: object, residual: float, reason: str, *, exact: bool
+) -> Judgement:
+    """The verdict about a statement that has no certificate."""
+    verdict = Verdict.OPEN if truth is None else Verdict.HOLDS if truth else Verdict.FAILS
+    if truth is None and not reason:
+        reason = "no rule decides it" if exact else "the published digits do not decide it"
+    found = Found(truth, Proof.EXACT if exact else Proof.ENCLOSED, value, residual, reason)
+    return Judgement(verdict, found, reason, "the order of a plain document", seal=_SEAL)
