@@ -6,6 +6,7 @@ digits, so that its size says what the printing did to the table.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from ..prove.schemes import LARGEST, further, reach
 from ..prove.wrong_entry import (
     Trial,
     abscissa,
+    at_row,
     beside_weights,
     correction,
     digit,
@@ -100,8 +102,62 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         status = "wrong" if tableau else "unread"
         if not tableau:
             remarks.append("c is not the sums of the rows either: this may be no tableau")
+    if table.general:
+        status = _meant(table, method, status, record, remarks)
     record["status"] = status
     record["remarks"] = remarks
+    for x in record.get("correction", ()):
+        place = _place(table, x["entry"])
+        if place is not None:
+            x["line"], x["text"] = place
+
+
+def _meant(
+    table: Table, method: Trial, status: str, record: dict[str, Any], remarks: list[str]
+) -> str:
+    """Return the status of a table that was recognised by what it is.
+
+    One that is not sure to be meant as it is read is a question, and so is one without a declared
+    order where one entry, or a method of the catalogue, says what the table should be.
+    """
+    if status == "wrong" and not table.sure:
+        remarks.append(
+            table.doubt or "no variable says that this order, or these weights, are meant"
+        )
+        return "question"
+    if status != "found":
+        return status
+    found = record["found"]
+    if one_row_apart(method):
+        for order in range(8, found, -1):
+            mended = at_row(method, order)
+            if mended:
+                record["correction"] = mended
+                remarks.append(f"with this entry the order is {order}")
+                return "question"
+    near = record.get("nearest", {})
+    if 0 < near.get("differing", 0) <= 2 and near.get("order", 0) > found:
+        remarks.append(f"the order of the nearest method is {near['order']}")
+        return "question"
+    return status
+
+
+_ENTRY = re.compile(r"(a|alpha|b|c)(_implicit|_prime)?\[(\d+)\](?:\[(\d+)\])?")
+
+
+def _place(table: Table, entry: str) -> tuple[int, str] | None:
+    """Return the line and the text of an entry by its name, where its reader noted them."""
+    m = _ENTRY.fullmatch(entry)
+    if m is None:
+        return None
+    part, i = int(m[2] is not None), int(m[3]) - 1
+    try:
+        if m[4]:
+            return table.A[part][i][int(m[4]) - 1].place
+        row = (table.b if m[1] == "b" else table.c)[part]
+        return row[i].place if row is not None else None
+    except IndexError:
+        return None
 
 
 def _reached(table: Table, method: Trial) -> Reach:

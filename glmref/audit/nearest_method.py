@@ -59,15 +59,18 @@ class Library:
 
     def nearest(self, table: Table, order: int = 0) -> dict[str, Any]:
         """Name of the nearest method of an order, and the entries that differ; or nothing."""
-        best: tuple[int, str, list[dict[str, str]]] | None = None
-        for name, entries in self._compared(table, order):
+        best: tuple[int, str, list[dict[str, str]], int] | None = None
+        for name, entries, reached in self._compared(table, order):
             if best is None or len(entries) < best[0]:
-                best = (len(entries), name, entries)
+                best = (len(entries), name, entries, reached)
         if best is None:
             return {}
-        return {"method": best[1], "entries": best[2][:12], "differing": best[0]}
+        found = {"method": best[1], "entries": best[2][:12], "differing": best[0]}
+        return found | ({"order": best[3]} if table.general and best[3] < 99 else {})
 
-    def _compared(self, table: Table, order: int) -> Iterator[tuple[str, list[dict[str, str]]]]:
+    def _compared(
+        self, table: Table, order: int
+    ) -> Iterator[tuple[str, list[dict[str, str]], int]]:
         for part, (A, b) in enumerate(zip(table.A, table.b, strict=True)):
             rows = [[complex(x.value) for x in row] for row in (*A, b)]
             count = sum(x != 0 for row in rows for x in row)
@@ -92,4 +95,5 @@ class Library:
                             }
                             for i, j in unlike
                         ],
+                        reached,
                     )

@@ -390,7 +390,7 @@ def declared_orders(text: str) -> dict[str, int]:
         r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', text, re.DOTALL
     ):
         said = re.search(r"\b(\d+)(?:st|nd|rd|th)[- ]order|\b([a-z]+)-order", doc, re.IGNORECASE)
-        order = said and (int(said[1]) if said[1] else _ORDINALS.get(said[2].lower()))
+        order = said and (int(said[1]) if said[1] else ORDINALS.get(said[2].lower()))
         if order:
             documented[name] = order
     found = re.findall(r"alg_order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)", text)
@@ -428,7 +428,7 @@ def completed_entries(text: str) -> dict[str, tuple[str, int]]:
     return found
 
 
-_ORDINALS = {
+ORDINALS = {
     x: k
     for k, x in enumerate(
         "first second third fourth fifth sixth seventh eighth ninth tenth".split(), 1

@@ -11,12 +11,14 @@ from typing import Any
 
 from ..compute import Executor, in_order
 from ..compute.executors import Here
-from ..errors import GlmrefError, UsageError
+from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited
 from ..system.files import named_in
 from .judge import judge
+from .lexer import ENDINGS, FIXED, language_of
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
+from .recognising import key_of, may_hold, tables
 from .table import Table
 
 FORMAT = "glmref-audit-1"
@@ -58,9 +60,17 @@ def files(source: Path, form: str) -> list[Path]:
         return [source]
     if not source.is_dir():
         raise UsageError(f"{source} is no file and no folder; give a file or a checkout")
-    found = [x for x in sorted(source.rglob("*")) if x.suffix in SUFFIXES[form] and x.is_file()]
+    endings = SUFFIXES[form] if form else ENDINGS
+    hidden = len(source.parts)
+    found = [
+        x for x in sorted(source.rglob("*"))
+        if x.suffix in endings and x.is_file()
+        and (form or not any(part.startswith(".") for part in x.parts[hidden:]))
+    ]  # fmt: skip
     if not found:
-        raise UsageError(f"{source} holds no file {' or '.join(SUFFIXES[form])} to read as {form}")
+        if not form:
+            raise UsageError(f"{source} holds no source file in a language that is read")
+        raise UsageError(f"{source} holds no file {' or '.join(endings)} to read as {form}")
     return found
 
 
@@ -90,7 +100,7 @@ def _leads_out(root: Path, path: Path) -> bool:
 
 def audit(
     source: Path,
-    form: str,
+    form: str = "",
     *,
     search: bool = True,
     compare: bool = True,
@@ -103,8 +113,8 @@ def audit(
     ----------
     source : Path
         A file or a folder.
-    form : str
-        One of :data:`~.readers.FORMATS`.
+    form : str, optional
+        One of :data:`~.readers.FORMATS`; without it, tables of any kind in any language.
     search : bool
         Whether wrong entries are looked for.
     compare : bool
@@ -120,7 +130,7 @@ def audit(
         The record of :func:`~.judge.judge` with its ``path``. A file or table that is not
         understood has the status ``unread`` and says where.
     """
-    if form not in FORMATS:
+    if form and form not in FORMATS:
         raise UsageError(f"there is no reader for {form!r}; one of {', '.join(FORMATS)}")
     paths = files(source, form)
     root = source if source.is_dir() else source.parent
@@ -164,13 +174,13 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not re.search(_MARKS[form], text):
+        if not (re.search(_MARKS[form], text) if form else may_hold(text)):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared}
         rows: list[dict[str, Any]] = []
         try:
             with limited(PROVING):
-                for number, table in enumerate(read(text, form, declared)):
+                for number, table in enumerate(_read(path, text, form, declared)):
                     if table.name in completed:
                         rows.append(_unread(table.line, table.name, completed[table.name]))
                         continue
@@ -200,8 +210,37 @@ def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):
-        found.extend(read(read_source(Path(file)) or "", form, dict(declared)))
+        found.extend(_read(Path(file), read_source(Path(file)) or "", form, dict(declared)))
     return found
+
+
+#: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
+_MORE = ("sundials", "petsc", "julia", "openmodelica", "rklib", "kpp", "matlode", "principia",
+         "weights")  # fmt: skip
+
+
+def _read(path: Path, text: str, form: str, declared: Mapping[str, int]) -> Iterator[Table]:
+    """Yield the tables of one file, in a format or of any kind."""
+    if form:
+        yield from read(text, form, declared)
+        return
+    language = language_of(path)
+    if language is None:
+        raise DataError(f"the language of a file {path.suffix or 'without an ending'} is not known")
+    found = tables(text, language, fixed=path.suffix in FIXED)
+    forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
+    special = [x for form in forms for x in read(text, form, declared)]
+    yield from special
+    known = {key_of(A) for x in special for A in x.A}
+    names = {x.name.lower() for x in special}
+    for x in found:
+        again = ({key_of(A) for A in x.A} | {x.key}) & known
+        if (
+            not again
+            and x.name.rpartition(".")[0].lower() not in names
+            and (x.name.lower() not in names)
+        ):
+            yield x
 
 
 @cache

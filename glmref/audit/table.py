@@ -36,6 +36,15 @@ class Table:
     unread: str = ""  #: Why nothing could be read, or ``""``.
     #: Whether entries stand under names of their own, so that one may have none.
     named: bool = False
+    #: Whether it was recognised by what it is; then a verdict is given only where it is sure that
+    #: matrix, weights and order are meant as such.
+    general: bool = False
+    sure: bool = True
+    last: int = 0  #: Its last line, where that is known.
+    block: Any = None  #: Where a general table stands.
+    source: str = ""  #: Name of its matrix.
+    loose: int = 0  #: Its order through 3, loosely.
+    key: tuple[float, ...] = ()  #: Entries of its matrix that are not zero.
     #: Equations beside the conditions, as "U S = 1", each with its largest residual.
     identities: list[tuple[str, float]] = field(default_factory=list)
 

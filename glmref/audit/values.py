@@ -39,12 +39,15 @@ class Number:
     Its size is the sum of those of the numbers that it is made of, an estimate of its digits.
     """
 
-    __slots__ = ("places", "size", "value")
+    __slots__ = ("approximate", "place", "places", "size", "value")
 
     def __init__(self, value: Exact, places: int | None = None, size: int = 1) -> None:
         if size > _MOST_SIZE:
             raise Unread("a number has more digits than are computed")
         self.value, self.places, self.size = value, places, size
+        #: Line and text of the entry, where a reader notes them.
+        self.place: tuple[int, str] | None = None
+        self.approximate: float | None = None
 
     def of(self, value: Exact, other: Number | None = None) -> Number:
         """A result of arithmetic with this number, and maybe another."""
@@ -137,7 +140,7 @@ class _Evaluator:
         first, last = first.whole(), last.whole()
         if last - first > 200:
             raise Unread("a loop is too long")
-        return _bounded(
+        return bounded(
             _Evaluator({**self.scope, name.id: Number(Exact(k))}).of(node.elt)
             for k in range(first, last + 1)
         )
@@ -159,7 +162,7 @@ class _Evaluator:
                 found += self._sequence(self.of(x.value))
             else:
                 found.append(self.of(x))
-        return _bounded(found)
+        return bounded(found)
 
     _tuple = _list
 
@@ -200,25 +203,11 @@ class _Evaluator:
     def _binop(self, node: ast.BinOp) -> Any:
         x, y = self.of(node.left), self.of(node.right)
         if isinstance(node.op, ast.Pow):
-            return self._power(x, y)
+            return power(x, y)
         rule = _RULES.get(type(node.op))
         if rule is None:
             raise Unread("an operator is not read")
-        return _pairwise(rule, x, y)
-
-    def _power(self, x: Any, y: Any) -> Any:
-        if not isinstance(x, Number) or not isinstance(y, Number):
-            raise Unread("a power of arrays is not read")
-        exponent = y.value.as_fraction()
-        if exponent is None or abs(exponent.numerator) > 40 or exponent.denominator > 6:
-            raise Unread("a power is not read")
-        base = x.value
-        if exponent.denominator > 1:
-            base = base.sqrt() if exponent.denominator == 2 else base.root(exponent.denominator)
-        size = x.size * max(1, abs(exponent.numerator))
-        made = Number(x.value, x.places, size)  # before the power is computed
-        power = base ** abs(exponent.numerator)
-        return made.of(Exact(1) / power if exponent < 0 else power)
+        return pairwise(rule, x, y)
 
     def _subscript(self, node: ast.Subscript) -> Any:
         base, parts = node.value, self._parts(node)
@@ -267,22 +256,22 @@ class _Evaluator:
         if last in _LAST:
             return self.of(node.args[-1])
         if last in ("Matrix", "Vector", "Array") and ast.unparse(node.args[0]) == "undef":
-            return _filled([self._size(x) for x in node.args[1:]], Number(Exact(0)))
+            return filled([self._size(x) for x in node.args[1:]], Number(Exact(0)))
         if last in _FIRST:
             return self.of(node.args[0])
         if last in ("squeeze",):
             return _squeezed(self.of(node.args[0]))
         if last in ("PetscSqr", "sqr"):
-            return self._power(self.of(node.args[0]), Number(Exact(2)))
+            return power(self.of(node.args[0]), Number(Exact(2)))
         if last == "inv" and len(node.args) == 1:
-            return self._power(self.of(node.args[0]), Number(Exact(-1)))
+            return power(self.of(node.args[0]), Number(Exact(-1)))
         if "sqrt" in last.lower():
             if not node.args and isinstance(node.func, ast.Attribute):  # x.sqrt()
                 return _each(lambda n: n.of(_root(n)), self.of(node.func.value))
             x = self.of(node.args[0])
             return _each(lambda n: n.of(_root(n)), x)
         if last == "cbrt":
-            return self._power(self.of(node.args[0]), Number(Exact(Fraction(1, 3))))
+            return power(self.of(node.args[0]), Number(Exact(Fraction(1, 3))))
         return self._call_of_arrays(node, name)
 
     def _call_of_arrays(self, node: ast.Call, name: str) -> Any:
@@ -294,7 +283,7 @@ class _Evaluator:
                 return more[0]
             if last == "negate":
                 return _each(lambda n: n.of(-n.value), x)
-            return _pairwise(_RULES[_METHODS[last]], x, more[0])
+            return pairwise(_RULES[_METHODS[last]], x, more[0])
         if last == "sum" and isinstance(node.func, ast.Attribute):
             rows = self.of(node.func.value)
             return [x[0].of(sum((y.value for y in x), Exact(0)), x[0]) for x in rows]
@@ -306,14 +295,14 @@ class _Evaluator:
             value = Number(Exact(0 if last in ("zeros", "Zero") else 1))
             if last == "fill":
                 value, node.args = self.of(node.args[0]), node.args[1:]
-            return _filled([self._size(x) for x in self._dims(node.args)], value)
+            return filled([self._size(x) for x in self._dims(node.args)], value)
         if last == "Rational" and len(node.args) == 2:
-            return _pairwise(_RULES[ast.Div], self.of(node.args[0]), self.of(node.args[1]))
+            return pairwise(_RULES[ast.Div], self.of(node.args[0]), self.of(node.args[1]))
         if last in ("one", "zero"):
             return Number(Exact(int(last == "one")))
         if last in ("concatenate", "vcat", "hstack"):
             parts = [self.of(x) for x in node.args] if last == "vcat" else self.of(node.args[0])
-            return _bounded(x for part in parts for x in part)
+            return bounded(x for part in parts for x in part)
         if last in ("size", "len", "length"):
             return Number(Exact(len(self.of(node.args[0]))))
         raise Unread(f"the function {name[:40]!r} is not read")
@@ -328,6 +317,22 @@ class _Evaluator:
         if not 0 <= n <= 100:
             raise Unread("an array is too large")
         return n
+
+
+def power(x: Any, y: Any) -> Any:
+    """Return x to the power of y, two numbers."""
+    if not isinstance(x, Number) or not isinstance(y, Number):
+        raise Unread("a power of arrays is not read")
+    exponent = y.value.as_fraction()
+    if exponent is None or abs(exponent.numerator) > 40 or exponent.denominator > 6:
+        raise Unread("a power is not read")
+    base = x.value
+    if exponent.denominator > 1:
+        base = base.sqrt() if exponent.denominator == 2 else base.root(exponent.denominator)
+    size = x.size * max(1, abs(exponent.numerator))
+    made = Number(x.value, x.places, size)  # before the power is computed
+    power = base ** abs(exponent.numerator)
+    return made.of(Exact(1) / power if exponent < 0 else power)
 
 
 class Sparse:
@@ -347,7 +352,7 @@ def _root(n: Number) -> Exact:
     return n.value.sqrt()
 
 
-def _bounded(parts: Iterable[Any]) -> list[Any]:
+def bounded(parts: Iterable[Any]) -> list[Any]:
     """An array that has no more numbers than are read; a part may stand in it many times."""
     found, left = [], _MOST_ITEMS
     for x in parts:
@@ -362,12 +367,13 @@ def _items(x: Any) -> int:
     return 1 + sum(map(_items, x)) if isinstance(x, list) else 1
 
 
-def _filled(dims: list[int], value: Number) -> list[Any]:
+def filled(dims: list[int], value: Number) -> list[Any]:
+    """Return an array of one value."""
     if prod(dims) > _MOST_ITEMS:
         raise Unread("an array is too large")
     if len(dims) == 1:
         return [value] * dims[0]
-    return [_filled(dims[1:], value) for _ in range(dims[0])]
+    return [filled(dims[1:], value) for _ in range(dims[0])]
 
 
 def _each(rule: Any, x: Any) -> Any:
@@ -378,17 +384,19 @@ def _each(rule: Any, x: Any) -> Any:
     return rule(x)
 
 
-def _pairwise(rule: Any, x: Any, y: Any) -> Any:
+def pairwise(rule: Any, x: Any, y: Any) -> Any:
+    """Apply arithmetic, a rule or its sign, to numbers or to arrays entry by entry."""
+    rule = _SIGNS.get(rule, rule)
     if isinstance(x, list) and isinstance(y, list):
         if len(x) != len(y):
             raise Unread("two arrays have different lengths")
-        return [_pairwise(rule, a, b) for a, b in zip(x, y, strict=True)]
+        return [pairwise(rule, a, b) for a, b in zip(x, y, strict=True)]
     if isinstance(x, list):
-        return [_pairwise(rule, a, y) for a in x]
+        return [pairwise(rule, a, y) for a in x]
     if isinstance(y, list):
-        return [_pairwise(rule, x, b) for b in y]
+        return [pairwise(rule, x, b) for b in y]
     if not (isinstance(x, Number) and isinstance(y, Number)):
-        raise Unread("a number is expected")
+        raise next((z for z in (x, y) if isinstance(z, Unread)), Unread("a number is expected"))
     return x.of(rule(x.value, y.value), y)
 
 
@@ -399,6 +407,11 @@ _RULES: Mapping[type, Any] = {
     ast.Div: lambda x, y: x / y,
     ast.FloorDiv: lambda x, y: x / y,
 }
+
+
+_SIGNS: Mapping[Any, Any] = {
+    "+": _RULES[ast.Add], "-": _RULES[ast.Sub], "*": _RULES[ast.Mult], "/": _RULES[ast.Div],
+}  # fmt: skip
 
 
 def _taken(value: Any, index: list[Any]) -> Any:

@@ -122,24 +122,32 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
 
 
 @click.command(short_help="Check all tableaux in the sources of a code.")
-@click.argument("source", type=click.Path(path_type=Path), metavar="SOURCE")
+@click.argument("sources", type=click.Path(path_type=Path), metavar="PATH...", nargs=-1,
+                required=True)  # fmt: skip
 @click.option(
     "--from",
     "--format",
     "form",
     type=Word(READ),
-    required=True,
-    help="Language or package in whose notation SOURCE writes its tables.",
+    help="Package in whose notation the tables are written; by default any notation.",
 )
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
 @click.option("--strict", is_flag=True, help="Exit with 1 when a table is unread, too.")
 @on_option
-def audit(source: Path, form: str, every: bool, fast: bool, strict: bool, on: str | None) -> int:
-    """Check every tableau in a file or checkout: one line of JSON each, then a count.
+def audit(
+    sources: tuple[Path, ...],
+    form: str | None,
+    every: bool,
+    fast: bool,
+    strict: bool,
+    on: str | None,
+) -> int:
+    """Check every tableau in files or checkouts: one line of JSON each, then a count.
 
-    Nothing in the sources is executed. A table that is not understood is listed as unread, with its
-    line, and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
+    C, C++, CUDA, Fortran, Julia, Python, Rust, Java, MATLAB, Go and JavaScript are read. Nothing
+    in the sources is executed. A table that is not understood is listed as unread, with its line,
+    and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
     """
     from ..audit.judge import summary
     from ..audit.sources import LINE
@@ -148,19 +156,19 @@ def audit(source: Path, form: str, every: bool, fast: bool, strict: bool, on: st
 
     records = []
     with executor(on) as where:
-        for record in examine(source, form, search=not fast, on=where):
-            records.append(record)
-            if every or record["status"] not in ("right", "found", "digits"):
-                say(canonical.one_line({"format": LINE, **plain(record)}))
+        for source in sources:
+            for record in examine(source, form or "", search=not fast, on=where):
+                records.append(record)
+                if every or record["status"] not in ("right", "found", "digits"):
+                    say(canonical.one_line({"format": LINE, **plain(record)}))
     counts = summary(records)
     tables = counted(len(records), "table")
     complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
     unread = counts.get("unread", 0)
     if unread == len(records):
         what = "is understood" if records else "is found"
-        complain(
-            f"no table {what} in {source} read as {form}; name another --format, or write the "
-            f"table as JSON (docs/check.md)"
-        )
+        name = ", ".join(map(str, sources))
+        read = f" read as {form}; name another --from, or none" if form else ""
+        complain(f"no table {what} in {name}{read}; or write the table as JSON (docs/check.md)")
         return FAILED if strict and records else BAD_INPUT
     return FAILED if counts.get("wrong") or (strict and unread) else HOLDS

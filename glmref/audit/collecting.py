@@ -1,0 +1,857 @@
+"""Named values of a source: which name gets which numbers, in which block, on which line.
+
+Statements are carried out in the order of the file, none of them runs. A block is a function, a
+class, a struct, a call with named arguments, or an object whose fields get values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+from ..system.budget import spend
+from .folding import Entries, Folder, Record, flattened, plain
+from .lexer import Language, Token, tokens
+from .values import Number, Unread
+
+_TYPES_OF_INTEGERS = frozenset(
+    "int auto let const var static constexpr unsigned size_t long short uint integer PetscInt mut "
+    "parameter final".split()
+)
+_HEADS = frozenset(
+    "struct class namespace enum union interface impl trait extern fn func function mod if for "
+    "while do else try catch switch match unsafe loop template module".split()
+)
+_OWN = frozenset("self this Self cls".split())
+_CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
+
+
+@dataclass
+class Item:
+    """A value under a name."""
+
+    name: str
+    value: Any
+    line: int
+    at: int  #: Number of its statement.
+    #: Reason why its value is not that of the source, or ``""``.
+    lost: str = ""
+    last: int = 0  #: Line of the last entry.
+
+
+@dataclass
+class Block:
+    """A function, class, call or object with its items."""
+
+    name: str
+    line: int
+    parent: Block | None = None
+    kind: str = "code"  #: ``"code"`` or ``"record"``.
+    indent: int = -1
+    last: int = 0  #: Last line.
+    items: list[Item] = field(default_factory=list)
+    names: dict[str, Any] = field(default_factory=dict)
+    blocks: list[Block] = field(default_factory=list)
+    #: Names and whole numbers among the arguments of a call, by their places.
+    called: str = ""
+    arguments: list[tuple[str, int | None]] = field(default_factory=list)
+    user: Block | None = None  #: The block that has this one as a value.
+    depth: int = 0  # of round brackets around a block in a macro
+
+    def path(self) -> list[str]:
+        """Names from the outermost block to this one."""
+        above = self.parent.path() if self.parent else []
+        return [*above, self.name] if self.name else above
+
+
+class Collector:
+    """The blocks of one source.
+
+    Parameters
+    ----------
+    text : str
+    language : Language
+    fixed : bool
+        Whether it is Fortran in fixed form.
+    """
+
+    def __init__(self, text: str, language: Language, *, fixed: bool = False) -> None:
+        self.text, self.language = text, language
+        self.tokens, self.remarks = tokens(text, language, fixed=fixed)
+        self.top = Block("", 1)
+        self.block = self.top
+        self.count = 0
+        self.failed: list[tuple[Block, Item, Sequence[Token]]] = []
+        self.calls: list[Block] = []
+        self.frames: dict[int, Item] = {}
+
+    def blocks(self) -> list[Block]:
+        """Carry out all statements and return every block; the outermost is the first."""
+        if self.language.braces:
+            self._braces()
+        else:
+            self._lines()
+        last = self.tokens[-1].line if self.tokens else 1
+        self._again()
+        found: list[Block] = []
+
+        def walk(block: Block) -> None:
+            block.last = block.last or last
+            found.append(block)
+            for x in block.blocks:
+                walk(x)
+
+        walk(self.top)
+        return found
+
+    # --- statements -------------------------------------------------------------------------------
+
+    def _matched(self) -> tuple[dict[int, int], set[int]]:
+        """Return the partner of each bracket, and the braces that hold statements."""
+        partner: dict[int, int] = {}
+        holding: set[int] = set()
+        stack: list[int] = []
+        for k, x in enumerate(self.tokens):
+            if x.kind != "mark":
+                continue
+            if x.text in ("(", "[", "{"):
+                stack.append(k)
+            elif x.text in (")", "]", "}"):
+                while (
+                    stack and {"(": ")", "[": "]", "{": "}"}[self.tokens[stack[-1]].text] != x.text
+                ):
+                    stack.pop()
+                if stack:
+                    partner[stack.pop()] = k
+            elif x.text == ";" and stack and self.tokens[stack[-1]].text == "{":
+                holding.add(stack[-1])
+        return partner, holding
+
+    def _braces(self) -> None:
+        partner, holding = self._matched()
+        toks, start, depth, k = self.tokens, 0, 0, 0
+        by_line = self.language.name in ("go", "javascript")
+        while k < len(toks):
+            x = toks[k]
+            if x.kind == "line":
+                before = toks[k - 1] if k else x
+                after = toks[k + 1] if k + 1 < len(toks) else x
+                ends = before.text not in _CONTINUES and after.text not in (
+                    ".",
+                    "?",
+                    ":",
+                    "{",
+                    "+",
+                    "-",
+                    "*",
+                    "/",
+                )
+                if by_line and depth == 0 and ends:
+                    self._statement(toks[start:k])
+                    start = k + 1
+            elif x.kind == "mark":
+                if (
+                    x.text == "#"
+                    and (k == 0 or toks[k - 1].kind == "line")
+                    and self.language.name == "c"
+                ):
+                    end = next(
+                        (j for j in range(k, len(toks)) if toks[j].kind == "line"), len(toks)
+                    )
+                    self._define(toks[k + 1 : end])
+                    if not [t for t in toks[start:k] if t.kind != "line"]:
+                        start = end
+                        k = end
+                        continue
+                    toks[k:end] = []
+                    partner, holding = self._matched()
+                    continue
+                if x.text in ("(", "["):
+                    depth += 1
+                elif x.text in (")", "]"):
+                    depth = max(0, depth - 1)
+                elif x.text == "{":
+                    head = [t for t in toks[start:k] if t.kind != "line"]
+                    if k in partner and not self._opens(head, k, k in holding, depth):
+                        k = partner[k] + 1
+                        if self.language.name == "rust" and k < len(toks) and toks[k].text == "}":
+                            self._statement(toks[start:k])
+                            start = k
+                        continue
+                    self._open(head, x.line, depth)
+                    depth, start = 0, k + 1
+                elif x.text == "}":
+                    self._statement(toks[start:k], tail=True)
+                    depth = self.block.depth
+                    self._close(x.line)
+                    start = k + 1
+                elif x.text == ";" and depth == 0:
+                    self._statement(toks[start:k])
+                    start = k + 1
+            k += 1
+        self._statement(toks[start:])
+
+    def _opens(self, head: Sequence[Token], k: int, holds: bool, depth: int) -> bool:
+        """Return whether a brace begins a block of statements."""
+        words = {t.text for t in head if t.kind == "name"}
+        before = head[-1].text if head else ""
+        if holds and before != "=":
+            return True
+        if before in ("=", ",", "(", "]", "return", "{") or depth:
+            return False
+        if not head or words & _HEADS or before == ")":
+            return not (before == ")" and "=" in {t.text for t in head} and "fn" not in words)
+        after = next((t for t in self.tokens[k + 1 : k + 4] if t.kind != "line"), None)
+        if after is not None and (after.kind == "number" or after.text in ("{", "-", "[", "}")):
+            return not head
+        return not any(t.text == "=" for t in head) and self.language.name != "rust"
+
+    def _open(self, head: Sequence[Token], line: int, depth: int) -> None:
+        name = _named(head)
+        first = head[0].line if head else line
+        block = Block(name, first, self.block, depth=depth)
+        self.block.blocks.append(block)
+        self.block = block
+        pairs = [x.text + y.text for x, y in pairwise(head)]
+        close = pairs.index("):") if "):" in pairs else None
+        if close is not None:
+            self._members(head[close + 2 :])
+
+    def _members(self, rest: Sequence[Token]) -> None:
+        """``: a({1, 2}), b{3}`` of a constructor."""
+        k = 0
+        while k + 1 < len(rest):
+            if rest[k].kind == "name" and rest[k + 1].text in ("(", "{"):
+                end = _partner(rest, k + 1)
+                inside = rest[k + 2 : end]
+                if rest[k + 1].text == "{":
+                    inside = rest[k + 1 : end + 1]
+                if inside:
+                    self._bind(rest[k].text, inside, rest[k].line)
+                k = end
+            k += 1
+
+    def _close(self, line: int) -> None:
+        self.block.last = line
+        if self.block.parent is not None:
+            self.block = self.block.parent
+
+    def _define(self, row: Sequence[Token]) -> None:
+        if len(row) > 2 and row[0].text == "define" and row[1].kind == "name":
+            called = row[2].text == "(" and not row[2].spaced
+            if not called:
+                self._bind(row[1].text, row[2:], row[1].line)
+
+    def _lines(self) -> None:
+        start, depth = 0, 0
+        toks = self.tokens
+        for k, x in enumerate(toks):
+            if x.kind == "mark":
+                if x.text in ("(", "[", "{", "(/"):
+                    depth += 1
+                elif x.text in (")", "]", "}", "/)"):
+                    depth = max(0, depth - 1)
+                elif x.text == ";" and depth == 0:
+                    self._row(toks[start:k])
+                    start = k + 1
+            elif x.kind == "line" and depth == 0:
+                before = toks[k - 1].text if k > start else ""
+                if (
+                    before in _CONTINUES
+                    and before not in ("?", ":")
+                    and self.language.name != "matlab"
+                ):
+                    continue
+                self._row(toks[start:k])
+                start = k + 1
+        self._row(toks[start:])
+
+    def _row(self, given: Sequence[Token]) -> None:
+        row = [x for x in given if x.kind != "line"] if not self.language.blanks else list(given)
+        while row and row[0].kind == "line":
+            row = row[1:]
+        if not row:
+            return
+        first = row[0]
+        column = first.start - (self.text.rfind("\n", 0, first.start) + 1)
+        name = self.language.name
+        words = [x.text.lower() for x in row[:6]]
+        if name == "python":
+            while self.block.parent is not None and column <= self.block.indent:
+                self._close(first.line - 1)
+            if words[0] in ("class", "def", "async"):
+                self._python_head(row, column)
+                return
+        elif name == "fortran":
+            if self._fortran_head(words, row):
+                return
+        elif words[0] == "end":
+            if self.block.parent is not None and column <= self.block.indent:
+                self._close(first.line)
+            return
+        else:
+            while words and words[0] == "@" and len(row) > 2:
+                row = row[2:]
+                words = [x.text for x in row[:6]]
+            if words and words[0] in (
+                "function",
+                "struct",
+                "mutable",
+                "module",
+                "classdef",
+                "macro",
+            ):
+                self._headed(row, column)
+                return
+        self._statement(row)
+
+    def _begin(self, name: str, line: int, indent: int) -> None:
+        block = Block(name, line, self.block, indent=indent)
+        self.block.blocks.append(block)
+        self.block = block
+
+    def _python_head(self, row: Sequence[Token], column: int) -> None:
+        k = 2 if row[0].text == "async" else 1
+        self._begin(row[k].text if k < len(row) else "", row[0].line, column)
+        depth = 0
+        for j, x in enumerate(row):
+            depth += (x.text in ("(", "[", "{")) - (x.text in (")", "]", "}"))
+            if x.text == ":" and depth == 0:
+                if row[j + 1 :]:
+                    self._statement(row[j + 1 :])
+                return
+
+    def _headed(self, row: Sequence[Token], column: int) -> None:
+        if self.language.name == "matlab":
+            while self.block.parent is not None and column <= self.block.indent:
+                self._close(row[0].line - 1)
+            equal = next((k for k, x in enumerate(row) if x.text == "="), 0)
+            name = row[equal + 1].text if equal + 1 < len(row) else ""
+        else:
+            k = 2 if row[0].text == "mutable" else 1
+            name = "".join(x.text for x in row[k : k + 1])
+            while k + 2 < len(row) and row[k + 1].text == ".":
+                k += 2
+                name = row[k].text
+            typed = [
+                row[j + 1].text for j in range(k, min(len(row) - 1, k + 8)) if row[j].text == "::"
+            ]
+            if name in ("RKTableau", "IMEXTableau", "ExplicitTableau", "tableau") and typed:
+                name = typed[0]
+        self._begin(name, row[0].line, column)
+        if self.language.name == "julia" and len(row) > 2 and row[-1].text == "end":
+            self._close(row[-1].line)
+
+    def _fortran_head(self, words: Sequence[str], row: Sequence[Token]) -> bool:
+        kinds = ("subroutine", "function", "procedure", "module", "program", "type")
+        if words[0].startswith("end"):
+            rest = words[0][3:] or (words[1] if len(words) > 1 else "")
+            if (rest in kinds or not rest) and self.block.parent is not None:
+                self._close(row[0].line)
+            return True
+        for k, word in enumerate(words):
+            if word in ("::", "=", ","):
+                break
+            if word in kinds and k + 1 < len(row) and row[k + 1].kind == "name":
+                if word == "module" and row[k + 1].text.lower() in kinds:
+                    continue
+                self._begin(row[k + 1].text, row[0].line, 0)
+                return True
+        return False
+
+    # --- one statement ----------------------------------------------------------------------------
+
+    def _statement(self, given: Sequence[Token], *, tail: bool = False) -> None:
+        row = [x for x in given if x.kind != "line"] if not self.language.blanks else list(given)
+        while row and row[0].kind == "line":
+            row = row[1:]
+        if not row:
+            return
+        spend()
+        self.count += 1
+        if row[0].text == "return" or (tail and self.language.name == "rust"):
+            self._returned(row[1:] if row[0].text == "return" else row)
+            return
+        if row[0].text in ("typedef", "using", "import", "from", "use", "package"):
+            return
+        equal = _equal(row)
+        if equal is None:
+            self._expression(row)
+            return
+        self._assign(row, equal)
+
+    def _assign(self, row: Sequence[Token], equal: int) -> None:
+        target = _target(row[:equal], self.language)
+        if row[equal].text not in ("=", ":="):  # += and the like
+            if target is not None:
+                self._lose(target[0], f"{target[0]} is changed after it is set", row[equal].line)
+            return
+        if target is None:
+            return
+        name, subscripts, owner, typed = target
+        if (
+            self.language.name == "julia"
+            and subscripts
+            and not owner
+            and _is_definition(row, equal)
+        ):
+            self._begin(name, row[0].line, 10_000)
+            self._expression(row[equal + 1 :])
+            self._close(row[-1].line)
+            return
+        folder = self._folder(row[equal + 1 :])
+        try:
+            value: Any = folder.expression()
+            after = folder.peek()
+            if after is not None and after.text not in (",", "=", ":"):
+                raise Unread(f"{after.text!r} is not read here", after.line)
+        except Unread as error:
+            error.line = error.line or row[equal].line
+            value = error
+            folder.to_comma(())
+        if not (typed & _TYPES_OF_INTEGERS) or typed - _TYPES_OF_INTEGERS:
+            value = plain(value)
+        self._store(name, subscripts, owner, value, row[0].line, row[equal + 1 :])
+        rest = row[equal + 1 + folder.at :]
+        if rest and rest[0].text in (",", "="):
+            more = _equal(rest[1:])
+            if rest[0].text == "=":
+                self._assign(row[equal + 1 :], folder.at)
+            elif more is not None:
+                if typed:
+                    rest = [
+                        Token("name", x, rest[0].line, 0, 0, True) for x in sorted(typed)
+                    ] + list(rest[1:])
+                    more += len(typed)
+                    self._assign(rest, more)
+                else:
+                    self._assign(rest[1:], more)
+
+    def _folder(self, row: Sequence[Token]) -> Folder:
+        return Folder(row, self.language, self._look(self.block))
+
+    @staticmethod
+    def _look(block: Block) -> Any:
+        def look(name: str) -> Any:
+            owner, _, last = name.rpartition(".")
+            keys = [name, last] if owner else [name]
+            for key in keys:
+                at: Block | None = block
+                while at is not None:
+                    if key in at.names:
+                        value = at.names[key]
+                        if isinstance(value, Unread):
+                            raise Unread(str(value), value.line)
+                        return value
+                    for x in at.blocks if owner and key == last else ():
+                        if x.kind == "record" and x.name == owner and last in x.names:
+                            return x.names[last]
+                    at = at.parent
+            raise Unread(f"the name {name!r} is not known")
+
+        return look
+
+    def _bind(self, name: str, row: Sequence[Token], line: int) -> None:
+        folder = self._folder(row)
+        try:
+            value: Any = folder.expression()
+            if folder.peek() is not None:
+                raise Unread("what follows the value is not read")
+        except Unread as error:
+            error.line = error.line or line
+            value = error
+        self._store(name, [], "", value, line, row)
+
+    def _store(
+        self, name: str, subscripts: list[Sequence[Token]], owner: str, value: Any, line: int,
+        row: Sequence[Token],
+    ) -> None:  # fmt: skip
+        if isinstance(value, Record):
+            self._record(value, name, line)
+            return
+        block = self.block
+        if owner and owner not in _OWN:
+            block = self._object(owner, line)
+        if name == "this":
+            while block.parent is not None and block.name == block.parent.name:
+                block = block.parent
+            name, block = block.name, block.parent or block
+        if not subscripts or isinstance(value, list):
+            if subscripts and not self._declares(subscripts):
+                index = self._index(subscripts)
+                if index is not None and len(index) == 1:
+                    self._entry(block, name, index, value, line)  # a row
+                    return
+                self._lose(name, "a part of it is set by a loop or slice", line)
+                return
+            item = Item(name, value, line, self.count, last=row[-1].line if row else line)
+            if isinstance(value, Unread):
+                self.failed.append((block, item, row))
+            block.items.append(item)
+            block.names[name] = value
+            if isinstance(value, list):
+                self.frames[id(value)] = item
+            return
+        index = self._index(subscripts)
+        if index is None:
+            self._lose(name, "an entry is set at run time", line)
+            return
+        self._entry(block, name, index, value, line)
+
+    def _declares(self, subscripts: list[Sequence[Token]]) -> bool:
+        """Return whether subscripts are the sizes of a declaration."""
+        return self.language.name in ("c", "java", "go", "fortran") and bool(subscripts)
+
+    def _index(self, subscripts: list[Sequence[Token]]) -> tuple[int, ...] | None:
+        found: list[int] = []
+        for part in subscripts:
+            folder = self._folder(part)
+            while folder.peek() is not None:
+                try:
+                    x = folder.expression()
+                    after = folder.peek()
+                    if after is not None and after.text == ":" and len(found) == 1:
+                        return None
+                    if not isinstance(x, Number):
+                        return None
+                    found.append(x.whole())
+                except Unread:
+                    return None
+                if folder.sees(","):
+                    folder.take()
+                    if folder.sees(":") and folder.at + 1 == folder.end:  # a[2, :] is a row
+                        break
+                elif folder.peek() is not None:
+                    return None
+        return tuple(found)
+
+    def _entry(
+        self, block: Block, name: str, index: tuple[int, ...], value: Any, line: int
+    ) -> None:
+        """Set one entry; one that is set twice begins another array."""
+        if isinstance(value, Number):
+            place = value.place
+            value = Number(value.value, value.places, value.size)
+            value.place = place or (line, "")
+        held = None
+        at: Block | None = block
+        while at is not None and held is None:
+            held = at.names.get(name)
+            at = at.parent
+        if isinstance(held, list):
+            part: Any = held
+            base = self.language.base
+            try:
+                for k in index[:-1]:
+                    part = part[k - base]
+                if not isinstance(part, list) or index[-1] - base < 0:
+                    raise IndexError
+                part[index[-1] - base] = value
+                if id(held) in self.frames:
+                    self.frames[id(held)].last = line
+            except (IndexError, TypeError):
+                self._lose(name, f"an entry of {name} lies outside of it", line)
+            return
+        own = block.names.get(name)
+        if not isinstance(own, Entries) or index in own:
+            own = Entries()
+            block.names[name] = own
+            item = Item(name, own, line, self.count)
+            block.items.append(item)
+            self.frames[id(own)] = item
+        own[index] = value
+        self.frames[id(own)].last = line
+
+    def _lose(self, name: str, why: str, line: int) -> None:
+        """Mark the array of a name, if it is one: what it holds is not what the code uses."""
+        at: Block | None = self.block
+        while at is not None:
+            held = at.names.get(name)
+            if held is not None:
+                for item in reversed(at.items):
+                    if item.name == name:
+                        item.lost = item.lost or f"{why} (line {line})"
+                        break
+                if isinstance(held, Number):
+                    at.names[name] = Unread(why, line)
+                return
+            at = at.parent
+
+    def _object(self, owner: str, line: int) -> Block:
+        for x in self.block.blocks:
+            if x.kind == "record" and x.name == owner:
+                x.last = line
+                return x
+        block = Block(owner, line, self.block, "record", last=line)
+        self.block.blocks.append(block)
+        return block
+
+    def _record(self, record: Record, target: str, line: int) -> None:
+        block = Block(target or record.name, line, self.block, "record", last=record.line)
+        block.called = record.name.rpartition(".")[2]
+        self.block.blocks.append(block)
+        self._fill(block, record, line)
+        if target:  # what is set to this name later refers to the block
+            self.block.names[target] = block
+        self.calls.append(block)
+
+    def _fill(self, block: Block, record: Record, line: int) -> None:
+        last = line
+        for name, value in record.fields.items():
+            last = max(last, self._field(block, name, value, line))
+        for name, value in record.values:
+            whole = _whole(value)
+            block.arguments.append((name, whole))
+            if isinstance(value, Record | list):
+                last = max(last, self._field(block, name, value, line))
+            elif isinstance(value, str) and not block.name:
+                block.name = value.strip("\"'")
+        block.last = max(block.last, last)
+
+    def _field(self, block: Block, name: str, value: Any, line: int) -> int:
+        if isinstance(value, Record):
+            inner = Block(name or value.name, value.line or line, block, "record", last=line)
+            inner.called = value.name.rpartition(".")[2]
+            block.blocks.append(inner)
+            self._fill(inner, value, line)
+            self.calls.append(inner)
+            return inner.last
+        at = _first_line(value) or line
+        if name in block.names and name:
+            return at
+        block.items.append(Item(name, plain(value), at, self.count, last=_last_line(value) or at))
+        block.names[name] = value
+        return _last_line(value) or at
+
+    def _returned(self, row: Sequence[Token]) -> None:
+        if not row:
+            return
+        block = self.block
+        held = block.names.get(row[0].text) if len(row) == 1 else None
+        if isinstance(held, Entries) and block.parent is not None:
+            item = next(x for x in reversed(block.items) if x.value is held)
+            block.parent.items.append(Item(block.name, held, item.line, self.count, last=item.last))
+            return
+        folder = self._folder(row)
+        try:
+            value = folder.expression()
+        except Unread:
+            return
+        if isinstance(value, Record):
+            self._record(value, value.name or block.name, row[0].line)
+            return
+        alone = all(x.kind == "name" or x.text in (",", "(", ")", ".", "&") for x in row)
+        named = len([x for x in row if x.kind == "name"]) == 1 and alone
+        if isinstance(value, Number | list) and block.parent is not None and (named or not alone):
+            item = Item(block.name, plain(value), row[0].line, self.count,
+                        last=_last_line(value) or row[-1].line)  # fmt: skip
+            block.parent.items.append(item)
+
+    def _expression(self, row: Sequence[Token]) -> None:
+        """Read a call, an object or a declaration such as ``Matrix a{..}``."""
+        marks = {x.text for x in row}
+        if not marks & {"(", "{"} or row[0].kind not in ("name", "mark"):
+            return
+        declared = next(
+            (
+                k
+                for k in range(1, len(row) - 1)
+                if row[k].kind == "name"
+                and row[k + 1].text in ("{", "(")
+                and (row[k - 1].kind == "name" or row[k - 1].text in (">", "&"))
+            ),
+            None,
+        )
+        if (
+            declared is not None
+            and self.language.name == "c"
+            and row[0].text not in ("return", "else")
+        ):
+            end = _partner(row, declared + 1)
+            inside = row[declared + 2 : end]
+            if inside and end == len(row) - 1:
+                if row[declared + 1].text == "{":
+                    inside = row[declared + 1 : end + 1]
+                self._bind(row[declared].text, inside, row[declared].line)
+                return
+        self._collect(row)
+
+    def _collect(self, row: Sequence[Token]) -> None:
+        folder = self._folder(row)
+        try:
+            value = folder.expression()
+        except Unread:
+            return
+        if isinstance(value, Record):
+            self._record(value, "", row[0].line)
+
+    # --- forward references -----------------------------------------------------------------------
+
+    def _again(self) -> None:
+        """Fold once more what failed, with the names that were read after it."""
+        for block, item, row in self.failed:
+            folder = Folder(row, self.language, self._look(block))
+            try:
+                value = folder.expression()
+            except Unread:
+                continue
+            if folder.peek() is not None and folder.tokens[folder.at].text != ",":
+                continue
+            if isinstance(value, Number | list) and isinstance(item.value, Unread):
+                item.value = plain(value)
+                if isinstance(block.names.get(item.name), Unread):
+                    block.names[item.name] = item.value
+
+
+def _whole(x: Any) -> int | None:
+    if not isinstance(x, Number):
+        return None
+    try:
+        return x.whole()
+    except Unread:
+        return None
+
+
+def _places(x: Any) -> Iterator[int]:
+    for y in flattened(x) if isinstance(x, list) else [x]:
+        if isinstance(y, Number) and y.place:
+            yield y.place[0]
+
+
+def _first_line(x: Any) -> int:
+    return min(_places(x), default=0)
+
+
+def _last_line(x: Any) -> int:
+    return max(_places(x), default=0)
+
+
+def _partner(row: Sequence[Token], at: int) -> int:
+    depth = 0
+    for k in range(at, len(row)):
+        depth += (row[k].text in ("(", "[", "{", "(/")) - (row[k].text in (")", "]", "}", "/)"))
+        if depth == 0:
+            return k
+    return len(row)
+
+
+def _equal(row: Sequence[Token]) -> int | None:
+    """Return the index of the sign of an assignment outside of all brackets."""
+    depth = 0
+    for k, x in enumerate(row):
+        if x.kind == "mark":
+            if x.text in ("(", "[", "{", "(/"):
+                depth += 1
+            elif x.text in (")", "]", "}", "/)"):
+                depth -= 1
+            elif depth == 0 and x.text in ("=", ":=", "+=", "-=", "*=", "/="):
+                return k
+    return None
+
+
+def _is_definition(row: Sequence[Token], equal: int) -> bool:
+    """Return whether ``f(x) = ..`` of Julia defines a function."""
+    before = [x.text for x in row[:equal]]
+    return before[-1:] == [")"] or "where" in before
+
+
+def _named(head: Sequence[Token]) -> str:
+    """Return the name of the block that words before a brace begin."""
+    for word in ("class", "struct", "namespace", "enum", "union", "interface", "impl", "trait",
+                 "mod",
+                 "fn", "func", "function"):  # fmt: skip
+        for k, x in enumerate(head):
+            if x.text == word and k + 1 < len(head):
+                j = k + 1
+                if word == "func" and head[j].text == "(":  # a receiver of Go
+                    j = _partner(head, j) + 1
+                if j < len(head) and head[j].kind == "name":
+                    while (
+                        j + 1 < len(head)
+                        and head[j + 1].kind == "name"
+                        and word in ("class", "struct")
+                        and head[j + 1].text not in ("extends", "implements", "final")
+                    ):
+                        j += 1
+                    return head[j].text
+    for k, x in enumerate(head):
+        if x.text == "(" and k and head[k - 1].kind == "name":
+            inside = head[k + 1] if k + 1 < len(head) else None
+            macro = head[-1].text == "," and head[k - 1].text.isupper()
+            return inside.text if macro and inside is not None else head[k - 1].text
+    return next((x.text for x in reversed(head) if x.kind == "name"), "")
+
+
+def _without_type(row: list[Token], language: Language) -> tuple[list[Token], set[str]]:
+    """Return what stands before a sign of an assignment without its type, and the type's words."""
+    typed: set[str] = set()
+    if language.name in ("rust", "python", "javascript"):
+        depth = 0
+        for k, x in enumerate(row):
+            depth += (x.text in ("(", "[", "{", "<")) - (x.text in (")", "]", "}", ">"))
+            if x.text == ":" and depth == 0:
+                typed = {y.text for y in row[k + 1 :] if y.kind == "name"}
+                row = row[:k]
+                break
+    if language.name == "fortran":
+        k = next((k for k, x in enumerate(row) if x.text == "::"), None)
+        if k is not None:
+            typed = {y.text for y in row[:k] if y.kind == "name"}
+            row = row[k + 1 :]
+    if language.name == "julia":
+        k = next((k for k, x in enumerate(row) if x.text == "::"), None)
+        if k is not None and row[k - 1].text != "(":
+            row = row[:k] if not any(x.text == "(" for x in row[:k]) else row
+    if language.name == "go" and len(row) > 1 and row[0].text in ("var", "const"):
+        typed, row = {"var"}, row[:2]
+    return row, typed
+
+
+def _target(
+    row: Sequence[Token], language: Language
+) -> tuple[str, list[Sequence[Token]], str, set[str]] | None:
+    """Return the name that is assigned to, its subscripts, its owner, and the words of its type."""
+    row, typed = _without_type([x for x in row if x.kind != "line"], language)
+    subscripts: list[Sequence[Token]] = []
+    end = len(row)
+    while end and row[end - 1].text in ("]", ")"):
+        depth, k = 0, end - 1
+        while k >= 0:
+            depth += (row[k].text in (")", "]", "}")) - (row[k].text in ("(", "[", "{"))
+            if depth == 0:
+                break
+            k -= 1
+        if k < 0:
+            return None
+        inside = row[k + 1 : end - 1]
+        if [x.text for x in inside] == ["*", "this"]:
+            return "this", subscripts, "", typed
+        if row[end - 1].text == ")" and language.name in ("python", "java", "rust", "go"):
+            return None
+        subscripts.insert(0, inside)
+        end = k
+    if not end or row[end - 1].kind != "name":
+        return None
+    name, k, owner = row[end - 1].text, end - 1, []
+    while k >= 2 and row[k - 1].text in (".", "->", "::"):
+        step = k - 2
+        if row[step].text == "]":
+            while step >= 0 and row[step].text != "[":
+                step -= 1
+            step -= 1
+        if step < 0 or row[step].kind != "name":
+            break
+        owner.insert(0, row[step].text)
+        k = step
+    strings = [x for part in subscripts for x in part if x.kind == "string"]
+    if strings:  # tables["rk4"]["A"]
+        words = [x.text.strip("\"'") for x in strings]
+        owner, name = [*owner, name, *words[:-1]], words[-1]
+        subscripts = [x for x in subscripts if not any(y.kind == "string" for y in x)]
+    typed |= {x.text for x in row[:k] if x.kind == "name"}
+    if language.name in ("python", "julia", "matlab") and k and row[k - 1].text == ",":
+        return None
+    owner = [x for x in owner if x not in _OWN]
+    return name, [x for x in subscripts if x], ".".join(owner), typed

@@ -1,0 +1,843 @@
+"""Expressions in the sources of eleven languages folded to exact numbers and nested lists.
+
+One precedence parser for all. What it does not know is :class:`~.values.Unread` with a reason; an
+entry of a list that is not folded stays in the list as such, so that the list keeps its shape and
+nothing becomes 0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from ..errors import ExactnessError
+from ..exact import Exact
+from .lexer import Language, Token
+from .values import Number, Unread, bounded, filled, literal, pairwise, power
+
+#: Calls that leave one number as it is; so do names of types, which begin with a capital.
+_CASTS = frozenset(
+    "array asarray tensor big float float64 float32 double real dble dbl constexpr number convert "
+    "map tuple list vec collect copy from_list sympify mpf parse tparse value_type scalar_type "
+    "scalar realtype sunrealtype static_cast as_tensor ascontiguousarray constant vector matrix "
+    "cast val one_ toreal deepcopy to_array as_array freeze mat row vcat hcat".split()
+)
+_QUOTIENTS = frozenset(("fraction", "rational", "frac", "rat"))
+_NOTHING = frozenset("None NULL nullptr nothing null undefined nil PETSC_NULLPTR".split())
+_WORDS = frozenset(
+    "for if else while lambda in return and or not is async await end do then".split()
+)
+_BINARY = {"+": 1, "-": 1, ".+": 1, ".-": 1, "*": 2, "/": 2, "//": 2, ".*": 2, "./": 2, "%": 2,
+           "\\": 2}  # fmt: skip
+_POWERS = frozenset(("**", "^", ".^"))
+_OPEN = {"(": ")", "[": "]", "{": "}", "(/": "/)"}
+_CLOSE = frozenset(_OPEN.values())
+_METHODS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "minus": "-", "plus": "+"}
+
+
+class Integer(Number):
+    """A whole number of a language in which 1/2 is 0."""
+
+    __slots__ = ()
+
+
+@dataclass
+class Record:
+    """What a call with several arguments, or a braced list of names and values, holds."""
+
+    name: str
+    line: int
+    fields: dict[str, Any] = field(default_factory=dict)
+    #: Values without names, each with the name that stood there, if it is only a name.
+    values: list[tuple[str, Any]] = field(default_factory=list)
+
+
+class Frame(list[Any]):
+    """An array of zeros that is to be filled."""
+
+
+class Entries(dict[tuple[int, ...], Any]):
+    """Entries of an array that are given one by one."""
+
+
+Lookup = Callable[[str], Any]
+
+
+def _apply(sign: str, x: Any, y: Any, language: Language) -> Any:
+    sign = sign.lstrip(".") or sign
+    if sign == "%" or sign == "\\" or (sign == "//" and language.name not in ("julia", "fortran")):
+        raise Unread(f"the operator {sign} is not read")
+    both = isinstance(x, Integer) and isinstance(y, Integer)
+    if both and sign == "/" and language.truncates:
+        quotient = (x.value / y.value).as_fraction()
+        if quotient is None or quotient.denominator != 1:
+            raise Unread(f"{x.value}/{y.value} is a quotient of whole numbers, which is cut")
+        return Integer(Exact(quotient), None, x.size + y.size)
+    found = pairwise("/" if sign == "//" else sign, x, y)
+    if both and isinstance(found, Number) and language.truncates:
+        return Integer(found.value, None, found.size)
+    return found
+
+
+def negative(x: Any) -> Any:
+    """Return -x of a number or nested lists."""
+    if isinstance(x, list):
+        return [negative(y) for y in x]
+    if not isinstance(x, Number):
+        raise x if isinstance(x, Unread) else Unread("a number is expected")
+    found = x.of(-x.value)
+    return Integer(found.value, None, x.size) if isinstance(x, Integer) else found
+
+
+def transposed(x: Any) -> Any:
+    """Return the transpose of a matrix; a vector is as it is."""
+    if isinstance(x, list) and x and all(isinstance(y, list) for y in x):
+        if len({len(y) for y in x}) > 1:
+            raise Unread("the rows of a transposed matrix differ in length")
+        return [list(y) for y in zip(*x, strict=True)]
+    return x
+
+
+class Folder:
+    """A reader of the expressions in a list of tokens.
+
+    Parameters
+    ----------
+    tokens : sequence of Token
+        With their ends of lines.
+    language : Language
+    look : callable
+        Value of a name; raises :class:`~.values.Unread` for one that is not known.
+    """
+
+    def __init__(self, tokens: Sequence[Token], language: Language, look: Lookup) -> None:
+        self.tokens, self.language, self.look = tokens, language, look
+        self.at, self.end = 0, len(tokens)
+        self.blanks = False  # whether blanks part entries
+        self.depth = 0
+
+    # --- tokens -----------------------------------------------------------------------------------
+
+    def skip(self) -> None:
+        """Pass ends of lines."""
+        while self.at < self.end and self.tokens[self.at].kind == "line":
+            self.at += 1
+
+    def peek(self, *, over: bool = True) -> Token | None:
+        """Return the next token."""
+        if over and not self.blanks:
+            self.skip()
+        return self.tokens[self.at] if self.at < self.end else None
+
+    def sees(self, *texts: str) -> bool:
+        """Return whether the next token is one of these marks."""
+        x = self.peek()
+        return x is not None and x.kind in ("mark", "name") and x.text in texts
+
+    def take(self, text: str = "") -> Token:
+        """Return the next token and pass it."""
+        x = self.peek()
+        if x is None or (text and x.text != text):
+            raise Unread(f"{text or 'a value'} is expected")
+        self.at += 1
+        return x
+
+    def partner(self, at: int) -> int:
+        """Return the index of the bracket that closes the one at an index."""
+        depth = 0
+        for k in range(at, self.end):
+            x = self.tokens[k]
+            if x.kind == "mark":
+                depth += (x.text in _OPEN) - (x.text in _CLOSE)
+                if depth <= 0:
+                    return k
+        raise Unread("a bracket is not closed")
+
+    def to_comma(self, ends: Sequence[str]) -> None:
+        """Pass the rest of an entry that is not understood."""
+        depth = 0
+        while self.at < self.end:
+            x = self.tokens[self.at]
+            if x.kind == "mark":
+                if depth == 0 and (x.text in (",", ";") or x.text in ends):
+                    return
+                depth += (x.text in _OPEN) - (x.text in _CLOSE)
+                if depth < 0:
+                    return
+            self.at += 1
+
+    # --- expressions ------------------------------------------------------------------------------
+
+    def expression(self, least: int = 0) -> Any:
+        """Read an expression; :class:`~.values.Unread` is raised for what is not folded."""
+        self.depth += 1
+        if self.depth > 120:
+            raise Unread("an expression is nested too deep")
+        try:
+            return self._expression(least)
+        except (ZeroDivisionError, ExactnessError, IndexError, ValueError) as error:
+            raise Unread(f"{type(error).__name__}: {error}") from None
+        finally:
+            self.depth -= 1
+
+    def _expression(self, least: int) -> Any:
+        x = self._unary()
+        while True:
+            t = self.peek()
+            if t is None or t.kind not in ("mark", "name"):
+                return x
+            if t.kind == "name":
+                if t.text == "as" and self.language.name == "rust":  # x as f64
+                    self.at += 1
+                    self.take()
+                    continue
+                return x
+            if t.text in _POWERS:
+                self.at += 1
+                self.skip()
+                x = power(x, self._unary(tight=True))
+                continue
+            rank = _BINARY.get(t.text)
+            if rank is None or rank <= least:
+                if t.text == "?":
+                    raise Unread("a choice is not read")
+                return x
+            after = self.tokens[self.at + 1] if self.at + 1 < self.end else None
+            sign = rank == 1 and self.blanks and t.spaced
+            if sign and after is not None and not after.spaced and after.kind != "line":
+                return x  # in a matrix it is the sign of the next entry
+            self.at += 1
+            self.skip()
+            x = _apply(t.text, x, self.expression(rank), self.language)
+
+    def _unary(self, *, tight: bool = False) -> Any:
+        t = self.peek()
+        if t is not None and t.kind == "mark":
+            if t.text in ("-", "+", ".-"):
+                self.at += 1
+                x = self._unary() if tight else self.expression(1)
+                return x if t.text == "+" else negative(x)
+            if t.text in ("&", "@") or (t.text == "*" and not tight):
+                self.at += 1
+                if t.text == "@":  # a macro
+                    while self.sees("."):
+                        self.at += 1
+                    self.take()
+                    if self.blanks:
+                        pass
+                elif self.sees("mut"):
+                    self.at += 1
+                return self._unary()
+            if t.text == "√":
+                self.at += 1
+                return _rooted(self._postfix(self._primary()))
+        x = self._postfix(self._primary())
+        t = self.peek()
+        if t is not None and t.text in _POWERS:
+            self.at += 1
+            self.skip()
+            return power(x, self._unary(tight=True))
+        return x
+
+    def _primary(self) -> Any:
+        t = self.take()
+        if t.kind == "number":
+            return self._numeral(t)
+        if t.kind == "string":
+            return t.text
+        if t.kind == "name":
+            return self._named(t)
+        if t.text == "[":
+            return self._square(t)
+        if t.text == "(/":
+            return self._items("/)")
+        if t.text == "{":
+            return self._braced("", t.line)
+        if t.text == "(":
+            return self._round()
+        raise Unread(f"{t.text!r} is not read here")
+
+    def _numeral(self, t: Token) -> Any:
+        x = self._literal(t.text)
+        after = self.tokens[self.at] if self.at < self.end else None
+        if after is None or after.spaced or self.language.name != "julia":
+            return x
+        if (after.kind == "name" and after.text not in _WORDS) or after.text in ("(", "√"):
+            y = self._unary(tight=True)  # 2c and 2(a + b)
+            return _apply("*", x, y, self.language)
+        return x
+
+    def _literal(self, text: str) -> Number:
+        said = text.replace("_", "").replace("'", "").lower()
+        if said.startswith(("0x", "0b")):
+            raise Unread(f"{text} is not read")
+        for letter in "dqf":
+            said = said.replace(letter, "e")
+        x = literal(said.rstrip("e") if said.endswith("e") else said)
+        if self.language.truncates and said.isdigit():
+            return Integer(x.value, None, x.size)
+        return x
+
+    def _round(self) -> Any:
+        """Read a bracketed expression, a tuple or a cast, after its bracket."""
+        close = self.partner(self.at - 1)
+        inside = self.tokens[self.at : close]
+        after = self.tokens[close + 1] if close + 1 < self.end else None
+        typed = inside and all(
+            x.kind == "name" or x.text in ("*", "::", "<", ">", "&", "[", "]") for x in inside
+        )
+        if typed and after is not None and self.language.name in ("c", "java"):
+            known = len(inside) == 1 and self._known(inside[0].text)
+            if not known and (after.kind in ("number", "name") or after.text in ("(", "{", "-")):
+                self.at = close + 1
+                return plain(self._unary())
+        blanks, self.blanks = self.blanks, False
+        try:
+            items = self._items(")", keep=True)
+        finally:
+            self.blanks = blanks
+        comma = any(x.text == "," and self._depth_of(inside, k) == 0 for k, x in enumerate(inside))
+        if len(items) == 1 and not comma:
+            if isinstance(items[0], Unread):
+                raise items[0]
+            return items[0]
+        return items
+
+    @staticmethod
+    def _depth_of(tokens: Sequence[Token], at: int) -> int:
+        return sum((x.text in _OPEN) - (x.text in _CLOSE) for x in tokens[:at] if x.kind == "mark")
+
+    def _known(self, name: str) -> bool:
+        try:
+            self.look(name)
+        except Unread:
+            return False
+        return True
+
+    def _entry(self, ends: Sequence[str]) -> Any:
+        """Read an entry of a list with its place; what is not folded is returned as unread."""
+        self.skip()
+        start = self.at
+        first = self.tokens[start] if start < self.end else None
+        try:
+            x = self.expression()
+            t = self.peek()
+            if t is not None and not (t.text in (",", ";") or t.text in ends or self.blanks):
+                raise Unread(f"{t.text!r} is not read here", t.line)
+        except Unread as error:
+            self.to_comma(ends)
+            error.line = error.line or (first.line if first else 0)
+            return error
+        if isinstance(x, Number) and first is not None:
+            said = " ".join(y.text for y in self.tokens[start : self.at] if y.kind != "line")
+            found = Number(x.value, x.places, x.size)
+            found.place = (first.line, said[:80])
+            return found
+        return x
+
+    def _items(self, close: str, *, keep: bool = False) -> list[Any]:
+        """Read entries parted by commas, through the closing bracket."""
+        found: list[Any] = []
+        if close == "/)" or close == "]":
+            self._type_before()
+        while not self.sees(close):
+            if self.peek() is None:
+                raise Unread("a bracket is not closed")
+            found.append(self._entry((close,)))
+            if self.sees(",", ";"):
+                self.at += 1
+            elif not self.sees(close):
+                raise Unread("a comma is expected")
+        self.take(close)
+        return list(found) if keep else bounded(found)
+
+    def _type_before(self) -> None:
+        """Pass ``real(wp) ::`` at the head of an array of Fortran."""
+        if self.language.name != "fortran":
+            return
+        for k in range(self.at, min(self.end, self.at + 12)):
+            if self.tokens[k].text in (",", "]", "/)"):
+                return
+            if self.tokens[k].text == "::":
+                self.at = k + 1
+                return
+
+    def _square(self, opened: Token) -> Any:
+        """Read a list or matrix after its bracket; of Go and Java also what types begin."""
+        close = self.partner(self.at - 1)
+        if self.language.name == "go":
+            return self._of_go(close)
+        inside = self.tokens[self.at : close]
+        if any(x.kind == "name" and x.text == "for" for x in inside):
+            raise Unread("a loop is not read", opened.line)
+        if self.language.blanks:
+            return self._matrix(close)
+        semicolon = next((k for k, x in enumerate(inside)
+                          if x.text == ";" and self._depth_of(inside, k) == 0), None)  # fmt: skip
+        if semicolon is not None and self.language.name == "rust":  # [x; n]
+            x = self.expression()
+            self.take(";")
+            n = number(self.expression()).whole()
+            self.take("]")
+            return repeated(x, n)
+        return self._items("]")
+
+    def _of_go(self, close: int) -> Any:
+        self.at = close + 1
+        while self.sees("[") or (
+            (t := self.peek()) is not None and t.kind == "name" and not self.sees("{")
+        ):
+            if self.sees("["):
+                self.at = self.partner(self.at) + 1
+            else:
+                self.take()
+        self.take("{")
+        return self._braced("", 0)
+
+    def _matrix(self, close: int) -> Any:
+        """Read ``[a b; c d]``, ``[a, b]`` or ``[a; b]``."""
+        rows: list[list[Any]] = [[]]
+        blanks, self.blanks = self.blanks, True
+        comma = False
+        try:
+            while self.at < close:
+                t = self.tokens[self.at]
+                if t.kind == "line" or t.text == ";":
+                    self.at += 1
+                    if rows[-1] and not (comma and t.kind == "line"):
+                        rows.append([])
+                    continue
+                if t.text == ",":
+                    self.at, comma = self.at + 1, True
+                    continue
+                comma = False
+                before = self.at
+                rows[-1].append(self._entry(("]", "line")))
+                if self.at == before:
+                    raise Unread("a matrix is not understood", t.line)
+        finally:
+            self.blanks = blanks
+        self.at = close + 1
+        rows = [x for x in rows if x]
+        if all(len(row) == 1 for row in rows):
+            return bounded(row[0] for row in rows)
+        return bounded(rows[0] if len(rows) == 1 else rows)
+
+    def _braced(self, name: str, line: int) -> Any:
+        """Read ``{..}`` after its bracket: a list, or names with values."""
+        found: list[Any] = []
+        record = Record(name, line)
+        while not self.sees("}"):
+            t = self.peek()
+            if t is None:
+                raise Unread("a bracket is not closed")
+            label = self._label()
+            x = self._entry(("}",))
+            if label:
+                record.fields[label] = x
+            else:
+                found.append(x)
+            if self.sees(",", ";"):
+                self.at += 1
+            elif not self.sees("}"):
+                raise Unread("a comma is expected", t.line)
+        self.take("}")
+        if not record.fields:
+            while (
+                len(found) == 1
+                and isinstance(found[0], list)
+                and found[0]
+                and all(isinstance(x, list) for x in found[0])
+            ):
+                found = found[0]  # {{{..}, {..}}}
+            return bounded(found)
+        record.values = [("", x) for x in found]
+        return record
+
+    def _label(self) -> str:
+        """Pass ``name:``, ``"name":`` or ``.name =`` before a value and return the name."""
+        dot = self.sees(".")
+        k = self.at + dot
+        if k + 1 >= self.end:
+            return ""
+        x, y = self.tokens[k], self.tokens[k + 1]
+        if x.kind in ("name", "string") and y.text in (":", "=", "=>"):
+            if y.text == "=" and self.language.name == "fortran":
+                return ""
+            self.at = k + 2
+            return x.text.strip("\"'")
+        return ""
+
+    # --- names and calls --------------------------------------------------------------------------
+
+    def _named(self, t: Token) -> Any:
+        name, language = t.text, self.language.name
+        if name in _NOTHING:
+            return None
+        if name == "new":
+            return self._new()
+        if name in _WORDS:
+            raise Unread(f"{name!r} is not read here", t.line)
+        after = self.tokens[self.at] if self.at < self.end else None
+        if after is not None and after.kind == "string" and not after.spaced:
+            self.at += 1
+            return self._literal_text(after.text) if name == "big" else after.text
+        if name in ("vec", "array", "svec") and after is not None and after.text == "!":
+            self.at += 1  # vec![..]
+            return self._primary()
+        while self.sees(".", "->", "::") and self.at + 1 < self.end:
+            nxt = self.tokens[self.at + 1]
+            if nxt.kind != "name":
+                break
+            if nxt.text in ("sqrt", "reshape", "T", "transpose", *_METHODS) and self._known(name):
+                break
+            self.at += 2
+            name = f"{name}.{nxt.text}"
+        if self.sees("<") and language in ("c", "java", "rust"):
+            self._template()
+        if self.sees("{") and language == "julia":  # a parameter of a type
+            self.at = self.partner(self.at) + 1
+        t2 = self.peek()
+        if t2 is not None and not (self.blanks and t2.spaced):
+            if t2.text == "(":
+                return self._call(name, t)
+            if t2.text == "{" and language in ("c", "java", "rust", "go"):
+                self.take()
+                x = self._braced(name, t.line)
+                return (
+                    x[0] if isinstance(x, list) and len(x) == 1 and isinstance(x[0], Number) else x
+                )
+            if t2.text == "[" and language == "julia" and not self._known(name):
+                self.take()
+                return self._square(t)
+        root = re.fullmatch(r"(?:\w+\.)*SQRT_(\d+)", name)
+        if root and not self._known(name):
+            return _rooted(literal(root[1]))
+        return self.look(name)
+
+    def _literal_text(self, text: str) -> Any:
+        said = text.strip("\"' ")
+        top, slash, below = said.partition("/")
+        x = self._literal(top.strip().lstrip("+-"))
+        x = Number(-x.value, x.places, x.size) if top.strip().startswith("-") else plain(x)
+        return _apply("/", x, plain(self._literal(below.strip())), self.language) if slash else x
+
+    def _new(self) -> Any:
+        """Read ``new double[][] {..}``, ``new double[4]`` or ``new Type(..)``."""
+        t = self.take()
+        while self.sees("."):
+            self.at += 1
+            self.take()
+        sizes: list[int] = []
+        while self.sees("["):
+            self.take()
+            sizes.append(-1 if self.sees("]") else number(self.expression()).whole())
+            self.take("]")
+        if self.sees("{"):
+            self.take()
+            return self._braced("", t.line)
+        if self.sees("("):
+            return self._call(t.text, t)
+        if sizes and -1 not in sizes:
+            return Frame(filled(sizes, Number(Exact(0))))
+        raise Unread("the size of an array is not known")
+
+    def _template(self) -> None:
+        """Pass the parameters of a template before a bracket."""
+        depth = 0
+        for k in range(self.at, min(self.end, self.at + 60)):
+            x = self.tokens[k].text
+            depth += (x == "<") - (x == ">") - 2 * (x == ">>")
+            if x in (";", "{", "}"):
+                return
+            if depth <= 0:
+                after = self.tokens[k + 1].text if k + 1 < self.end else ""
+                if after in ("(", "{", "::"):
+                    self.at = k + 1
+                return
+
+    def _arguments(self) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
+        """Read the arguments of a call, each with its name where it is only that."""
+        self.take("(")
+        blanks, self.blanks = self.blanks, False
+        values: list[tuple[str, Any]] = []
+        words: dict[str, Any] = {}
+        try:
+            while not self.sees(")"):
+                t = self.peek()
+                if t is None:
+                    raise Unread("a bracket is not closed")
+                if self.sees(";", ","):
+                    self.at += 1
+                    continue
+                label = ""
+                nxt = self.tokens[self.at + 1] if self.at + 1 < self.end else None
+                if t.kind == "name" and nxt is not None and nxt.text == "=":
+                    label, self.at = t.text, self.at + 2
+                start = self.at
+                x = self._entry((")",))
+                part = [y for y in self.tokens[start : self.at] if y.kind != "line"]
+                alone = all(y.kind == "name" or y.text in (".", "::", "->", "&", "[", "0", "]")
+                            for y in part)  # fmt: skip
+                names = [y.text for y in part if y.kind == "name"]
+                if label:
+                    words[label] = x
+                else:
+                    values.append((names[-1] if alone and names else "", x))
+        finally:
+            self.blanks = blanks
+        self.take(")")
+        return values, words
+
+    def _call(self, name: str, t: Token) -> Any:
+        last = name.rpartition(".")[2]
+        low = last.lower()
+        if self.language.calls_index or self.language.name == "c":
+            held = self.look(name) if self._known(name) else None
+            if isinstance(held, list | Entries):
+                return self._taken(held, [x for _, x in self._arguments()[0]])
+        values, words = self._arguments()
+        given = [x for _, x in values]
+        found = self._function(low, given, words)
+        if found is not _NOT_KNOWN:
+            return found
+        upper = last[:1].isupper() or low in _CASTS or last.endswith("_")
+        if upper and len(given) == 1 and not (words.keys() - {"dtype", "kind", "device"}):
+            x = given[0]
+            if isinstance(x, Unread):
+                raise x
+            if isinstance(x, str):
+                return self._literal_text(x)
+            if isinstance(x, Number | list):
+                return plain(x)
+        if low in _CASTS and given:
+            lists = [x for x in given if isinstance(x, list)]
+            if len(lists) == 1:
+                return lists[0]
+            if isinstance(given[-1], Number) and low in (
+                "convert",
+                "map",
+                "parse",
+                "real",
+                "tparse",
+            ):
+                return given[0] if low == "real" else given[-1]
+            if isinstance(given[-1], str) and low in ("parse", "tparse"):
+                return self._literal_text(given[-1])
+        if (
+            words
+            or sum(isinstance(x, list | Number | Unread) for x in given) > 1
+            or (given and isinstance(given[0], list))
+        ):
+            return Record(name, t.line, words, values)
+        raise Unread(f"the function {name[:40]!r} is not read", t.line)
+
+    def _function(self, low: str, given: list[Any], words: Mapping[str, Any]) -> Any:
+        """Return the value of a function that is known by its name, or a mark."""
+        if low in _QUOTIENTS and given:
+            if len(given) == 1 and isinstance(given[0], str):
+                return self._literal_text(given[0])
+            if len(given) == 1:
+                return plain(given[0])
+            return _apply("/", plain(given[-2]), plain(given[-1]), self.language)
+        if low.endswith("sqrt") and len(given) >= 1:
+            return _rooted(given[0])
+        if low == "cbrt" and len(given) == 1:
+            return power(given[0], Number(Exact(Fraction(1, 3))))
+        if low.endswith("pow") and len(given) == 2:
+            return power(given[0], given[1])
+        if low in ("sqr", "petscsqr", "square") and len(given) == 1:
+            return power(given[0], Number(Exact(2)))
+        if low == "inv" and len(given) == 1:
+            return power(given[0], Number(Exact(-1)))
+        if low in ("zeros", "zero", "ones", "fill", "empty", "zeros_like", "buildarray") and given:
+            return self._filled(low, given)
+        if low == "getfield" and not given:
+            return "field"
+        if low in ("one", "getone", "zero", "getzero"):
+            return Number(Exact(int(low.endswith("one"))))
+        if low in ("transpose", "permutedims"):
+            return transposed(given[0])
+        if low in ("vcat", "concatenate", "hstack", "cat", "concat") and given:
+            parts = given if low == "vcat" else given[0]
+            if not isinstance(parts, list) or not all(isinstance(x, list) for x in parts):
+                raise Unread("parts of an array are not lists")
+            return bounded(x for part in parts for x in part)
+        if low == "reshape" and len(given) >= 2:
+            return self._reshaped(given[0], given[1:])
+        if low in ("exp", "log", "sin", "cos", "tan", "abs", "min", "max", "sum", "len", "diag"):
+            raise Unread(f"the function {low!r} is not read")
+        return _NOT_KNOWN
+
+    def _filled(self, low: str, given: list[Any]) -> Any:
+        if low == "fill":
+            value, given = given[0], given[1:]
+        else:
+            value = Number(Exact(int(low == "ones")))
+        dims: list[int] = []
+        for x in given:
+            if isinstance(x, Number):
+                dims.append(x.whole())
+            elif isinstance(x, list) and all(isinstance(y, Number) for y in x):
+                dims += [y.whole() for y in x]
+        if not dims or not all(0 <= n <= 100 for n in dims):
+            raise Unread("the size of an array is not known")
+        return Frame(filled(dims, value))
+
+    def _reshaped(self, x: Any, dims: list[Any]) -> Any:
+        sizes = [
+            y for d in dims for y in (d if isinstance(d, list) else [d]) if isinstance(y, Number)
+        ]
+        flat = flattened(x)
+        n = [y.whole() for y in sizes]
+        if len(n) == 2 and n[0] * n[1] == len(flat):
+            if self.language.base:  # columns first
+                return [[flat[i + j * n[0]] for j in range(n[1])] for i in range(n[0])]
+            return [flat[i * n[1] : (i + 1) * n[1]] for i in range(n[0])]
+        if len(n) == 1:
+            return flat
+        raise Unread("an array is given a shape that is not read")
+
+    # --- what follows a value ---------------------------------------------------------------------
+
+    def _postfix(self, x: Any) -> Any:
+        while True:
+            t = self.peek()
+            if t is None or t.kind != "mark" or (self.blanks and t.spaced):
+                return x
+            if t.text == "[" and isinstance(x, list):
+                self.take()
+                x = self._taken(x, self._indices("]"))
+            elif t.text == "[" and isinstance(x, Entries):
+                index: list[Any] = []
+                while self.sees("["):
+                    self.take()
+                    index += self._indices("]")
+                x = self._taken(x, index)
+            elif t.text == "(" and isinstance(x, list) and self.language.calls_index:
+                self.take()
+                x = self._taken(x, self._indices(")"))
+            elif t.text in ("'", ".'") and self.language.blanks and not t.spaced:
+                self.take()
+                x = transposed(x)
+            elif (
+                t.text == "." and self.at + 1 < self.end and self.tokens[self.at + 1].kind == "name"
+            ):
+                self.at += 1
+                x = self._member(x, self.take())
+            else:
+                return x
+
+    def _member(self, x: Any, t: Token) -> Any:
+        name = t.text
+        called = self.sees("(")
+        given = [y for _, y in self._arguments()[0]] if called else []
+        if name == "sqrt":
+            return _rooted(x)
+        if name in _METHODS and len(given) == 1:
+            return _apply(_METHODS[name], x, given[0], self.language)
+        if name == "negate":
+            return negative(x)
+        if name in ("getOne", "getZero"):
+            return Number(Exact(int(name == "getOne")))
+        if name in ("T", "transpose") and not given:
+            return transposed(x)
+        if name == "reshape":
+            return self._reshaped(x, given)
+        if name in ("tolist", "astype", "to", "clone", "to_vec", "copy", "double", "into", "value",
+                    "flatten", "numpy", "item", "getReal", "newInstance"):  # fmt: skip
+            return given[0] if name == "newInstance" and given else x
+        raise Unread(f"{name!r} of a value is not read", t.line)
+
+    def _indices(self, close: str) -> list[Any]:
+        found: list[Any] = []
+        while not self.sees(close):
+            if self.sees(","):
+                self.at += 1
+                continue
+            bounds: list[Any] = [None]
+            while not self.sees(",", close):
+                if self.sees(":"):
+                    self.at += 1
+                    bounds.append(None)
+                elif self.sees("end"):
+                    self.at += 1
+                    bounds[-1] = "end"
+                else:
+                    bounds[-1] = self.expression()
+            found.append(bounds[0] if len(bounds) == 1 else tuple(bounds))
+        self.take(close)
+        return found
+
+    def _taken(self, x: Any, index: list[Any]) -> Any:
+        if isinstance(x, Entries):
+            place = tuple(number(k).whole() for k in index)
+            if not isinstance(x.get(place), Number):
+                raise x.get(place) or Unread("an entry that is not given is read")
+            return x[place]
+        for k, at in enumerate(index):
+            if not isinstance(x, list):
+                raise x if isinstance(x, Unread) else Unread("an index into a number")
+            if isinstance(at, tuple):
+                if len(at) == 3 and at[:2] == (None, None) and number(at[2]).whole() == -1:
+                    x = x[::-1]
+                    continue
+                low, high = at[:2]
+                start = 0 if low is None else number(low).whole() - self.language.base
+                stop = None if high in (None, "end") else number(high).whole()
+                part = x[start:stop]
+                rest = index[k + 1 :]
+                return [self._taken(y, rest) for y in part] if rest else part
+            n = -1 if at == "end" else number(at).whole()
+            n = n if n < 0 else n - self.language.base
+            if not -len(x) <= n < len(x):
+                raise Unread("an index lies outside of its array")
+            x = x[n]
+        if isinstance(x, Unread):
+            raise x
+        return x
+
+
+_NOT_KNOWN = object()
+
+
+def number(x: Any) -> Number:
+    """Return x, which must be a number."""
+    if isinstance(x, Unread):
+        raise x
+    if not isinstance(x, Number):
+        raise Unread("a number is expected")
+    return x
+
+
+def plain(x: Any) -> Any:
+    """Return a value whose quotients are not cut."""
+    if isinstance(x, Integer):
+        found = Number(x.value, x.places, x.size)
+        found.place = x.place
+        return found
+    if isinstance(x, Frame):
+        return x
+    return [plain(y) for y in x] if isinstance(x, list) else x
+
+
+def repeated(x: Any, n: int) -> Frame:
+    """Return n copies of a value."""
+    if not 0 <= n <= 100:
+        raise Unread("an array is too large")
+    return Frame(bounded([list(x) if isinstance(x, list) else x for _ in range(n)]))
+
+
+def flattened(x: Any) -> list[Any]:
+    """Return the entries of nested lists, row by row."""
+    return [z for y in x for z in flattened(y)] if isinstance(x, list) else [x]
+
+
+def _rooted(x: Any) -> Any:
+    if isinstance(x, list):
+        return [_rooted(y) for y in x]
+    n = number(x)
+    return n.of(n.value.sqrt())

@@ -1,0 +1,204 @@
+"""Tokens of C, C++, CUDA, Fortran, Julia, Python, Rust, Java, MATLAB, Go and JavaScript.
+
+One expression for the numerals of all of them, one for the comments and strings of each.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import DataError
+from ..system.budget import spend
+
+#: Characters of a source that are read.
+MOST = 60_000_000
+
+_C = r"/\*.*?(?:\*/|\Z)|//[^\n]*|\\\r?\n"
+_QUOTED = "|".join((r'"(?:\\.|[^"\\\n])*"', r"'(?:\\.|[^'\\\n])*'"))
+_TRIPLE = (
+    r'[rRbBfFuU]{0,2}(?:"""(?:\\.|[^\\])*?(?:"""|\Z)|'
+    r"'''(?:\\.|[^\\])*?(?:'''|\Z))"
+)
+
+
+@dataclass(frozen=True)
+class Language:
+    """What tells the tokens and statements of a language from those of others."""
+
+    name: str
+    comments: str
+    strings: str = _QUOTED
+    #: Whether statements end with a semicolon and blocks are braces; else with the line.
+    braces: bool = True
+    #: Whether a quotient of whole numbers is a whole number.
+    truncates: bool = False
+    #: Letters of exponents, suffixes of numerals.
+    exponent: str = "eE"
+    suffix: str = r"(?:_?[fiu](?:8|16|32|64|128|size)|[fFlLuU]{1,3}|_r|_rt|_[A-Za-z]\w*)(?!\w)"
+    #: Whether blanks part the entries of a matrix.
+    blanks: bool = False
+    #: Index of the first entry.
+    base: int = 0
+    #: Whether ``a(1, 2)`` may be an entry.
+    calls_index: bool = False
+
+
+_STRING, _LETTER = r'"(?:\\.|[^"\\\n])*"', r"'(?:\\.|[^'\\\n])'"
+_CHARS = f"{_STRING}|{_LETTER}"  # an apostrophe may be in a numeral
+_OF_JULIA = r'"""(?:\\.|[^\\])*?(?:"""|\Z)|"(?:\\.|[^"\\])*"|'
+_OF_MATLAB = r"(?<![\w)\]}'.])'(?:[^'\n]|'')*'"
+_CONTINUED = r"&[ \t]*(?:![^\n]*)?\n(?:[ \t]*(?:![^\n]*)?\n)*[ \t]*&?"
+LANGUAGES = {
+    x.name: x
+    for x in (
+        Language("c", _C, _CHARS, truncates=True),
+        Language("java", _C, truncates=True, suffix=r"[fFdDlL](?!\w)"),
+        Language("go", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", truncates=True, suffix=r"(?!)"),
+        Language("rust", _C, _CHARS, truncates=True),
+        Language("javascript", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", suffix=r"n(?!\w)"),
+        Language("python", r"#[^\n]*|\\\r?\n", rf"{_TRIPLE}|{_QUOTED}", braces=False,
+                 suffix=r"(?!)"),
+        Language("julia", r"#=.*?(?:=#|\Z)|#[^\n]*",
+                 _OF_JULIA + _LETTER,
+                 braces=False, exponent="eEf", suffix=r"(?!)", blanks=True, base=1),
+        Language("fortran", rf"![^\n]*|{_CONTINUED}", braces=False,
+                 truncates=True, exponent="eEdDqQ", suffix=r"_\w+", base=1, calls_index=True),
+        Language("matlab", r"%\{.*?(?:%\}|\Z)|%[^\n]*|\.\.\.[^\n]*\n",
+                 rf'"(?:[^"\n])*"|{_OF_MATLAB}', braces=False,
+                 exponent="eEdD", suffix=r"(?!)", blanks=True, base=1, calls_index=True),
+    )
+}  # fmt: skip
+#: Language by the ending of a file name.
+ENDINGS = {
+    **dict.fromkeys(
+        ".c .h .cc .hh .cpp .hpp .cxx .hxx .C .H .inl .ipp .tpp .def .cu .cuh .inc .icc".split(),
+        "c",
+    ),
+    **dict.fromkeys(".f .for .f90 .f95 .f03 .f08 .F .F90 .F95 .fpp".split(), "fortran"),
+    **dict.fromkeys(".js .ts .mjs .cjs".split(), "javascript"),
+    **dict.fromkeys(".py .pyx .pxd".split(), "python"),
+    ".java": "java", ".go": "go", ".rs": "rust", ".jl": "julia", ".m": "matlab",
+}  # fmt: skip
+
+
+class Token(NamedTuple):
+    """A token, where it begins and ends, and whether a blank stands before it."""
+
+    kind: str  #: ``"number"``, ``"name"``, ``"string"``, ``"mark"``, ``"line"`` (an end of line).
+    text: str
+    line: int
+    start: int
+    end: int
+    spaced: bool
+
+
+class Remark(NamedTuple):
+    """A comment or string of documentation: its text and the lines it takes."""
+
+    text: str
+    line: int
+    last: int
+
+
+@cache
+def _tokens_of(language: Language) -> re.Pattern[str]:
+    numeral = (
+        r"(?:0[xXbB]\w+|(?:\d(?:\d|_(?=\d))*(?:'\d{1,3})*(?:\.(?![.\w])|\.(?=\d)|\.(?=[eEdDqQ][-+]?\d)"
+        r"|\.(?=[fFlLdD]\b|_[A-Za-z]))?(?:[\d]|_(?=\d))*|\.\d(?:\d|_(?=\d))*)"
+        rf"(?:[{language.exponent}][-+]?\d+)?)"
+    )
+    name = r"[^\W\d][\w\u0300-\u036f]*"
+    marks = (
+        r"===|!==|<<=|>>=|\*\*=|//=|\.\.\.|\.\.=|==|!=|<=|>=|=>|->|::|:=|\+=|-=|\*=|/=|\^=|//|\*\*"
+        r"|\.\*|\./|\.\^|\.\+|\.-|&&|\|\||<<|>>|\(/(?!/)|/\)|\.\.|[^\s\w]|_"
+    )
+    if language.name != "fortran":
+        marks = marks.replace(r"|\(/(?!/)|/\)", "")
+    if language.name == "c":  # int division and comments are told apart
+        marks = marks.replace(r"|//=", "")
+    return re.compile(
+        rf"(?P<blank>[ \t\r\f\v\u00a0]+)|(?P<remark>{language.comments})|(?P<line>\n)"
+        rf"|(?P<string>{language.strings})"
+        rf"|(?P<number>(?<![\w.]){numeral})(?P<suffix>{language.suffix})?"
+        rf"|(?P<name>{name})|(?P<mark>{marks})",
+        re.DOTALL,
+    )
+
+
+def language_of(path: Path) -> Language | None:
+    """Return the language of a file by its ending, ``None`` where it is not one of these."""
+    name = ENDINGS.get(path.suffix)
+    return LANGUAGES[name] if name else None
+
+
+def _fixed_form(text: str) -> str:
+    """Fortran 77 as free form: comments by their first column, the sixth continues a line."""
+    rows: list[str] = []
+    for row in text.split("\n"):
+        if row[:1] in "cC*dD" and row:
+            rows.append("!" + row[1:])
+        elif len(row) > 5 and row[5] not in " 0\t" and not row[:5].strip():
+            at = next((k for k in range(len(rows) - 1, -1, -1)
+                       if rows[k].strip() and rows[k].lstrip()[0] != "!"), None)  # fmt: skip
+            if at is not None:
+                rows[at] = rows[at].partition("!")[0].rstrip() + " &"
+            rows.append(" " * 6 + row[6:72])
+        else:
+            rows.append(row[:72])
+    return "\n".join(rows)
+
+
+def tokens(
+    text: str, language: Language, *, fixed: bool = False
+) -> tuple[list[Token], list[Remark]]:
+    """Split a source into tokens and remarks.
+
+    Raises
+    ------
+    DataError
+        Where the text is larger than :data:`MOST`.
+    """
+    if len(text) > MOST:
+        raise DataError(f"the file has {len(text)} characters; at most {MOST} are read")
+    if fixed:
+        text = _fixed_form(text)
+    found: list[Token] = []
+    remarks: list[Remark] = []
+    line, spaced = 1, False
+    for m in _tokens_of(language).finditer(text):
+        kind = m.lastgroup or ""
+        if kind == "suffix":
+            kind = "number"
+        if kind == "blank":
+            spaced = True
+            continue
+        said = m[0]
+        if kind == "remark":
+            last = line + said.count("\n")
+            if said[0] != "\\" and not said.startswith(("&", "...")):
+                remarks.append(Remark(said, line, last))
+            line, spaced = last, True
+            continue
+        if kind == "line":
+            found.append(Token("line", "\n", line, m.start(), m.end(), spaced))
+            line, spaced = line + 1, False
+            continue
+        value = m["number"] if kind == "number" else said
+        found.append(Token(kind, value, line, m.start(), m.end(), spaced))
+        spaced = False
+        if kind == "string":
+            last = line + said.count("\n")
+            if last > line or said.startswith(('"""', "'''")):
+                remarks.append(Remark(said, line, last))
+            line = last
+        if not len(found) % 1000:
+            spend()
+    return found, remarks
+
+
+#: Endings of Fortran in fixed form.
+FIXED = frozenset((".f", ".for", ".F"))

@@ -1,0 +1,957 @@
+"""Tables in any source, recognised by what they are.
+
+A matrix is that of a method if its rows sum to given nodes, or if weights beside it satisfy order
+conditions. Recognition is loose, so that a table with one wrong row is still one; the judge is
+strict; and what a name forbids, numbers do not allow. See :mod:`.collecting` for what is read.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from copy import copy
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import isqrt, nan
+from typing import Any
+
+from ..catalogue.keys import MAX_SIZE
+from .collecting import Block, Collector, Item
+from .folding import Entries, flattened
+from .lexer import Language, Remark
+from .readers import ORDINALS
+from .table import ZERO, Rows, Table
+from .values import Number, Unread
+
+#: How near a sum must be to its node, or a condition to hold, for a table to be recognised.
+LOOSE = 4e-3
+#: Part of the rows whose sums must be the nodes.
+MOST_ROWS = 0.6
+#: Words of the subject; a file without any of them holds tables only under plain names.
+SUBJECT = re.compile(
+    r"runge|butcher|tableau|rosenbrock|[^a-z]rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
+    r"symplectic|embedded|time.?step|\bode\b|\bodes\b|solver",
+    re.IGNORECASE,
+)
+_PLAIN = re.compile(r"[Rr]unge|RUNGE|[Bb]utcher|BUTCHER|[Tt]ableau")
+_NUMERAL = re.compile(r"\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\"")
+
+
+def may_hold(text: str) -> bool:
+    """Return whether a text has the numerals and the words of a file with tables."""
+    if _PLAIN.search(text) is not None:
+        return True
+    found = _NUMERAL.finditer(text)
+    if sum(1 for _, _ in zip(range(4), found, strict=False)) < 4:
+        return False
+    return SUBJECT.search(text) is not None or re.search(r"\b[Aa]\b", text) is not None
+
+
+# --- names ----------------------------------------------------------------------------------------
+
+_ROLES: dict[str, str] = {}
+for _role, _words in {
+    "A": "a aa amat amatrix acoef acoeffs acoefs acoefficients alower matrix geta rka staticA ai "
+         "ae aij aexp aimp aexplicit aimplicit butcher runge at ahat stages ark "
+         "tableauintermediate",
+    "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
+         "bhigh b1 tableaufinal bexp bimp bexplicit bimplicit w",
+    "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
+         "abscissa times ci ch ah",
+    "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "
+                "embweights bls αEEst aeest bloworder weightshat bht bcap bb2",
+    "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh",
+    "gamma": "gamma gam γ",
+    "beta": "beta betas",
+    "diagonal": "adiagonal adiag diagonal diag",
+}.items():  # fmt: skip
+    _ROLES |= {x.lower(): _role for x in _words.split()}
+_SPLIT = re.compile(r"_|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]+)")
+
+
+def role_of(name: str) -> tuple[str, str]:
+    """Return what a name has besides its role, and the role, ``""`` where it has none."""
+    whole = name.replace("_", "").lower()
+    if whole in _ROLES:
+        return "", _ROLES[whole]
+    parts = [x for x in _SPLIT.split(name) if x]
+    for n in (2, 1):
+        for stem, said in ((parts[:-n], parts[-n:]), (parts[n:], parts[:n])):
+            role = _ROLES.get("".join(said).lower())
+            if role and stem:
+                return "_".join(stem).lower(), role
+    return "", ""
+
+
+# --- arrays ---------------------------------------------------------------------------------------
+
+
+@dataclass
+class Array:
+    """Numbers under a name."""
+
+    name: str
+    value: list[Any]
+    line: int
+    last: int
+    at: int
+    lost: str = ""
+    named: bool = False  #: Whether entries have names of their own.
+    stem: str = ""
+    role: str = ""
+
+    def __post_init__(self) -> None:
+        self.stem, self.role = role_of(self.name)
+
+    def with_role(self, role: str) -> Array:
+        """Return the same with another role."""
+        found = copy(self)
+        found.role = role
+        return found
+
+    @property
+    def flat(self) -> bool:
+        """Whether it is a vector."""
+        return not any(isinstance(x, list) for x in self.value)
+
+
+_INDEXED = re.compile(r"^(.*?[^\W\d_])_{0,2}(\d+)(?:_(\d+))?_?$")
+
+
+def arrays(block: Block, language: Language) -> list[Array]:
+    """Return the arrays of a block: lists, entries one by one, names with numbers."""
+    found: list[Array] = []
+    scalars: dict[str, list[tuple[str, str | None, Item]]] = {}
+    lists: dict[str, list[tuple[int, Item]]] = {}
+    base = _base(block, language)
+    for item in block.items:
+        value = item.value
+        match = _INDEXED.match(item.name)
+        if isinstance(value, Entries):
+            made = _of_entries(value, item, base)
+            if made is not None:
+                found.append(made)
+        elif isinstance(value, list):
+            if (
+                match
+                and not match[3]
+                and value
+                and _numeric(value)
+                and not any(isinstance(x, list) for x in value)
+            ):
+                lists.setdefault(match[1], []).append((int(match[2]), item))
+            if value and _numeric(value):
+                if len(value) == 1 and isinstance(value[0], list):
+                    value = value[0]
+                found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
+                                   item.lost))  # fmt: skip
+                found += _parts(item, named=bool(SUBJECT.search(block.called)))
+        elif match and isinstance(value, Number | Unread):
+            scalars.setdefault(match[1], []).append((match[2], match[3], item))
+    for stem, rows in lists.items():
+        found += _of_rows(stem, rows, scalars)
+    for stem, entries in scalars.items():
+        found += _of_scalars(stem, entries)
+    return sorted(found, key=lambda x: x.at)
+
+
+def _base(block: Block, language: Language) -> int:
+    """Return the index of the first entries of the arrays of a block."""
+    low = [min(min(k) for k in x.value) for x in block.items
+           if isinstance(x.value, Entries) and x.value]  # fmt: skip
+    if not low or min(low) == 0:
+        return 0
+    return 1 if language.base == 1 or (min(low) == 1 and len(low) > 1) else 0
+
+
+def _numeric(value: list[Any]) -> bool:
+    flat = flattened(value)
+    numbers = sum(isinstance(x, Number) for x in flat)
+    return (
+        numbers > 0
+        and all(isinstance(x, Number | Unread) for x in flat)
+        and (2 * numbers >= len(flat))
+    )
+
+
+def _parts(item: Item, *, named: bool) -> list[Array]:
+    """Rows of a matrix of two rows under the name of weights."""
+    value = item.value
+    if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
+        return []
+    if not all(isinstance(x, list) and len(x) > len(value) for x in value):
+        return []
+    found = []
+    for k, row in enumerate(value):
+        part = Array(item.name, row, item.line, item.last or item.line, item.at, item.lost)
+        part.role = "b" if k == 0 else "embedded"
+        found.append(part)
+    return found
+
+
+def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
+    """A dense array from entries that are given one by one."""
+    sizes = {len(k) for k in entries}
+    if not entries or len(sizes) > 1 or max(max(k) for k in entries) > MAX_SIZE:
+        return None
+    (n,) = sizes
+    if any(isinstance(x, list) for x in entries.values()):
+        if n != 1:
+            return None
+        rows = [
+            entries[k] if isinstance(entries[k], list) else [entries[k]] for k in sorted(entries)
+        ]
+        return Array(item.name, rows, item.line, item.last, item.at, item.lost)
+    if n == 1:
+        top = max(k[0] for k in entries)
+        value: list[Any] = [entries.get((k,), ZERO) for k in range(base, top + 1)]
+        return Array(item.name, value, item.line, item.last, item.at, item.lost)
+    if n == 2:
+        rows_, columns = zip(*entries, strict=True)
+        if len(set(rows_)) == 1 and rows_[0] < 2 and len(columns) > 1:  # a row as a matrix
+            value = [entries.get((rows_[0], k), ZERO) for k in range(base, max(columns) + 1)]
+            return Array(item.name, value, item.line, item.last, item.at, item.lost)
+        s = max(*rows_, *columns)
+        value = [
+            [entries.get((i, j), ZERO) for j in range(base, s + 1)] for i in range(base, s + 1)
+        ]
+        return Array(item.name, value, item.line, item.last, item.at, item.lost)
+    return None
+
+
+def _of_rows(stem: str, rows: list[tuple[int, Item]], scalars: Any) -> list[Array]:
+    """A matrix from rows of growing length: a2, a3, .. ."""
+    rows = sorted(rows, key=lambda x: x[0])
+    lengths = [len(item.value) for _, item in rows]
+    grows = all(y == x + 1 for x, y in pairwise(lengths))
+    follows = all(y == x + 1 for (x, _), (y, _) in pairwise(rows))
+    if len(rows) < 2 or not (grows and follows):
+        return []
+    value = [item.value for _, item in rows]
+    if lengths[0] == 2:  # the first row is one number
+        first = next(
+            (x for digits, more, x in scalars.get(stem, []) if digits in ("21", "1", "2")), None
+        )
+        value = [[first.value] if first else [_absent(stem)], *value]
+    items = [item for _, item in rows]
+    lost = next((x.lost for x in items if x.lost), "")
+    return [
+        Array(stem, value, items[0].line, max(x.last or x.line for x in items), items[0].at, lost)
+    ]
+
+
+def _absent(stem: str) -> Unread:
+    return Unread(f"the first row of {stem} has no name that is read")
+
+
+def _pair(digits: str, more: str | None) -> list[tuple[int, int]]:
+    if more is not None:
+        return [(int(digits), int(more))]
+    n = len(digits)
+    if n == 2:
+        return [(int(digits[0]), int(digits[1]))]
+    if n == 3:
+        return [(int(digits[:2]), int(digits[2])), (int(digits[0]), int(digits[1:]))]
+    if n == 4:
+        return [(int(digits[:2]), int(digits[2:]))]
+    return []
+
+
+def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Array]:
+    """A matrix from a21, a31, .., and a vector from b1, b2, .. ."""
+    singles: dict[int, Item] = {}
+    doubles: dict[tuple[int, int], Item] = {}
+    words = {digits for digits, more, _ in given if more is None}
+    matrix = any(more is not None for _, more, _ in given) or bool(
+        words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"}
+    )
+    wide = any(len(x) == 4 and x[0] == "0" for x in words)
+    for digits, more, item in given:
+        lone = more is None and (len(digits) == 1 or not matrix or (wide and len(digits) == 2))
+        if lone:
+            singles.setdefault(int(digits), item)
+            continue
+        for i, j in _pair(digits, more):
+            if j <= i <= 40 and (i, j) not in doubles:
+                doubles[i, j] = item
+                break
+    found = []
+    if len(doubles) >= 2:
+        base = 0 if any(j == 0 for _, j in doubles) else 1
+        s = max(i for i, _ in doubles)
+        value: list[Any] = [
+            [doubles[i, j].value if (i, j) in doubles else ZERO for j in range(base, s + 1)]
+            for i in range(base, s + 1)
+        ]
+        found.append(_together(stem, value, list(doubles.values())))
+    if len(singles) >= 2 and max(singles) <= 40:
+        base = 0 if 0 in singles and 1 in singles else 1
+        singles.pop(0, None) if base else None
+        line = [singles[k].value if k in singles else ZERO for k in range(base, max(singles) + 1)]
+        found.append(_together(stem, line, list(singles.values())))
+    return found
+
+
+def _together(stem: str, value: list[Any], items: list[Item]) -> Array:
+    lost = next((x.lost for x in items if x.lost), "")
+    lines = [x.line for x in items]
+    return Array(stem, value, min(lines), max(lines), min(x.at for x in items), lost, named=True)
+
+
+# --- readings -------------------------------------------------------------------------------------
+
+
+def size(x: Any) -> float:
+    """Return a number as a float, nan for what was not folded."""
+    if not isinstance(x, Number):
+        return nan
+    if x.approximate is None:
+        x.approximate = complex(x.value).real
+    return x.approximate
+
+
+@dataclass
+class Reading:
+    """A matrix (s, s) as an array may be meant, with nodes and weights that stand in it."""
+
+    A: Rows
+    c: list[Any] | None = None
+    b: list[Any] | None = None
+    cost: int = 0  #: How unusual it is.
+    sums: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.sums = [sum(map(size, row)) for row in self.A]
+
+
+def _padded(rows: Sequence[Sequence[Any]], s: int) -> Rows | None:
+    if len(rows) != s or any(len(x) > s for x in rows):
+        return None
+    return [[*x, *([ZERO] * (s - len(x)))] for x in rows]
+
+
+def readings(array: Array) -> Iterator[Reading]:
+    """Yield the matrices that an array may stand for."""
+    value = array.value
+    if array.flat:
+        yield from _of_flat(value)
+        return
+    if not all(isinstance(x, list) and not any(isinstance(y, list) for y in x) for x in value):
+        return
+    n, lengths = len(value), [len(x) for x in value]
+    width = max(lengths)
+    for rows, cost in ((value, 0), ([[], *value], 1)):
+        made = _padded(rows, len(rows)) if width <= len(rows) else None
+        if made is not None and (cost == 0 or _strict(made)):
+            yield Reading(made, cost=cost)
+    if n > 1 and width == n - 1:  # A over b
+        made = _padded(value[:-1], n - 1)
+        if made is not None and lengths[-1] == n - 1:
+            yield Reading(made, b=list(value[-1]), cost=2)
+    if min(lengths) == width == n + 1:  # c | A
+        yield Reading([row[1:] for row in value], [row[0] for row in value], cost=1)
+    if min(lengths) == width == n and n > 2:  # c | A over 0 | b
+        yield Reading([row[1:] for row in value[:-1]], [row[0] for row in value[:-1]],
+                      list(value[-1][1:]), 3)  # fmt: skip
+
+
+def _strict(A: Rows) -> bool:
+    return all(size(x) == 0 for i, row in enumerate(A) for x in row[i:])
+
+
+def _of_flat(value: list[Any]) -> Iterator[Reading]:
+    n = len(value)
+    s = isqrt(n)
+    if s * s == n and s > 1:
+        yield Reading([value[i * s : i * s + s] for i in range(s)], cost=1)
+        if s > 2:
+            yield Reading([value[i::s] for i in range(s)], cost=4)
+    for diagonal in (0, 1):
+        s = (isqrt(8 * n + 1) + 1) // 2 - diagonal
+        if s > 2 and n == s * (s - 1) // 2 + diagonal * s:
+            rows, at = [], 0
+            for i in range(s):
+                rows.append([*value[at : at + i + diagonal], *([ZERO] * (s - i - diagonal))])
+                at += i + diagonal
+            yield Reading(rows, cost=2)
+
+
+# --- evidence -------------------------------------------------------------------------------------
+
+
+def _near(x: float, y: float) -> bool:
+    return abs(x - y) < LOOSE * max(1.0, abs(y))
+
+
+def nodes_in(reading: Reading, x: Sequence[Any], power: int = 1) -> float:
+    """Return the part of the rows whose sums are nodes, or half of their squares."""
+    s = len(reading.A)
+    values = [size(v) for v in x]
+    if len(values) == s - 1:
+        values = [0.0, *values]
+    if len(values) != s or s < 2:
+        return 0.0
+    wanted = [v if power == 1 else v * v / 2 for v in values]
+    rows = list(zip(reading.sums, wanted, strict=True))
+    live = [(p, q) for p, q in rows if not (p == 0 and q == 0)]
+    good = sum(_near(p, q) for p, q in live)
+    if good < min(2, s - 1, len(live)) or len(live) == 0:
+        return 0.0
+    return good / len(live)
+
+
+def order_in(reading: Reading, b: Sequence[Any]) -> int:
+    """Return the order through 3 that weights have, loosely."""
+    w = [size(x) for x in b]
+    c, A = reading.sums, [[size(x) for x in row] for row in reading.A]
+    if len(w) != len(c):
+        return 0
+
+    def dot(u: Sequence[float], v: Sequence[float]) -> float:
+        return sum(p * q for p, q in zip(u, v, strict=True))
+
+    conditions = (
+        (sum(w) - 1,),
+        (dot(w, c) - 1 / 2,),
+        (dot(w, [x * x for x in c]) - 1 / 3, dot(w, [dot(row, c) for row in A]) - 1 / 6),
+    )
+    for k, level in enumerate(conditions):
+        if not all(abs(x) < LOOSE for x in level):
+            return k
+    return 3
+
+
+def _fitted(x: Sequence[Any], s: int) -> list[Any] | None:
+    """Weights (s,), of which trailing ones that are zero may be left out."""
+    if len(x) == s:
+        return list(x)
+    return [*x, ZERO] if len(x) == s - 1 and s > 2 else None
+
+
+@dataclass
+class Candidate:
+    """A matrix with its nodes and weights."""
+
+    array: Array
+    reading: Reading
+    c: Array | None
+    b: Array | None
+    weights: list[Any]
+    order: int
+    match: float
+    score: float
+
+
+def _stems(x: Array, y: Array) -> bool:
+    """Return whether two names may belong together."""
+    return x.stem == y.stem or not x.stem or not y.stem
+
+
+def candidates(array: Array, others: list[Array]) -> Candidate | None:
+    """Return the best reading of an array as the matrix of a method."""
+    same = [x for x in others if x.stem == array.stem]
+    pool = (
+        same
+        if array.stem and any(x.role == "b" for x in same)
+        else [x for x in others if _stems(x, array)]
+    )
+    vectors = [x for x in pool if x.flat]
+    best: Candidate | None = None
+    if array.role in ("b", "c") and not array.flat:  # matrix b or c, weights c or b, nodes a
+        other = {"b": "c", "c": "b"}[array.role]
+        swapped = {other: "b", "A": "c"}
+        vectors = [x.with_role(swapped.get(x.role, x.role)) for x in vectors]
+        array = array.with_role("A")
+    elif array.role == "beta" and not array.flat:
+        array = array.with_role("A")
+    for reading in _all_readings(array, vectors):
+        found = _evaluated(array, reading, vectors)
+        if found is not None and (best is None or found.score > best.score):
+            best = found
+    return best
+
+
+def _all_readings(array: Array, vectors: list[Array]) -> Iterator[Reading]:
+    """Yield readings, with a diagonal that stands apart and without stages of a dense output."""
+    weights = {len(x.value) for x in vectors if x.role == "b"}
+    diagonals = [x for x in vectors if x.role == "diagonal"]
+    for reading in readings(array):
+        yield reading
+        s = len(reading.A)
+        for x in diagonals:
+            if len(x.value) in (s, s - 1) and _strict(reading.A):
+                values = [*([ZERO] * (s - len(x.value))), *x.value]
+                rows = enumerate(reading.A)
+                yield Reading([[*row[:i], values[i], *row[i + 1 :]] for i, row in rows],
+                              cost=reading.cost)  # fmt: skip
+        for n in weights:
+            if 2 < n < s and all(size(y) == 0 for row in reading.A[:n] for y in row[n:]):
+                yield Reading([row[:n] for row in reading.A[:n]], cost=reading.cost + 1)
+
+
+def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidate | None:
+    s = len(reading.A)
+    if s > MAX_SIZE or s < 2:
+        return None
+    match, node = 0.0, None
+    if reading.c is not None:
+        match = nodes_in(reading, reading.c)
+        if match < (MOST_ROWS if s > 2 else 0.5):
+            return None
+    else:
+        for x in vectors:
+            if x.role in ("b", "embedded", "error") or x is array:
+                continue
+            m = nodes_in(reading, x.value) + 0.01 * (x.role == "c")
+            if m > match:
+                match, node = m, x
+            if len(x.value) > s and x.role == "c":  # times of a dense output, too
+                m = nodes_in(reading, x.value[:s])
+                if m > match:
+                    match, node = m, x
+        if match < MOST_ROWS:
+            node = None
+            named = [x for x in vectors if x.role == "c" and len(x.value) in (s, s - 1)]
+            match = 0.0
+            node = named[0] if len(named) == 1 and array.role == "A" else None
+    weight, row, order = _weights(array, reading, vectors, node)
+    if row is None:
+        return None
+    score = 3 * match + order + (weight is not None and weight.role == "b") - 0.3 * reading.cost
+    return Candidate(array, reading, node, weight, row, order, match, score)
+
+
+def _weights(
+    array: Array, reading: Reading, vectors: list[Array], node: Array | None
+) -> tuple[Array | None, list[Any] | None, int]:
+    """Return the weights beside a matrix: their array, themselves, and their order."""
+    s = len(reading.A)
+    if reading.b is not None:
+        order = order_in(reading, reading.b)
+        return None, (reading.b if order else None), order
+    best: tuple[float, Array, list[Any], int] | None = None
+    for x in vectors:
+        row = _fitted(x.value, s)
+        if reading.c is not None and len(x.value) == s + 1 and size(x.value[0]) == 0:
+            row = list(x.value[1:])  # 0 | b under c | A
+        if row is None or x is node or x is array or x.role in ("error", "gamma", "diagonal"):
+            continue
+        if x.role == "c":
+            if node is None or node.name.lower() not in ("c", "cc", "getc"):
+                continue
+            x = x.with_role("b")  # c beside alpha
+        order = order_in(reading, row)
+        if order == 0 and x.role != "b":
+            continue
+        rank = 10 * (x.role == "b") - 5 * (x.role == "embedded") + order - (len(x.value) < s)
+        rank -= 0.001 * abs(x.at - array.at)
+        if best is None or rank > best[0]:
+            best = (rank, x, row, order)
+    if best is not None:
+        return best[1], best[2], best[3]
+    last = list(reading.A[-1])
+    order = order_in(reading, last)
+    if array.role == "A" and order >= 2 and s > 2:
+        return None, last, order
+    return None, None, 0
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def tables(text: str, language: Language, *, fixed: bool = False) -> list[Table]:
+    """Return the tables of a source.
+
+    Parameters
+    ----------
+    text : str
+    language : Language
+    fixed : bool
+        Whether it is Fortran in fixed form.
+    """
+    collector = Collector(text, language, fixed=fixed)
+    everything = collector.blocks()
+    for block in everything:
+        for item in block.items:
+            if isinstance(item.value, Block) and item.value.user is None:
+                item.value.user = block
+    about = SUBJECT.search(text) is not None
+    strong = re.search(r"runge|butcher|tableau", text, re.IGNORECASE) is not None
+    found: list[Table] = []
+    for block in everything:
+        made = arrays(block, language)
+        if block.parent is not None and made and not any(x.role == "b" for x in made):
+            taken = {x.name for x in made}
+            lo, hi = block.line, block.last
+            made += [x for x in arrays(block.parent, language) if x.name not in taken
+                     and block.kind == "record" and lo <= x.line <= hi]  # fmt: skip
+        found += _of_block(block, made, about=about, strong=strong)
+    found = _distinct(found)
+    found.sort(key=lambda x: x.line)
+    _called_with(found, collector.calls)
+    declare(found, collector.remarks)
+    return found
+
+
+def _distinct(found: list[Table]) -> list[Table]:
+    """Return tables without those that stand there twice, as an array and as an argument."""
+    seen: list[tuple[tuple[float, ...], Table]] = []
+    for table in found:
+        rows = [row for A in table.A for row in A]
+        key = tuple(round(size(x), 9) for row in (*rows, *table.b) for x in row)
+        other = next((x for k, x in seen if k == key and abs(x.line - table.line) < 100), None)
+        if other is None or table.unread:
+            seen.append((key, table))
+        elif other.order is None and table.order is not None:
+            other.order, other.sure = table.order, table.sure
+    kept = [x for _, x in seen]
+    read = [x for x in kept if not x.unread]
+
+    def repeats(x: Table) -> bool:
+        return bool(x.unread) and any(
+            y is not x and abs(y.line - x.line) < 60 and y.key == x.key and x.key for y in read
+        )
+
+    return [x for x in kept if not repeats(x)]
+
+
+def _called_with(found: list[Table], calls: list[Block]) -> None:
+    """Take the order from calls that are given a matrix, its name and small whole numbers.
+
+    Which of the numbers is the order is what most calls of one function agree on.
+    """
+    given: dict[str, list[tuple[Table, Block]]] = {}
+    for table in found:
+        if table.unread:
+            continue
+        for call in calls:
+            names = {name for name, _ in call.arguments if name}
+            near = call.line <= table.line <= call.last or 0 <= call.line - table.last <= 25
+            if call.called and near and (table.source in names or call is table.block):
+                given.setdefault(call.called, []).append((table, call))
+                break
+    for pairs in given.values():
+        width = max(len(call.arguments) for _, call in pairs)
+        best: tuple[float, int] = (0.0, -1)
+        for k in range(width):
+            values = [(t, call.arguments[k][1]) for t, call in pairs if k < len(call.arguments)]
+            held = [(t, n) for t, n in values if n is not None]
+            if len(held) < len(values) or not all(1 <= n <= 14 for _, n in held):
+                continue
+            good = sum(min(3, n) == t.loose for t, n in held) / len(held)
+            if good > best[0]:
+                best = (good, k)
+        if best[0] < 0.6:
+            continue
+        for table, call in pairs:
+            if best[1] < len(call.arguments) and table.order is None:
+                table.order = call.arguments[best[1]][1]
+                table.sure = table.sure and len(pairs) > 2
+
+
+def _windows(array: Array, made: list[Array]) -> list[Array]:
+    """Return the arrays that may belong to a matrix where names are used again and again."""
+    same = [x for x in made if x.name == array.name and x.flat == array.flat]
+    if len(same) < 2:
+        return made
+    k = same.index(array)
+    first = min((x.at for x in made if x.name != array.name), default=0)
+    if first < same[0].at:  # weights come before their matrix
+        low, high = (same[k - 1].at if k else -1), array.at
+        return [x for x in made if low < x.at <= high]
+    high = same[k + 1].at if k + 1 < len(same) else 10**9
+    return [x for x in made if array.at <= x.at < high]
+
+
+def _latest(made: list[Array], at: int) -> list[Array]:
+    """Of arrays with one name, keep the one that stands nearest."""
+    best: dict[tuple[str, str, bool], Array] = {}
+    for x in made:
+        key = (x.name or str(id(x)), x.role, x.flat)
+        if key not in best or abs(x.at - at) < abs(best[key].at - at):
+            best[key] = x
+    return list(best.values())
+
+
+#: Matrices that are no stages: predictors and dense output.
+_GUESSES = re.compile(r"predict|dense|interp|extrap", re.IGNORECASE)
+
+
+def _of_block(block: Block, made: list[Array], *, about: bool, strong: bool) -> list[Table]:
+    found: list[tuple[Candidate, list[Array]]] = []
+    unread: list[Table] = []
+    used: set[int] = set()
+    for array in made:
+        if array.flat and array.role != "A":
+            continue
+        if (
+            array.role in ("b", "error", "embedded", "c")
+            and not array.flat
+            and len(array.value) < 3
+        ):
+            continue
+        if _GUESSES.search(array.name):
+            continue
+        near = _latest(_windows(array, made), array.at)
+        near = [x for x in near if x is not array]
+        best = candidates(array, near)
+        called = bool(_PLAIN.search(block.called)) and array.name == ""
+        if best is not None and _is_table(best, about=about, called=called):
+            found.append((best, near))
+            used.add(id(array))
+    for array in made:
+        if (
+            id(array) not in used
+            and strong
+            and array.role == "A"
+            and not _GUESSES.search(array.name)
+        ):
+            why = _looks_like(array, made)
+            if why:
+                table = Table(_title(block, array), array.line, unread=why)
+                table.key = key_of(array.value)
+                unread.append(table)
+    return [*_built(block, found), *unread]
+
+
+def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
+    """Return whether a candidate is a table and no other matrix."""
+    s = len(x.reading.A)
+    entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
+    broken = sum(y != 0 and y == y and y != round(y) for y in entries)
+    named = x.array.role == "A" and (x.b is None or x.b.role in ("b", "embedded"))
+    named = named or (called and x.b is not None and x.match == 1)
+    node = x.c is not None and x.c.role == "c"
+    if not broken and s < 4:
+        return False
+    if s == 2:
+        known = node or x.reading.c is not None or x.order >= 2
+        return named and x.b is not None and known and about
+    if x.order == 0:
+        return named and x.match >= MOST_ROWS and about and (node or s > 3)
+    if named and x.b is not None:
+        return about and (x.order >= 2 or x.match >= MOST_ROWS or node)
+    if x.array.name == "" and x.b is not None and x.b.name == "" and not about:
+        return False
+    if x.order >= 3:
+        return about and (x.match >= MOST_ROWS or s > 3 or x.array.role == "A")
+    return about and x.order == 2 and x.match >= MOST_ROWS and (x.array.role == "A" or s > 3)
+
+
+def _looks_like(array: Array, made: list[Array]) -> str:
+    """Return why an array that looks like the matrix of a method is not read, or ``""``."""
+    if array.flat or len(array.value) < 2:
+        return ""
+    lengths = [len(x) for x in array.value if isinstance(x, list)]
+    n = len(array.value)
+    square = len(lengths) == n and (set(lengths) == {n} or lengths == list(range(1, n + 1)))
+    lower = square and all(size(x) in (0.0,) or x is ZERO for i, row in enumerate(array.value)
+                           for x in row[i + 1 :])  # fmt: skip
+    broken = sum(0 < abs(size(x)) and size(x) != round(size(x)) for x in flattened(array.value))
+    if not lower or broken < 2 or n < 3:
+        return ""
+    others = sorted({x.name for x in made if x is not array and x.name})[:6]
+    beside = f"; beside it stand {', '.join(others)}" if others else ""
+    if any(x.role == "gamma" and not x.flat for x in made):
+        return "the coefficients of a Rosenbrock method, in a form that is not read"
+    return f"`{array.name}` looks like the matrix of a method; its weights are not found{beside}"
+
+
+def key_of(value: Any) -> tuple[float, ...]:
+    """Return the entries of an array that are not zero."""
+    return tuple(round(size(x), 9) for x in flattened(value) if size(x) != 0)
+
+
+def _title(block: Block, array: Array) -> str:
+    path = [x for x in block.path() if x not in ("if", "else", "for", "while", "switch")]
+    base = path[-1] if path else ""
+    if array.stem and array.stem.lower() not in base.lower():
+        return array.name if not base or not block.parent else f"{base}.{array.name}"
+    return base or array.name or "table"
+
+
+def _lost(candidate: Candidate, parts: Sequence[Array]) -> str:
+    """Return the reason why a table is not what the code uses, or ``""``."""
+    given = [candidate.array, *([candidate.b] if candidate.b else []),
+             *([candidate.c] if candidate.c else []), *parts]  # fmt: skip
+    for x in given:
+        if x.lost:
+            return f"completed at run time: {x.lost}"
+        for y in flattened(x.value):
+            if isinstance(y, Unread):
+                at = f" (line {y.line})" if y.line else ""
+                return f"an entry of {x.name or 'an array'} is not read: {y}{at}"
+    return ""
+
+
+def _built(block: Block, found: list[tuple[Candidate, list[Array]]]) -> list[Table]:
+    made: list[Table] = []
+    done: set[int] = set()
+    for k, (x, near) in enumerate(found):
+        if k in done:
+            continue
+        pair = next((j for j in range(k + 1, len(found)) if j not in done
+                     and _additive(x, found[j][0])), None)  # fmt: skip
+        if pair is not None:
+            done.add(pair)
+            made.append(_together_of(block, x, found[pair][0], near))
+        else:
+            made.append(_single(block, x, near))
+    return made
+
+
+def _additive(x: Candidate, y: Candidate) -> bool:
+    """Return whether two matrices are the explicit and the implicit part of one method."""
+    if len(x.reading.A) != len(y.reading.A) or x.array.name == y.array.name:
+        return False
+    explicit = [_strict(z.reading.A) for z in (x, y)]
+    if sorted(explicit) != [False, True]:
+        return False
+    stems = re.sub(r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", x.array.name), re.sub(
+        r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", y.array.name)  # fmt: skip
+    return stems[0][:1].lower() == stems[1][:1].lower()
+
+
+def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
+    table = Table(_title(block, x.array), x.array.line, general=True)
+    s = len(x.reading.A)
+    table.last = max(y.last for y in (x.array, *([x.b] if x.b else []), *([x.c] if x.c else [])))
+    table.block, table.source, table.key = block, x.array.name, key_of(x.array.value)
+    table.loose = x.order
+    lost = _lost(x, ())
+    if lost:
+        table.unread = lost
+        return table
+    times = x.reading.c if x.c is None else x.c.value[:s]
+    if times is not None and len(times) == s - 1:
+        times = [ZERO, *times]
+    if _is_nystrom(x, near):
+        table.unread = "the coefficients of a Nystrom method, in a form that is not read"
+        return table
+    table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
+    table.named = x.array.named
+    table.order, table.sure = _own_order(block), True
+    if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
+        table.sure = False
+    _further(table, x, near)
+    return table
+
+
+def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
+    """Return whether rows sum to half of the squares of nodes."""
+    if x.match >= MOST_ROWS:
+        return False
+    return any(
+        nodes_in(x.reading, y.value, 2) >= MOST_ROWS for y in near if y.flat and y is not x.b
+    )
+
+
+def _further(table: Table, x: Candidate, near: list[Array]) -> None:
+    """Add embedded rows and the weights of error estimates."""
+    s = len(x.weights)
+    for y in near:
+        if not y.flat or y is x.b or y is x.c or not _stems(y, x.array) or y.lost:
+            continue
+        if any(not isinstance(v, Number) for v in y.value):
+            continue
+        row = _fitted(y.value, s)
+        total = sum(map(size, y.value))
+        if row is None and len(y.value) == s + 1 and y.role == "error":
+            row = list(y.value)
+        if row is None:
+            continue
+        if y.role == "error" and len(y.value) >= s:
+            if abs(total) < 0.5:
+                table.errors.append(row)
+            elif _near(total, 1) and len(row) == s:
+                table.rows.append((y.name, row, None))
+        elif y.role == "embedded" and len(row) == s:
+            if abs(total) < LOOSE:
+                table.errors.append(row)
+            elif _near(total, 1):
+                table.rows.append((y.name, row, None))
+
+
+def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) -> Table:
+    explicit, implicit = (x, y) if _strict(x.reading.A) else (y, x)
+    table = _single(block, explicit, near)
+    why = table.unread or _lost(implicit, ())
+    if why:
+        table.unread = why
+        return table
+    s = len(table.b[0])
+    own = [z for z in near if z.flat and z.role == "b" and len(z.value) == s]
+    parts = []
+    for z in (explicit, implicit):
+        mine = [v for v in own if v.name[1:] == z.array.name[1:]]
+        parts.append(list(mine[0].value) if mine else z.weights)
+    table.kind, table.A, table.b = "additive", [explicit.reading.A, implicit.reading.A], parts
+    times = [z.c.value if z.c is not None and z.match >= MOST_ROWS else None
+             for z in (explicit, implicit)]  # fmt: skip
+    table.c = [[ZERO, *t] if t is not None and len(t) == s - 1 else t for t in times]
+    table.rows, table.errors = [], []
+    table.line = min(x.array.line, y.array.line)
+    return table
+
+
+# --- declared orders ------------------------------------------------------------------------------
+
+_ORDER_NAME = re.compile(r"order", re.IGNORECASE)
+_NOT_ORDER = re.compile(
+    r"low|emb|err|stage|dense|interp|min|max|border|record|num|bt|second|adaptive|reorder|weak|"
+    r"contin|dim|deriv|hat|alt",
+    re.IGNORECASE,
+)
+_SAID = re.compile(
+    r"\b(\d{1,2})(?:st|nd|rd|th)?[- ]order\b"
+    r"|\border(?: of accuracy)?[ :=]+(?:is )?(\d{1,2})\b"
+    r"|\b(first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth)[- ]order\b",
+    re.IGNORECASE,
+)
+
+
+def _own_order(block: Block) -> int | None:
+    """Return the order that a variable or function of a block declares."""
+    at: Block | None = block
+    while at is not None:
+        if at.user is not None and (order := _own_order(at.user)) is not None:
+            return order
+        found: set[int] = set()
+        inner = [x for x in at.blocks if x.kind == "record" and x is not block]
+        below = [y for x in inner for y in x.items] if at.parent else []
+        for item in [*at.items, *below]:
+            if not isinstance(item.value, Number):
+                continue
+            name = item.name.rpartition(".")[2]
+            if not _ORDER_NAME.search(name) or _NOT_ORDER.search(name):
+                continue
+            value = item.value.value.as_fraction()
+            if value is not None and value.denominator == 1 and 1 <= value <= 14:
+                found.add(int(value))
+        if len(found) == 1:
+            return found.pop()
+        if found:
+            return None
+        at = at.parent
+    return None
+
+
+def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
+    """Give tables without a declared order the one that a comment above them or their name says.
+
+    Such an order is doubtful; a table that does not have it is a question.
+    """
+    last = 0
+    for table in found:
+        if not table.unread and table.order is None:
+            block = table.block
+            first = table.line
+            if block is not None and block.parent is not None:
+                first = min(first, block.line)
+            near = [x for x in remarks if max(last, first - 14) < x.last and x.line <= table.line]
+            said = [m for x in near for m in _SAID.finditer(x.text)]
+            orders = {int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said}
+            if len(orders) == 1:
+                table.order, table.sure = orders.pop(), False
+                table.doubt = "the order is read from a comment"
+        last = max(last, table.last)

@@ -1,0 +1,289 @@
+"""``glmref audit`` with no format: tables in eleven languages, and traps that are no tables."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from glmref.audit.judge import judge
+from glmref.audit.lexer import ENDINGS, LANGUAGES, language_of
+from glmref.audit.recognising import tables
+from glmref.audit.sources import audit
+from glmref.audit.table import Table
+from glmref.cli import main
+
+Rows = list[list[Fraction]]
+
+
+def _quotient(x: Fraction, language: str) -> str:
+    """A fraction in the syntax of a language."""
+    top, below = x.numerator, x.denominator
+    return {
+        "c": f"{top}.0/{below}.0",
+        "java": f"{top}.0 / {below}.0",
+        "go": f"{top}.0 / {below}.0",
+        "rust": f"{top}.0 / {below}.0_f64",
+        "javascript": f"{top} / {below}",
+        "python": f"{top} / {below}",
+        "julia": f"{top} // {below}" if top >= 0 else f"({top}) // {below}",
+        "fortran": f"{top}.0_wp / {below}.0_wp",
+        "matlab": f"{top}/{below}",
+    }[language]
+
+
+def _row(row: list[Fraction], language: str, join: str = ", ") -> str:
+    return join.join(_quotient(x, language) for x in row)
+
+
+def _nested(rows: Rows, language: str, left: str, right: str) -> str:
+    return left + ", ".join(left + _row(x, language) + right for x in rows) + right
+
+
+def _blanks(rows: Rows, language: str) -> str:
+    return "[" + "\n ".join(_row(x, language, "  ") for x in rows) + "]"
+
+
+def _written(A: Rows, b: list[Fraction], c: list[Fraction], language: str) -> str:
+    """A tableau in the syntax of a language."""
+    s = len(b)
+    match language:
+        case "c":
+            return (
+                f"/* a Runge-Kutta method */\nstatic const double A[{s}][{s}] = "
+                f"{_nested(A, language, '{', '}')};\nconst double b[] = {{{_row(b, language)}}},\n"
+                f"  c[] = {{{_row(c, language)}}};\n"
+            )
+        case "java":
+            return (
+                "public class RungeKutta {\n  private static final double[][] A = "
+                f"{_nested(A, language, '{', '}')};\n  final double[] b = new double[] "
+                f"{{{_row(b, language)}}};\n  double[] c = {{{_row(c, language)}}};\n}}\n"
+            )
+        case "go":
+            inner = _nested(A, language, "{", "}")
+            return (
+                f"// a Runge-Kutta method\npackage ode\nvar A = [][]float64{inner}\n"
+                f"var b = []float64{{{_row(b, language)}}}\nvar c = []float64{{{_row(c, language)}}}\n"
+            )
+        case "rust":
+            return (
+                f"// a Runge-Kutta method\nconst A: [[f64; {s}]; {s}] = "
+                f"{_nested(A, language, '[', ']')};\nconst B: [f64; {s}] = [{_row(b, language)}];\n"
+                f"const C: [f64; {s}] = [{_row(c, language)}];\n"
+            )
+        case "javascript":
+            return (
+                f"// Runge-Kutta\nconst tableau = {{ A: {_nested(A, language, '[', ']')},\n"
+                f"  b: [{_row(b, language)}], c: [{_row(c, language)}] }}\n"
+            )
+        case "python":
+            return (
+                f"class RungeKutta:\n    A = np.array({_nested(A, language, '[', ']')})\n"
+                f"    b = np.array([{_row(b, language)}])\n    c = np.array([{_row(c, language)}])\n"
+            )
+        case "julia":
+            return (
+                f"# a Runge-Kutta method\nA = {_blanks(A, language)}\nb = [{_row(b, language)}]\n"
+                f"c = [{_row(c, language)}]\n"
+            )
+        case "matlab":
+            return (
+                f"% a Runge-Kutta method\nA = {_blanks(A, language)};\nb = [{_row(b, language)}];\n"
+                f"c = [{_row(c, language)}]';\n"
+            )
+    lines = ["subroutine runge_kutta", f"real(wp) :: a({s},{s}), b({s}), c({s})"]
+    lines += [f"a({i},{j}) = {_quotient(x, language)}  ! an entry"
+              for i, row in enumerate(A, 1) for j, x in enumerate(row, 1)]  # fmt: skip
+    lines += [f"b = [real(wp) :: &\n  {_row(b, language)}]", f"c = (/ {_row(c, language)} /)"]
+    return "\n".join([*lines, "end subroutine", ""])
+
+
+fractions = st.builds(Fraction, st.integers(-40, 40), st.integers(1, 40))
+
+
+@st.composite
+def tableaux(draw: Any) -> tuple[Rows, list[Fraction], list[Fraction]]:
+    """A tableau of 3 to 5 stages whose weights sum to 1 and satisfy the condition of order 2."""
+    s = draw(st.integers(3, 5))
+    A = [[draw(fractions) if j < i else Fraction(0) for j in range(s)] for i in range(s)]
+    A[1][0] = Fraction(draw(st.integers(1, 30)), 31)
+    c = [sum(row, Fraction(0)) for row in A]
+    b = [draw(fractions) for _ in range(s)]
+    rest = sum((x * y for x, y in zip(b[2:], c[2:], strict=True)), Fraction(0))
+    b[1] = (Fraction(1, 2) - rest) / c[1]
+    b[0] = 1 - sum(b[1:], Fraction(0))
+    return A, b, c
+
+
+def _values(table: Table) -> tuple[Rows, list[Fraction], list[Fraction]]:
+    def exact(row: Any) -> list[Fraction]:
+        return [x.value.as_fraction() for x in row]
+
+    assert not table.unread, table.unread
+    times = table.c[0]
+    return [exact(x) for x in table.A[0]], exact(table.b[0]), exact(times or [])
+
+
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+@settings(max_examples=4, deadline=None)
+@given(tableaux())
+def test_a_table_is_read_back_as_it_was_written(language: str, given: Any) -> None:
+    A, b, c = given
+    text = _written(A, b, c, language)
+    (table,) = tables(text, LANGUAGES[language])
+    assert _values(table) == (A, b, c), text
+
+
+def _one(text: str, language: str) -> Table:
+    (table,) = tables(text, LANGUAGES[language])
+    return table
+
+
+CLASSES = """
+# Runge-Kutta methods
+class Heun3(Solver):
+    order = 3
+    A = np.array([[0, 0, 0], [1 / 3, 0, 0], [0, 2 / 3, 0]])
+    b = np.array([1 / 4, 0, 3 / 4])
+    c = np.array([0, 1 / 3, 2 / 3])
+"""
+
+
+def test_the_order_of_a_class_is_that_of_its_table() -> None:
+    record = judge(_one(CLASSES, "python"))
+    assert (record["declared"], record["found"], record["status"]) == (3, 3, "right")
+
+
+def test_a_wrong_entry_is_named_with_its_line() -> None:
+    """One row differs from its node, and one entry gives the declared order."""
+    text = CLASSES.replace("[0, 2 / 3, 0]]", "[0, 2 / 5, 0]]")
+    record = judge(_one(text, "python"))
+    assert record["status"] == "wrong"
+    (x,) = record["correction"]
+    assert (x["entry"], x["line"], x["text"]) == ("a[3][2]", 5, "2 / 5")
+
+
+def test_an_order_that_a_comment_gives_is_asked_about() -> None:
+    text = CLASSES.replace("    order = 3\n", "    # a third-order method\n").replace(
+        "3 / 4])", "4 / 5])"
+    )
+    record = judge(_one(text.replace("[1 / 4", "[1 / 5"), "python"))
+    assert record["declared"] == 3
+    assert record["status"] == "question"
+
+
+def test_a_table_without_an_order_whose_row_is_wrong_is_a_question() -> None:
+    text = CLASSES.replace("    order = 3\n", "").replace("[0, 2 / 3, 0]]", "[0, 2 / 5, 0]]")
+    record = judge(_one(text, "python"))
+    assert record["status"] == "question"
+    assert record["correction"][0]["entry"] == "a[3][2]"
+
+
+SCALARS = """
+// Runge-Kutta of Bogacki and Shampine
+class RK32 {
+  int order() const { return 3; }
+  static constexpr double a21 = 1.0/2, a31 = 0.0, a32 = 3.0/4,
+    a41 = 2.0/9, a42 = 1.0/3, a43 = 4.0/9;
+  static constexpr double b1 = a41, b2 = a42, b3 = a43, b4 = 0;
+  static constexpr double c2 = 1.0/2, c3 = 3.0/4, c4 = 1.0;
+  static constexpr double e1 = 5.0/72, e2 = -1.0/12, e3 = -1.0/9, e4 = 1.0/8;
+};
+"""
+
+
+def test_names_with_numbers_are_the_entries() -> None:
+    table = _one(SCALARS, "c")
+    record = judge(table)
+    assert (record["declared"], record["found"], record["status"]) == (3, 3, "right")
+    assert len(table.errors) == 1
+
+
+#: What must make a table unread: the text, its language, a part of the reason.
+UNREAD = [
+    (CLASSES.replace("2 / 3, 0]]", "magic(3), 0]]"), "python", "magic"),
+    (CLASSES + "    A[2, 1] = omega * h\n", "python", "A"),
+    (SCALARS.replace("a32 = 3.0/4", "a32 = 3/4"), "c", "quotient of whole numbers"),
+    (CLASSES.replace("c = np", "nodes = foo(b)\n    c = np") + "    A += 1\n", "python", "changed"),
+    (CLASSES + "    for i in range(3):\n        b[i] = g(i)\n", "python", "run time"),
+]
+
+
+@pytest.mark.parametrize(("text", "language", "why"), UNREAD)
+def test_what_is_not_folded_makes_a_table_unread(text: str, language: str, why: str) -> None:
+    found = tables(text, LANGUAGES[language])
+    assert [x for x in found if x.unread and why in x.unread], [x.unread for x in found]
+    assert all(x.unread for x in found)
+
+
+#: What is no table, though it has numbers, and words of the subject.
+NOT_TABLES = [
+    (
+        (
+            "// a Runge-Kutta solver\n"
+            "double A[3][3] = {{2.5, 1.25, 0.5}, {1.25, 3.5, 0.75}, {0.5, 0.75, 4.25}};\n"
+            "double x[3] = {1.5, 2.5, 3.25};"
+        ),
+        "c",
+    ),
+    (
+        (
+            "# integrator\nrotation = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]]\n"
+            "weights = [0.2, 0.3, 0.5]\n"
+        ),
+        "python",
+    ),
+    (
+        (
+            "# ODE solver\n"
+            "kernel = [[0.0625, 0.125, 0.0625], [0.125, 0.25, 0.125], [0.0625, 0.125, 0.0625]]\n"
+        ),
+        "python",
+    ),
+    ("x = 'Butcher'\n", "python"),
+]
+
+
+@pytest.mark.parametrize(("text", "language"), NOT_TABLES)
+def test_other_matrices_are_no_tables(text: str, language: str) -> None:
+    assert tables(text, LANGUAGES[language]) == []
+
+
+def test_a_name_that_is_used_again_begins_another_table() -> None:
+    text = """
+    # Runge-Kutta methods
+    A = [[0, 0, 0], [1 / 2, 0, 0], [-1, 2, 0]]
+    b = [1 / 6, 2 / 3, 1 / 6]
+    A = [[0, 0, 0], [1 / 3, 0, 0], [0, 2 / 3, 0]]
+    b = [1 / 4, 0, 3 / 4]
+    """
+    found = tables(text, LANGUAGES["python"])
+    assert [judge(x)["found"] for x in found] == [3, 3]
+
+
+def test_every_ending_has_a_language() -> None:
+    assert set(ENDINGS.values()) == set(LANGUAGES)
+    assert language_of(Path("a.unknown")) is None
+
+
+def test_the_command_needs_no_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Several paths, one with a wrong table; without any table nothing is green."""
+    right, wrong = tmp_path / "right.py", tmp_path / "wrong.py"
+    right.write_text(CLASSES, "utf-8")
+    wrong.write_text(CLASSES.replace("[0, 2 / 3, 0]]", "[0, 2 / 5, 0]]"), "utf-8")
+    assert main(["audit", str(right), "--all"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "right"
+    assert main(["audit", str(right), str(wrong)]) == 1
+    (record,) = map(json.loads, capsys.readouterr().out.splitlines())
+    assert (record["path"], record["name"]) == ("wrong.py", "Heun3")
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "nothing.py").write_text("x = 1\n", "utf-8")
+    assert main(["audit", str(other)]) == 2
+    assert list(audit(other)) == []
