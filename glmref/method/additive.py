@@ -70,7 +70,7 @@ class AdditiveGLM(Own, Method):
     embedded: tuple[EmbeddedRow, ...] = ()
 
     additive: ClassVar[bool] = True
-    SIZES = ("k", "s", "r")
+    SIZES: ClassVar[Sequence[str]] = ("k", "s", "r")
     #: There is no start of its own, and no quadratic form is looked for.
     starting: ClassVar[StartingMethod | None] = None
     G: ClassVar[Matrix | None] = None

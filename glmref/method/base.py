@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from ..errors import DataError
 from ..exact import Exact, Scalar, exact
@@ -72,7 +72,7 @@ class Own(Shown):
     __slots__ = ()
     name: str
     #: Attributes that say how large it is, in the order of the line.
-    SIZES: Sequence[str] = ()
+    SIZES: ClassVar[Sequence[str]] = ()
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{x} = {getattr(self, x)}" for x in self.SIZES)

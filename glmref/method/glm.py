@@ -227,7 +227,7 @@ class GLM(Own, Method):
             if given is not None and len(given) != s:
                 raise DataError(f"`{name}` must have s = {s} entries, got {len(given)}")
 
-    SIZES = ("s", "r")
+    SIZES: ClassVar[Sequence[str]] = ("s", "r")
 
     @property
     def times(self) -> tuple[Vector, ...]:
@@ -497,7 +497,7 @@ class PartitionedGLM(Own, Method):
         _take_output(self, "output_hat", r_hat)
         check_embedded(self)
 
-    SIZES = ("n_Q", "n_P", "r", "r_hat")
+    SIZES: ClassVar[Sequence[str]] = ("n_Q", "n_P", "r", "r_hat")
 
     @property
     def n_P(self) -> int:

@@ -29,7 +29,7 @@ from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 _TEXTS = ("format", "name", "title", "question")
 _KEYS = (
-    *_TEXTS,
+    *("$schema", *_TEXTS),
     *("problem", "methods", "classes", "h", "steps", "t_end", "ask", "answer", "repeats", "budget"),
     *("start", "renew", "peers", "tolerances", "quick"),
 )
@@ -283,7 +283,7 @@ class Reader:
                 f"and a scene holds such keys under [problem]",
             )
         self.known((), given, _KEYS)
-        for key in _TEXTS:
+        for key in (*_TEXTS, *(x for x in ("$schema",) if x in given)):
             self.text((key,), given.get(key))
         if given["format"] != FORMAT:
             raise self.fail(

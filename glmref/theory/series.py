@@ -85,7 +85,8 @@ class Series(Mapping[Tree, Coefficient]):
                     f"a series of order {order} over the colours {', '.join(palette)} "
                     f"has no coefficient for the tree {t}"
                 )
-        self.order, self.palette = order, palette
+        self.order: int = order
+        self.palette: Palette = palette
         self._values = dict(values)
         each = empty if isinstance(empty, Mapping) else dict.fromkeys(palette, empty)
         self._empty: dict[str, Coefficient] = dict(each)

@@ -300,11 +300,14 @@ class StartingSeries:
         counts: Callable[[Tree], bool] = lambda t: True,
         along_paths: bool = False,
     ) -> None:
-        self.components, self.palette, self.free, self.counts = components, palette, free, counts
-        self.along_paths = along_paths
-        self.simple = all(len(c.N) == 1 for c in components.values())
-        self.complete = self.simple or len(components) == 1
-        self.order = 0
+        self.components: dict[str, Prepared] = components
+        self.palette: Palette = palette
+        self.free: bool = free
+        self.counts: Callable[[Tree], bool] = counts
+        self.along_paths: bool = along_paths
+        self.simple: bool = all(len(c.N) == 1 for c in components.values())
+        self.complete: bool = self.simple or len(components) == 1
+        self.order: int = 0
         self.eta: dict[Tree, tuple[Any, ...]] = {}
         self.determined: frozenset[Tree] = frozenset()
         self._waiting: list[Tree] = []  # trees of the last order whose eta is not found yet

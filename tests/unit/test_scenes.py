@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref.catalogue.lookup import data_root
+from glmref.catalogue.lookup import data_root, load, path_of
 from glmref.cli import main
 from glmref.compute.records import Records
 from glmref.errors import DataError, GlmrefError, UsageError
@@ -120,6 +120,27 @@ def test_every_shipped_scene_keeps_the_schema(name):
     schema = json.loads((folder / "schema" / "glmref-scene-1.schema.json").read_text("utf-8"))
     document = tomllib.loads((folder / "scenes" / f"{name}.toml").read_text("utf-8"))
     jsonschema.Draft202012Validator(schema).validate(document)
+
+
+def test_scenes_and_methods_may_name_their_schema_for_editors(tmp_path):
+    jsonschema = pytest.importorskip("jsonschema")
+    folder = data_root()
+    for form, place in (
+        ("scene-1", folder / "scenes" / "kepler.toml"),
+        ("method-1", path_of("rk4")),
+    ):
+        text = place.read_text("utf-8")
+        word = '"$schema" = "x"\n' if form == "scene-1" else '{"$schema": "x",'
+        text = word + text if form == "scene-1" else text.replace("{", word, 1)
+        (tmp_path / place.name).write_text(text, encoding="utf-8")
+        schema = json.loads((folder / "schema" / f"glmref-{form}.schema.json").read_text("utf-8"))
+        document = tomllib.loads(text) if form == "scene-1" else json.loads(text)
+        jsonschema.Draft202012Validator(schema).validate(document)
+        assert document["$schema"] == "x"
+    assert load_scene(tmp_path / "kepler.toml").name == "kepler"
+    assert load(tmp_path / "rk4.json").name == "rk4"
+    with pytest.raises(DataError, match="must be a text"):
+        load_scene(write(tmp_path, '"$schema" = 1\n' + SMALL))
 
 
 def test_there_are_at_least_15_scenes_of_every_kind():
