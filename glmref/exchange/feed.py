@@ -36,6 +36,8 @@ from .tree_problems import tree_problems
 
 VERSION = "v1"
 DIGITS = 40
+#: Programs without dependencies that read tableaux, and the page of one of them.
+CHECKERS = Path(__file__).with_name("checkers")
 #: Components of the largest initial value that is written out.
 MOST_COMPONENTS = 1000
 
@@ -75,6 +77,8 @@ def write_feed(folder: Path, chosen: Sequence[str] = ()) -> int:
     for place in ("vectors", "schema"):
         for path in sorted((data / place).iterdir()):
             _copy(path, folder / place / path.name)
+    for path in sorted(CHECKERS.iterdir()):
+        _copy(path, folder / "checkers" / path.name)
     head = {
         "$schema": "https://datapackage.org/profiles/2.0/datapackage.json",
         "name": "glmref-feed",
