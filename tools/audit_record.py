@@ -1,6 +1,6 @@
 """Store an audit: lines of ``glmref audit --all`` as one file of ``data/audits``.
 
-``glmref audit CHECKOUT/src/ts/impls --format petsc --all | python -m tools.audit_record petsc
+``glmref audit CHECKOUT/src/ts/impls --from petsc --all | python -m tools.audit_record petsc
 PETSC-COMMIT DATE PAGE LICENCE src/ts/impls`` writes ``data/audits/petsc.json``. The licence is that
 of the checkout (SPDX), the folder what was read of it, "." for all: paths are relative to the
 checkout. Only facts about each table are kept, no source.

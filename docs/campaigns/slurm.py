@@ -1,4 +1,4 @@
-"""Start workers through SLURM and stay until interrupted; `glmref campaign` runs beside it."""
+"""Start workers through SLURM and stay until interrupted; `glmref run` runs beside it."""
 
 import signal
 
@@ -7,5 +7,5 @@ from dask_jobqueue import SLURMCluster
 if __name__ == "__main__":
     with SLURMCluster() as cluster:  # what it asks for stands in slurm.yaml
         cluster.adapt(minimum_jobs=1, maximum_jobs=100)
-        print(f"glmref campaign resonance-map --on dask:{cluster.scheduler_address}")  # noqa: T201
+        print(f"glmref run resonance-map --on dask:{cluster.scheduler_address}")  # noqa: T201
         signal.pause()

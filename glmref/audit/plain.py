@@ -118,18 +118,18 @@ def _read(document: Mapping[str, Any], name: str, line: int) -> Table:
     method = load_document({k: x for k, x in document.items() if k != "digits"}, where="tableau")
     for key in ("dense", "w_order"):
         if key in document:
-            raise Unread(f"the key {key!r} is read by `glmref check` only")
+            raise Unread(f"the key {key!r} is read by `glmref verify` only")
     claims = method.claims
     assert isinstance(claims, PlainClaims)
     if any(x.claim == "part" for x in claims.said):
-        raise Unread("the order of a part is read by `glmref check` only")
+        raise Unread("the order of a part is read by `glmref verify` only")
     orders = {(x.claim, x.number): x.order for x in claims.said}
     found = tableau(method, orders.get((ORDER.key, 0)), claims.times)
     if found is None:
         kind = (method.document or {}).get("class")
-        raise Unread(f"a table of class {kind!r} is read by `glmref check` only")
+        raise Unread(f"a table of class {kind!r} is read by `glmref verify` only")
     if found.kind == "nystrom" and method.embedded:
-        raise Unread("embedded rows of a Nystrom method are read by `glmref check` only")
+        raise Unread("embedded rows of a Nystrom method are read by `glmref verify` only")
     table = Table(name, line, found.kind, _numbers(found.A), _numbers(found.b), _numbers(found.c),
                   found.order)  # fmt: skip
     s = len(table.b[0])

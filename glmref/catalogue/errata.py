@@ -126,7 +126,7 @@ def erratum(name: str) -> Erratum:
     known = {record.id: record for record in load_errata()}
     if name in known:
         return known[name]
-    hint = did_you_mean(name, known, otherwise="see `glmref errata`")
+    hint = did_you_mean(name, known, otherwise="see `glmref list --errata`")
     raise UsageError(f"there is no erratum named {name!r}; {hint}")
 
 

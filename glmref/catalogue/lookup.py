@@ -46,7 +46,7 @@ def load(name: str | Path) -> GLM | PartitionedGLM | AdditiveGLM:
         sums = row_sums(method.components[n - 1].A)
         if c is not None and any((x - y).is_zero() is False for x, y in zip(sums, c, strict=True)):
             raise DataError(
-                f"{path.name}: `parts[{n}].c` is not A 1; `glmref check` judges its order, other "
+                f"{path.name}: `parts[{n}].c` is not A 1; `glmref verify` judges its order, other "
                 f"commands take additive methods with c = A 1"
             )
     return method

@@ -26,7 +26,7 @@ from .checking import verify
 from .comparing import compare, problems
 from .deriving import derive
 from .describing import analyze, errata
-from .exchanging import export, import_
+from .exchanging import convert, export, import_
 from .feeding import feed
 from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
@@ -47,7 +47,11 @@ _ELSEWHERE = {
 
 
 class _Group(click.Group):
-    """The commands, and an answer to words that one might take for a command."""
+    """The commands in their order, and an answer to words that one might take for a command."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order of :data:`EXAMPLES`."""
+        return list(self.commands)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Find the command of a line."""
@@ -75,24 +79,43 @@ def group(time_limit: int | None) -> None:
     """General linear methods, checked exactly."""
 
 
-for command in (
-    *(
-        verify,
-        certify,
-        analyze,
-        list_,
-        show,
-        cite,
-        errata,
-        derive,
-        run,
-        probe,
-        bench,
-        report,
-        campaign,
-    ),
-    *(export, import_, problems, compare, check, conformance, audit, feed, lint, board),
-):
+#: The commands in the order in which one needs them, each with an example of its use.
+EXAMPLES = {
+    verify: "glmref verify my-tableau.json",
+    analyze: "glmref analyze gauss-2 --modified",
+    show: "glmref show rk4 --plot rk4.svg",
+    list_: "glmref list --class lmm",
+    derive: "glmref derive order6 --c2 1/3",
+    problems: "glmref problems double-pendulum",
+    compare: "glmref compare kepler --tolerance 1e-6",
+    run: "glmref run kepler --plan",
+    convert: "glmref convert gauss-2 --to c --output gauss_2.c",
+    audit: "glmref audit src/integrators --from python",
+    lint: "glmref lint .",
+    feed: "glmref feed --output public",
+    probe: "glmref probe scipy",
+    conformance: "glmref conformance reference --list",
+    board: "glmref board scipy reference",
+    report: "glmref report --single-file",
+}
+#: Old names of commands, with the new ones; and what serves those who change glmref.
+HIDDEN = {
+    check: "glmref verify FILE",
+    certify: "glmref verify NAME --certificates DIR",
+    export: "glmref convert NAME --to TARGET",
+    import_: "glmref convert FILE --from FORMAT",
+    cite: "glmref show NAME --bibtex",
+    errata: "glmref list --errata",
+    campaign: "glmref run CAMPAIGN",
+    bench: "",
+}
+
+for command, example in EXAMPLES.items():
+    command.epilog = f"Example: {example}"
+    group.add_command(command)
+for command, new in HIDDEN.items():
+    command.hidden = True
+    command.epilog = f"An old name: take `{new}`." if new else "For contributors: CONTRIBUTING.md."
     group.add_command(command)
 
 

@@ -11,7 +11,7 @@ from typing import Any, TextIO
 import click
 
 from ..catalogue import canonical
-from ..errors import BudgetError, UsageError
+from ..errors import BudgetError, GlmrefError, UsageError
 from ..findings import Finding, Verdict
 from ..views.tables import counted, findings_json, one_line, plain
 from .output import (
@@ -57,6 +57,11 @@ def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     documentation lists the other keys (c, embedded, parts, b_prime, alpha, gamma, dense, ..). A
     decimal of up to 11 digits is exact; with more it is a rounded number, known to its digits.
     """
+    return check_plain(file, order, digits, form)
+
+
+def check_plain(file: str, order: int | None, digits: int | None, form: str) -> int:
+    """Check one tableau, say what holds in sentences or JSON, and return the exit code."""
     from ..audit.check import sentence
 
     more = {
@@ -76,6 +81,26 @@ def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     if Verdict.FAILS in verdicts:
         return FAILED
     return INTERNAL if Verdict.OPEN in verdicts else HOLDS
+
+
+def is_in_words(name: str, form: str) -> bool:
+    """Return whether what is found is said in sentences: of a pipe, and of a plain tableau.
+
+    The JSON of a tableau in a file is that of all files, with its name.
+    """
+    from ..catalogue.files import document
+    from ..catalogue.keys import is_plain
+
+    path = Path(name)
+    try:
+        if name == "-" or (path.is_fifo() and not path.resolve().is_fifo()):
+            return True
+        if form != "table" or not path.is_file():
+            return False
+        given = document(name)
+        return is_plain(given) and any("order" in x for x in (given, given.get("claims", ())))
+    except (GlmrefError, OSError, TypeError, ValueError):
+        return False  # what is wrong with it is said where it is read
 
 
 def _stream(file: str) -> TextIO | None:
@@ -126,11 +151,11 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
                 required=True)  # fmt: skip
 @click.option(
     "--from",
-    "--format",
     "form",
     type=Word(READ),
     help="Package in whose notation the tables are written; by default any notation.",
 )
+@click.option("--format", "old", type=Word(READ), hidden=True)  # what --from was called
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
 @click.option("--strict", is_flag=True, help="Exit with 1 when a table is unread, too.")
@@ -138,6 +163,7 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
 def audit(
     sources: tuple[Path, ...],
     form: str | None,
+    old: str | None,
     every: bool,
     fast: bool,
     strict: bool,
@@ -154,6 +180,7 @@ def audit(
     from ..audit.sources import audit as examine
     from ..compute import executor
 
+    form = form or old
     records = []
     with executor(on) as where:
         for source in sources:

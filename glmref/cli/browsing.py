@@ -1,4 +1,4 @@
-"""``glmref list``, ``show`` and ``cite``: what the catalogue holds."""
+"""``glmref list`` and ``show``: what the catalogue holds, and what the thesis prints."""
 
 from __future__ import annotations
 
@@ -14,19 +14,44 @@ from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, csv_text, json_text, one_line
+from .describing import list_errata, method_option, verdict_option
 from .output import HOLDS, Word, complete_method, format_option, say
 
 _METHODS = ("name", "class", "order", "status", "title")
 _BROKEN = ("name", "class", "refutes", "flag", "title")
 
 
-@click.command("list", short_help="List the shipped methods.")
+@click.command("list", short_help="List the shipped methods, or the errata of the thesis.")
+@click.argument("text", default="", metavar="[ID|TEXT]")
 @click.option("--class", "kind", type=Word(sorted(BLOCKS)), help="This class only.")
 @click.option("--broken", is_flag=True, help="The files that are wrong on purpose.")
+@click.option(
+    "--errata",
+    "printed",
+    is_flag=True,
+    help="What the thesis prints, and what is right: one ID, or all that mention TEXT.",
+)
+@verdict_option
+@method_option
 @format_option()
-def list_(kind: str | None, broken: bool, form: str) -> int:
+def list_(
+    text: str,
+    kind: str | None,
+    broken: bool,
+    printed: bool,
+    verdict: str | None,
+    method: str | None,
+    form: str,
+) -> int:
     """List the shipped methods: name, class, order claimed, status of the source, title."""
     from ..catalogue.lookup import document, names
+
+    if printed:
+        if kind or broken:
+            raise UsageError("--errata lists no methods; leave --class and --broken away")
+        return list_errata(text, verdict, method, form)
+    if text or verdict or method:
+        raise UsageError("ID, TEXT, --verdict and --method choose among --errata")
 
     rows = [_row(document(name)) for name in names("broken" if broken else "methods")]
     rows = [row for row in rows if kind in (None, row["class"])]
@@ -58,7 +83,10 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @click.command(short_help="Show a tableau as in a paper.")
-@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.argument(
+    "names", nargs=-1, required=True, metavar="NAME|FILE...", shell_complete=complete_method
+)
+@click.option("--bibtex", is_flag=True, help="BibTeX of the sources and of the files instead.")
 @click.option(
     "--decimal",
     type=click.IntRange(1, 150),
@@ -71,8 +99,22 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
     metavar="FILE.svg",
     help="Draw stability region, eigenvalues and sparsity into this file.",
 )
-def show(name: str, decimal: int | None, plot: Path | None) -> int:
-    """Show a method's tableau as one reads it in a paper, with its source."""
+def show(names: tuple[str, ...], bibtex: bool, decimal: int | None, plot: Path | None) -> int:
+    """Show methods' tableaux as one reads them in a paper, with their sources."""
+    if bibtex:
+        if decimal is not None or plot is not None:
+            raise UsageError("--bibtex writes no tableau; leave --decimal and --plot away")
+        return write_bibtex(names)
+    if plot is not None and len(names) > 1:
+        raise UsageError("--plot draws one method; name one")
+    for number, name in enumerate(dict.fromkeys(names)):
+        if number:
+            say("")
+        _show(name, decimal, plot)
+    return HOLDS
+
+
+def _show(name: str, decimal: int | None, plot: Path | None) -> None:
     from ..catalogue.lookup import load, path_of
     from ..prove.verifier import budget_of
     from ..system.budget import limited
@@ -89,7 +131,6 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
 
         Drawing(portrait(method)).save(plot)
         say(f"\nwrote {one_line(plot)}")
-    return HOLDS
 
 
 @click.command(short_help="Write BibTeX of methods and their files.")
@@ -98,6 +139,11 @@ def show(name: str, decimal: int | None, plot: Path | None) -> int:
 )
 def cite(names: tuple[str, ...]) -> int:
     """Write BibTeX for methods: the source of each, and the data file itself."""
+    return write_bibtex(names)
+
+
+def write_bibtex(names: tuple[str, ...]) -> int:
+    """Write the entries of methods, each once."""
     from ..views.bibtex import entries
 
     say("\n\n".join(entries(dict.fromkeys(names))))

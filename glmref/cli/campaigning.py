@@ -59,14 +59,28 @@ def campaign(
     and a table in Parquet where pyarrow is installed. --plan measures a few of the tasks for the
     cost.
     """
-    from ..compute import Records, executor
+    if name is None:
+        say(listing())
+        return HOLDS
+    return run_campaign(name, planned, pages, output, form, on)
+
+
+def listing() -> str:
+    """Return the shipped campaigns as a table."""
     from ..scenes.campaign import campaign_names, load_campaign
 
-    if name is None:
-        found = [load_campaign(x) for x in campaign_names()]
-        rows = [[x.name, f"{len(x):,} tasks", x.question] for x in found]
-        say(columns(rows, style=Style.of(sys.stdout), head=("campaign", "size", "question")))
-        return HOLDS
+    found = [load_campaign(x) for x in campaign_names()]
+    rows = [[x.name, f"{len(x):,} tasks", x.question] for x in found]
+    return columns(rows, style=Style.of(sys.stdout), head=("campaign", "size", "question"))
+
+
+def run_campaign(
+    name: str, planned: bool, pages: bool, output: Path, form: str, on: str | None
+) -> int:
+    """Carry out a campaign, or show its plan, or make its pages; return the exit code."""
+    from ..compute import Records, executor
+    from ..scenes.campaign import load_campaign
+
     wanted = load_campaign(name)
     folder = output / wanted.name
     store = Records(folder / "records.sqlite")

@@ -25,6 +25,11 @@ def certify(name: str, output: str | None) -> int:
     without a certificate is named on stderr, with the reason. docs/certificates.md specifies the
     format.
     """
+    return write_lines(name, output)
+
+
+def write_lines(name: str, output: str | None = None) -> int:
+    """Write the certificates of a method to stdout, or into a folder; return the exit code."""
     written = 0
     try:
         certificates = _certificates(name)

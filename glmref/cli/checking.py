@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,6 +16,8 @@ from ..errors import UsageError
 from ..findings import Finding, Verdict
 from ..system.process import INTERRUPTED
 from ..views.tables import FORMATS, Style
+from .auditing import check_plain, is_in_words
+from .certifying import write_certificates, write_lines
 from .output import (
     BAD_INPUT,
     FAILED,
@@ -45,8 +48,21 @@ if TYPE_CHECKING:
 @click.option(
     "--certificates",
     type=click.Path(file_okay=False),
-    metavar="DIR",
-    help="Write the certificate of every claim that has one, a file each.",
+    metavar="DIR|-",
+    help="Write the certificate of every claim that has one, a file each; -: those of one method "
+    "to stdout, one line of JSON each.",
+)
+@click.option(
+    "--order",
+    type=click.IntRange(1, 100),
+    metavar="N",
+    help="Of a plain tableau: the order to check; default: its key.",
+)
+@click.option(
+    "--digits",
+    type=click.IntRange(1, 150),
+    metavar="N",
+    help="Of a plain tableau: digits after the point to which its decimals are known.",
 )
 @click.option(
     "--budget",
@@ -65,6 +81,8 @@ def verify(
     form: str,
     only: tuple[str, ...],
     certificates: str | None,
+    order: int | None,
+    digits: int | None,
     budget: float | None,
     on: str | None,
     no_cache: bool,
@@ -72,9 +90,20 @@ def verify(
     """Recompute every claim of the methods named, and say how each was proved.
 
     Without a name all shipped methods are checked, and all files that are wrong on purpose are
-    refuted, one line a file. A NAME is one of `glmref list`; a FILE is your own method file.
-    What was decided for the same bytes by the same program is not computed again.
+    refuted, one line a file. A NAME is one of `glmref list`; a FILE is your own method file, or a
+    tableau {"A": .., "b": .., "order": ..} in JSON or TOML, - the standard input. What was decided
+    for the same bytes by the same program is not computed again.
     """
+    given = order is not None or digits is not None
+    others = only or certificates or budget or on or form not in ("table", "json")
+    if given and (others or len(names) != 1):
+        raise UsageError("--order and --digits are for one plain tableau")
+    if given or (len(names) == 1 and not others and is_in_words(names[0], form)):
+        return check_plain(names[0], order, digits, form)
+    if certificates == "-":
+        if len(names) != 1:
+            raise UsageError("--certificates - is for one method; give a folder for several")
+        return write_lines(names[0])
     from ..catalogue.lookup import names as shipped
 
     asked = list(dict.fromkeys(names)) or shipped("all")
@@ -94,10 +123,6 @@ def verify(
 
 
 def _certify(names: Sequence[str], folder: str) -> None:
-    from pathlib import Path
-
-    from .certifying import write_certificates
-
     count, missing = write_certificates(list(names), Path(folder))
     complain(f"{count} certificates written to {folder}, none for {len(missing)} claims")
 

@@ -20,7 +20,7 @@ from .output import HOLDS, complete_problem, format_option, say
 @click.argument("names", nargs=-1, metavar="[NAME|FILE]...", shell_complete=complete_problem)
 @format_option(
     ("table", "json", "csv", "c"),
-    "Format of the output; c: the right-hand side of one problem for `glmref export --to c`.",
+    "Format of the output; c: the right-hand side of one problem for `glmref convert --to c`.",
 )
 def problems(names: tuple[str, ...], form: str) -> int:
     """List the shipped problems, or show the formulas of some.

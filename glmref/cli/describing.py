@@ -126,13 +126,22 @@ def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:
     return {key: interval(facts_of(method).linear, rays[key]) for key in open_}
 
 
+verdict_option = click.option("--verdict", type=Word(_VERDICTS), help="Errata of this kind only.")
+method_option = click.option("--method", metavar="NAME", help="Errata about this data file only.")
+
+
 @click.command(short_help="Show what the thesis prints, and what is right.")
 @click.argument("text", default="", metavar="[ID|TEXT]")
-@click.option("--verdict", type=Word(_VERDICTS), help="These only.")
-@click.option("--method", metavar="NAME", help="Those about this data file only.")
+@verdict_option
+@method_option
 @format_option()
 def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
     """Show what the thesis prints and whether it is right: one ID, or all that mention TEXT."""
+    return list_errata(text, verdict, method, form)
+
+
+def list_errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
+    """List errata: one ID, or all that mention a text, of a verdict, about a method."""
     from ..catalogue.errata import erratum, find_errata, load_errata
 
     known = {record.id for record in load_errata()}
@@ -146,7 +155,7 @@ def errata(text: str, verdict: str | None, method: str | None, form: str) -> int
             from ..catalogue.lookup import path_of
 
             path_of(method)  # names the nearest methods
-        raise UsageError("no erratum is like that; see `glmref errata`")
+        raise UsageError("no erratum is like that; see `glmref list --errata`")
     if form == "json":
         say(json_text({"format": "glmref-errata-1", "errata": [r.as_json() for r in found]}))
     elif form == "csv":

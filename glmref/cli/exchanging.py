@@ -1,4 +1,4 @@
-"""``glmref export`` and ``glmref import``: methods as files of other people, and back."""
+"""``glmref convert``: methods as files of other people, and back."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..errors import UsageError
 from ..system.files import one_name, read_text, write_text
 from ..views.tables import one_line
 from .output import HOLDS, Word, complain, complete_method, say
@@ -40,32 +41,53 @@ _output = click.option(
 )
 
 
-@click.command(short_help="Write a method as source code or as another package's table.")
-@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
-@click.option("--to", "target", type=_Target(TARGETS), required=True, help="What to write.")
-@click.option(
+_digits = click.option(
     "--digits",
     type=click.IntRange(1, 150),
     metavar="N",
     help="Decimals with N digits; by default what the target holds best.",
 )
+
+
+@click.command(short_help="Write a method as source code or as another package's table, and back.")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.option("--from", "form", type=Word(READ), help="Whose table FILE is; else a method file.")
+@click.option("--to", "target", type=_Target(TARGETS), help="What to write; else a method file.")
+@_digits
 @_output
-def export(name: str, target: str, digits: int | None, output: Path | None) -> int:
+def convert(
+    name: str, form: str | None, target: str | None, digits: int | None, output: Path | None
+) -> int:
     """Write a method as a stepper without dependencies, or in the syntax of another package.
 
     The languages give functions start, step, finish and integrate; pairs and splittings take the
     two halves of the right-hand side separately. A format that cannot hold the method says so, and
-    what is left out is said on stderr.
+    what is left out is said on stderr. With --from, FILE is a table of another package; its method
+    file claims the order and the abscissae that the table states, `glmref verify` checks them, and
+    nothing in the table is executed.
     """
-    from ..catalogue.lookup import method_of
-    from ..exchange.export import export as write
-    from ..exchange.header import left_out
+    if form is None and target is None:
+        raise UsageError("say what to write with --to, or whose table it is with --from")
+    if target is None:
+        if digits is not None:
+            raise UsageError("--digits is for --to; a method file keeps what the table says")
+        return _read(Path(name), str(form), output)
+    if form is None:
+        return _written(name, name, target, digits, output)
+    from ..catalogue.reader import load_document
 
-    _write(write(name, to=target, digits=digits), output)
-    absent = left_out(method_of(name), target)
-    if absent:
-        complain(f"{name}: left out of what is written: {', '.join(absent)}")
-    return HOLDS
+    method = load_document(_table(Path(name), form))
+    return _written(method, method.name, target, digits, output)
+
+
+@click.command(short_help="Write a method as source code or as another package's table.")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.option("--to", "target", type=_Target(TARGETS), required=True, help="What to write.")
+@_digits
+@_output
+def export(name: str, target: str, digits: int | None, output: Path | None) -> int:
+    """Write a method as a stepper without dependencies, or in the syntax of another package."""
+    return _written(name, name, target, digits, output)
 
 
 @click.command("import", short_help="Read another package's table as a method file.")
@@ -73,17 +95,35 @@ def export(name: str, target: str, digits: int | None, output: Path | None) -> i
 @click.option("--from", "form", type=Word(READ), required=True, help="What the file is.")
 @_output
 def import_(file: Path, form: str, output: Path | None) -> int:
-    """Read a table of another package and write it as a method file.
+    """Read a table of another package and write it as a method file."""
+    return _read(file, form, output)
 
-    The method file claims the order and the abscissae that the table states; `glmref verify` checks
-    them. Nothing in the table is executed.
-    """
-    from ..catalogue.canonical import canonical
+
+def _written(method: Any, name: str, target: str, digits: int | None, output: Path | None) -> int:
+    """Write a method, given or named, to a target, and say what is left out."""
+    from ..catalogue.lookup import method_of
+    from ..exchange.export import export as write
+    from ..exchange.header import left_out
+
+    _write(write(method, to=target, digits=digits), output)
+    absent = left_out(method_of(method), target)
+    if absent:
+        complain(f"{name}: left out of what is written: {', '.join(absent)}")
+    return HOLDS
+
+
+def _table(file: Path, form: str) -> dict[str, Any]:
+    """Read a table of another package as a document."""
     from ..catalogue.strict_json import MAX_BYTES
     from ..exchange.import_tables import read_table
 
-    text = read_text(file, MAX_BYTES)
-    _write(canonical(read_table(text, form, name=file.stem, where=one_name(file))), output)
+    return read_table(read_text(file, MAX_BYTES), form, name=file.stem, where=one_name(file))
+
+
+def _read(file: Path, form: str, output: Path | None) -> int:
+    from ..catalogue.canonical import canonical
+
+    _write(canonical(_table(file, form)), output)
     return HOLDS
 
 

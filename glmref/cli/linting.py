@@ -36,7 +36,7 @@ def lint(
 ) -> int:
     """Check all tableaux in files and folders, by default the folder where this runs.
 
-    Method files and plain tableaux (JSON, TOML) are checked as by `glmref check`, sources in the
+    Method files and plain tableaux (JSON, TOML) are checked as by `glmref verify`, sources in the
     formats that their ending and words suggest as by `glmref audit`; other files are left out. An
     error is a claim that fails; a warning is a question, or a claim that is not decided; a note is
     what looks like a table and could not be read. Exit code 1 for errors.

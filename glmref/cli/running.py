@@ -17,6 +17,7 @@ from ..errors import UsageError
 from ..system.files import write_text
 from ..system.shown import Drawing
 from ..views.tables import Style, columns, counted, csv_text, json_text, one_line
+from .campaigning import listing, run_campaign
 from .output import (
     BAD_INPUT,
     HOLDS,
@@ -43,12 +44,15 @@ DISPENSABLE = ("start", "iterations", "q25", "q75", "outcome", "steps", "evaluat
 SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest"}
 
 
-@click.command(short_help="Run scenes: error against run time.")
-@click.argument("names", nargs=-1, metavar="[SCENE|FILE]...", shell_complete=complete_scene)
+@click.command(short_help="Run scenes: error against run time; and campaigns of many tasks.")
+@click.argument(
+    "names", nargs=-1, metavar="[SCENE|CAMPAIGN|FILE]...", shell_complete=complete_scene
+)
 @click.option("--quick", is_flag=True, help="Fewer or shorter runs, as the scene says.")
 @click.option("--plan", "planned", is_flag=True, help="Show what would be run, and run nothing.")
 @click.option("--all", "every", is_flag=True, help="All shipped scenes.")
-@click.option("--list", "listed", is_flag=True, help="List the shipped scenes and their questions.")
+@click.option("--list", "listed", is_flag=True, help="List the shipped scenes and campaigns.")
+@click.option("--pages", is_flag=True, help="Of a campaign: make page and table, and run nothing.")
 @click.option(
     "--output",
     type=click.Path(file_okay=False, path_type=Path),
@@ -66,6 +70,7 @@ def run(
     planned: bool,
     every: bool,
     listed: bool,
+    pages: bool,
     output: Path,
     form: str,
     on: str | None,
@@ -74,14 +79,23 @@ def run(
 
     A SCENE is one of `glmref run --list`; a FILE is your own scene. Records are kept in the output
     folder, in one SQLite file a scene: a run that was stopped, or killed, goes on where it was.
-    Delete the file to measure again. Exit code 3 when a run ended in an error.
+    Delete the file to measure again. A CAMPAIGN is carried out in OUTPUT/NAME: what its records
+    lack, and no task twice. Exit code 3 when a run ended in an error.
     """
     from .. import scenes as scenery
     from ..compute import executor
+    from ..scenes.campaign import is_campaign
 
     if listed:
         _list(scenery, form)
         return HOLDS
+    campaigns = [x for x in names if is_campaign(x)]
+    if campaigns:
+        if len(names) > 1 or every or quick or form == "csv":
+            raise UsageError("a campaign is run by its name, without --all, --quick or csv")
+        return run_campaign(campaigns[0], planned, pages, output, form, on)
+    if pages:
+        raise UsageError("--pages is for a campaign; `glmref report` makes the pages of scenes")
     asked = [*dict.fromkeys(names), *(n for n in scenery.names() if every and n not in names)]
     if not asked:
         raise UsageError(f"name a scene, or --all; the scenes are {', '.join(scenery.names())}")
@@ -134,6 +148,7 @@ def _list(scenery: Any, form: str) -> None:
         say(csv_text([("name", "question"), *cells]))
     else:
         say(columns(cells, style=Style.of(sys.stdout), head=("scene", "question")))
+        say("\n" + listing())
 
 
 def _show_plans(plans: Sequence[Plan], form: str) -> None:

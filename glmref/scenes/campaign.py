@@ -33,7 +33,7 @@ from ..catalogue.lookup import data_root, document
 from ..catalogue.lookup import names as method_names
 from ..catalogue.strict_json import shown
 from ..compute import Limits
-from ..errors import DataError, UsageError
+from ..errors import DataError, GlmrefError, UsageError
 from ..problems import names as problem_names
 from .campaign_kinds import CAMPAIGN_KINDS, CampaignKind
 from .model import KINDS
@@ -159,6 +159,19 @@ def _radical_inverse(number: int, base: int) -> float:
 def campaign_names() -> list[str]:
     """Names of the shipped campaigns, sorted."""
     return sorted(path.stem for path in (data_root() / "campaigns").glob("*.toml"))
+
+
+def is_campaign(name: str) -> bool:
+    """Return whether a name is that of a shipped campaign or of a file that says it is one."""
+    if name in campaign_names():
+        return True
+    path = Path(name)
+    if path.suffix != ".toml" or not path.is_file():
+        return False
+    try:
+        return _CampaignReader(path).document.get("format") == FORMAT
+    except GlmrefError:
+        return False  # what is wrong with it is said where it is read as a scene
 
 
 def load_campaign(name: str) -> Campaign:

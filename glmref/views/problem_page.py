@@ -103,7 +103,7 @@ def page(problem: Problem, about: str = "") -> list[tuple[str, str]]:
 
 
 def c_source(problem: Problem) -> str:
-    """Return the right-hand side as C, as the steppers of ``glmref export --to c`` call it.
+    """Return the right-hand side as C, as the steppers of ``glmref convert --to c`` call it.
 
     Returns
     -------

@@ -262,7 +262,7 @@ ARGUMENTS: dict[str, list[str]] = {
     "folder": ["verify", "."],
     "device": ["verify", os.devnull],
     "show-nothing": ["show"],
-    "show-two": ["show", "rk4", "euler"],
+    "show-two-plotted": ["show", "rk4", "euler", "--plot", "both.svg"],
     "decimal-zero": ["show", "rk4", "--decimal", "0"],
     "decimal-absurd": ["show", "rk4", "--decimal", "100000000"],
     "decimal-no-number": ["show", "rk4", "--decimal", "ten"],

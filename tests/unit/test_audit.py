@@ -390,7 +390,7 @@ def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
     (tmp_path / "rk.c").write_text("double A[2][2] = {{0, 0}, {1, 0}};\ndouble b[2] = {.5, .5};\n")
     assert main(["audit", str(tmp_path / "rk.c"), "--format", "openmodelica"]) == 2
     out = capsys.readouterr()
-    assert out.out == "" and "no table is found in" in out.err and "--format" in out.err
+    assert out.out == "" and "no table is found in" in out.err and "--from" in out.err
     path = tmp_path / "two.json"
     path.write_text('[{"A": [[0]], "b": [1], "order": 1}, {"A": [[0]], "b": [1, 2]}]')
     assert main(["audit", str(path), "--format", "json", "--fast"]) == 0

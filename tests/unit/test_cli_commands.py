@@ -16,7 +16,7 @@ from click.shell_completion import ShellComplete
 from glmref import __version__
 from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
-from glmref.cli import group, main
+from glmref.cli import EXAMPLES, HIDDEN, group, main
 from glmref.findings import Finding, Verdict
 from glmref.prove import verifier as verification
 
@@ -51,9 +51,86 @@ def test_version_and_help_name_the_program(run: Run) -> None:
     assert run("--version") == (0, f"glmref {__version__}\n", "")
     code, out, err = run("--help")
     assert (code, err) == (0, "")
-    for command in ("verify", "analyze", "list", "show", "cite", "errata"):
-        assert f"\n  {command} " in out
-        assert run(command, "--help")[0] == 0
+    for command, example in EXAMPLES.items():
+        assert f"\n  {command.name} " in out
+        _, page, _ = run(str(command.name), "--help")
+        assert f"Example: {example}" in " ".join(page.split())
+    for command, new in HIDDEN.items():
+        assert f"\n  {command.name} " not in out
+        assert new in " ".join(run(str(command.name), "--help")[1].split())
+
+
+@pytest.mark.parametrize("line", [*EXAMPLES.values()])
+def test_the_example_of_a_command_is_read(line: str) -> None:
+    """Every word of an example names a command, an option, or what one takes."""
+    with group.make_context("glmref", line.split()[1:]) as context:
+        name, command, rest = group.resolve_command(
+            context, [*context._protected_args, *context.args]
+        )
+        assert command.make_context(name, rest, parent=context).params
+
+
+#: An old command line and the new one: the same exit code and the same output.
+SAME = [
+    (["check", "TABLEAU"], ["verify", "TABLEAU"]),
+    (["check", "TABLEAU", "--order", "3"], ["verify", "TABLEAU", "--order", "3"]),
+    (
+        ["check", "TABLEAU", "--order", "2", "--format", "json"],
+        ["verify", "TABLEAU", "--order", "2", "--format", "json"],
+    ),
+    (["certify", "rk4"], ["verify", "rk4", "--certificates", "-"]),
+    (["export", "rk4", "--to", "c"], ["convert", "rk4", "--to", "c"]),
+    (["export", "rk4", "--to", "csv"], ["convert", "rk4", "--to", "csv"]),
+    (["import", "TABLE", "--from", "csv"], ["convert", "TABLE", "--from", "csv"]),
+    (["cite", "rk4", "gauss-2"], ["show", "rk4", "gauss-2", "--bibtex"]),
+    (["errata", "--verdict", "misprint"], ["list", "--errata", "--verdict", "misprint"]),
+    (["errata", "order 6", "--format", "csv"], ["list", "order 6", "--errata", "--format", "csv"]),
+    (["audit", "TABLE", "--format", "csv"], ["audit", "TABLE", "--from", "csv"]),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), SAME)
+def test_an_old_name_does_what_the_new_one_does(
+    run: Run, tmp_path: Path, old: list[str], new: list[str]
+) -> None:
+    tableau, table = tmp_path / "tableau.json", tmp_path / "table.csv"
+    tableau.write_text('{"A": [[0, 0], ["1/2", 0]], "b": [0, 1], "order": 2}')
+    table.write_text(run("export", "rk4", "--to", "csv")[1])
+    places = {"TABLEAU": str(tableau), "TABLE": str(table)}
+    first, second = (run(*(places.get(x, x) for x in line)) for line in (old, new))
+    assert first[:2] == second[:2]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("verify rk4 gauss-2 --order 3", "--order and --digits are for one plain tableau"),
+        ("verify rk4 --order 3", "--order is for a plain tableau, and rk4 has a format"),
+        ("verify rk4 gauss-2 --certificates -", "--certificates - is for one method"),
+        ("list order", "choose among --errata"),
+        ("list --errata --broken", "--errata lists no methods"),
+        ("show rk4 gauss-2 --plot a.svg", "--plot draws one method"),
+        ("show rk4 --bibtex --decimal 3", "--bibtex writes no tableau"),
+        ("convert rk4", "say what to write with --to, or whose table it is with --from"),
+        ("convert a.csv --from csv --digits 3", "--digits is for --to"),
+        ("run kepler --pages", "--pages is for a campaign"),
+        ("run resonance-map kepler", "a campaign is run by its name"),
+        ("run resonance-map --format csv", "a campaign is run by its name"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(run: Run, line: str, said: str) -> None:
+    code, out, err = run(*line.split())
+    assert (code, out) == (2, "") and said in err and err.count("\n") == 1
+
+
+def test_a_table_of_one_package_is_converted_for_another(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "rk4.csv"
+    table.write_text(run("convert", "rk4", "--to", "csv")[1])
+    code, out, _ = run("convert", str(table), "--from", "csv", "--to", "latex")
+    assert (code, out.count("tabular")) == (
+        0,
+        run("convert", "rk4", "--to", "latex")[1].count("tabular"),
+    )
 
 
 def test_no_command_is_a_usage_error_that_shows_the_help(run: Run) -> None:

@@ -54,7 +54,7 @@ def test_record_by_id() -> None:
 def test_unknown_id_names_the_nearest() -> None:
     with pytest.raises(UsageError, match=r"did you mean 3\.3-a21"):
         erratum("3.3-a12")
-    with pytest.raises(UsageError, match="glmref errata"):
+    with pytest.raises(UsageError, match="glmref list --errata"):
         erratum("zzzz")
 
 
