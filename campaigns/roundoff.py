@@ -31,6 +31,7 @@ from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import samples_of
+from glmref.measure.longtime import slope
 from glmref.measure.timing import circumstances
 from glmref.method import GLM
 from glmref.problems import problem
@@ -164,19 +165,12 @@ def round_off(
         h=h,
         steps=tuple(marks),
         rms=tuple(rms),
-        exponent=_slope(marks, rms),
+        exponent=slope(
+            [(math.log(n), math.log(x)) for n, x in zip(marks, rms, strict=True) if x > 0]
+        ),
         mean=float(np.mean(np.array(rows)[:, last])),
         runs=len(rows),
     )
-
-
-def _slope(steps: Sequence[int], rms: Sequence[float]) -> float:
-    points = [(math.log(n), math.log(x)) for n, x in zip(steps, rms, strict=True) if x > 0]
-    if len(points) < 3:
-        return math.nan
-    x, y = np.array(points).T
-    x = x - x.mean()
-    return float(x @ y / (x @ x))
 
 
 def bodies(count: int = 8) -> list[Problem]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any
 
 from hypothesis import strategies as st
 
 from glmref.exact import exact, linalg
 from glmref.exact.linalg import Matrix
-from glmref.method import as_matrix
+from glmref.method import GLM, as_matrix
 
 #: Where a made-up method comes from.
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
@@ -32,3 +33,13 @@ def invertible(draw: st.DrawFn, r: int, largest: int = 2) -> Matrix:
     first = as_matrix([lower[i] for i in order], "T")
     factor = as_matrix([[scale]], "scale")[0][0]
     return linalg.scale(exact(factor), linalg.matmul(first, as_matrix(upper, "T")))
+
+
+def conjugated_rk4() -> GLM:
+    """Euler with step h/3 backwards, RK4, Euler with step h/3 forwards, as one tableau."""
+    half, b = Fraction(1, 2), [Fraction(1, 6), Fraction(1, 3), Fraction(1, 3), Fraction(1, 6)]
+    rk = [[0, 0, 0, 0], [half, 0, 0, 0], [0, half, 0, 0], [0, 0, 1, 0]]
+    rows = [[Fraction(-1, 3), 0, 0, 0, 0, 0]]
+    rows += [[Fraction(-1, 3), *row, 0] for row in rk]
+    rows += [[Fraction(-1, 3), *b, 0]]
+    return GLM(A=rows, U=[[1]] * 6, B=[[Fraction(-1, 3), *b, Fraction(1, 3)]], V=[[1]])

@@ -35,20 +35,24 @@ READ = (
 )
 
 
-@click.command(short_help="Check a plain tableau: JSON or TOML from a file or a pipe.")
-@click.argument("file", metavar="NAME|FILE|-", shell_complete=complete_method)
-@click.option(
+order_option = click.option(
     "--order",
     type=click.IntRange(1, 100),
     metavar="N",
-    help="The order to check; default: its key.",
+    help="Of a plain tableau: the order to check; default: its key.",
 )
-@click.option(
+digits_option = click.option(
     "--digits",
     type=click.IntRange(1, 150),
     metavar="N",
-    help="Digits after the point to which its decimals are known; default: its key.",
+    help="Of a plain tableau: digits after the point to which its decimals are known.",
 )
+
+
+@click.command(short_help="Check a plain tableau: JSON or TOML from a file or a pipe.")
+@click.argument("file", metavar="NAME|FILE|-", shell_complete=complete_method)
+@order_option
+@digits_option
 @format_option(("table", "json"))
 def check(file: str, order: int | None, digits: int | None, form: str) -> int:
     """Check a tableau against its claimed orders, as `glmref verify` does, in words.

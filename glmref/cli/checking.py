@@ -16,7 +16,7 @@ from ..errors import UsageError
 from ..findings import Finding, Verdict
 from ..system.process import INTERRUPTED
 from ..views.tables import FORMATS, Style
-from .auditing import check_plain, is_in_words
+from .auditing import check_plain, digits_option, is_in_words, order_option
 from .certifying import write_certificates, write_lines
 from .output import (
     BAD_INPUT,
@@ -52,18 +52,8 @@ if TYPE_CHECKING:
     help="Write the certificate of every claim that has one, a file each; -: those of one method "
     "to stdout, one line of JSON each.",
 )
-@click.option(
-    "--order",
-    type=click.IntRange(1, 100),
-    metavar="N",
-    help="Of a plain tableau: the order to check; default: its key.",
-)
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 150),
-    metavar="N",
-    help="Of a plain tableau: digits after the point to which its decimals are known.",
-)
+@order_option
+@digits_option
 @click.option(
     "--budget",
     type=click.FloatRange(min=0, min_open=True),

@@ -12,7 +12,7 @@ one.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -240,6 +240,11 @@ def exponent(elapsed: np.ndarray, deviation: np.ndarray) -> float:
         rms = float(np.sqrt(np.mean(deviation[inside] ** 2)))
         if rms > 0:
             points.append((-k * math.log(2.0), math.log(rms)))
+    return slope(points)
+
+
+def slope(points: Sequence[tuple[float, float]]) -> float:
+    """Return the slope of the line of least squares through points; NaN through less than three."""
     if len(points) < 3:
         return math.nan
     x, y = np.array(points).T

@@ -81,24 +81,23 @@ def flip(chance: random.Random, text: str) -> str:
     return bytes(content).decode("utf-8", "surrogateescape")
 
 
-def replace_value(chance: random.Random, text: str) -> str:
+def replaced(chance: random.Random, text: str, change: Callable[[str, str], str]) -> str:
+    """The text with one of its assignments changed."""
     lines = text.split("\n")
     at = [k for k, line in enumerate(lines) if "=" in line]
-    if not at:
-        return text
-    k = chance.choice(at)
-    lines[k] = f"{lines[k].partition('=')[0]}= {chance.choice(VALUES)}"
+    if at:
+        k = chance.choice(at)
+        key, _, value = lines[k].partition("=")
+        lines[k] = change(key, value)
     return "\n".join(lines)
+
+
+def replace_value(chance: random.Random, text: str) -> str:
+    return replaced(chance, text, lambda key, _: f"{key}= {chance.choice(VALUES)}")
 
 
 def replace_key(chance: random.Random, text: str) -> str:
-    lines = text.split("\n")
-    at = [k for k, line in enumerate(lines) if "=" in line]
-    if not at:
-        return text
-    k = chance.choice(at)
-    lines[k] = f"{chance.choice(KEYS)} ={lines[k].partition('=')[2]}"
-    return "\n".join(lines)
+    return replaced(chance, text, lambda _, value: f"{chance.choice(KEYS)} ={value}")
 
 
 def insert(chance: random.Random, text: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -71,11 +72,8 @@ def program(folder: Path, describe: dict[str, Any], body: str) -> str:
 )
 def test_a_program_that_is_right_passes(tmp_path: Path, method: str, offers: list[str], body: str):
     describe = {"methods": [method], "offers": offers}
-    subject = Subject(load_adapter(program(tmp_path, describe, body)))
-    try:
+    with closing(Subject(load_adapter(program(tmp_path, describe, body)))) as subject:
         findings = Suite(subject).findings()
-    finally:
-        subject.close()
     assert len(findings) >= 10
     assert [x for x in findings if x.verdict is not Verdict.HOLDS] == []
 
@@ -133,11 +131,8 @@ def test_a_program_that_fails_once_is_started_again_for_the_other_checks(
 ) -> None:
     describe = {"methods": ["symplectic-euler-a"], "offers": ["step"]}
     body = CRASHES.replace("KEPLER", kepler) + EULER
-    subject = Subject(load_adapter(program(tmp_path, describe, body)))
-    try:
+    with closing(Subject(load_adapter(program(tmp_path, describe, body)))) as subject:
         found = {x.claim: x for x in Suite(subject).findings()}
-    finally:
-        subject.close()
     failed = [name for name, x in found.items() if x.verdict is Verdict.FAILS]
     assert failed == ["step/symplectic-euler-a/kepler"]
     assert words in found[failed[0]].witness
@@ -151,8 +146,7 @@ def test_an_answer_that_comes_late_is_not_that_to_the_next_question(tmp_path: Pa
     import time; time.sleep(0.1)
 """
     describe = {"methods": ["rk4"], "offers": ["step"]}
-    subject = Subject(load_adapter(program(tmp_path, describe, body)))
-    try:
+    with closing(Subject(load_adapter(program(tmp_path, describe, body)))) as subject:
         told = []
         for _ in range(2):
             try:
@@ -160,8 +154,6 @@ def test_an_answer_that_comes_late_is_not_that_to_the_next_question(tmp_path: Pa
             except AdapterError as error:
                 told.append(str(error))
             time.sleep(0.3)
-    finally:
-        subject.close()
     assert len(told) == 1 and "without being asked" in told[0]
 
 
@@ -192,11 +184,8 @@ def test_what_a_program_cannot_do_is_not_judged(tmp_path: Path) -> None:
         "    else:\n" + "".join(f"    {x}\n" for x in GAUSS.splitlines())
     )
     describe = {"methods": ["gauss-2"], "offers": ["step", "stages"]}
-    subject = Subject(load_adapter(program(tmp_path, describe, body)))
-    try:
+    with closing(Subject(load_adapter(program(tmp_path, describe, body)))) as subject:
         found = {x.claim: x for x in Suite(subject).findings()}
-    finally:
-        subject.close()
     assert found["stages/gauss-2/cubic"].verdict is Verdict.OPEN
     assert found["step/gauss-2/cubic"].verdict is Verdict.HOLDS
 

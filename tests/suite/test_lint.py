@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -218,18 +219,17 @@ def test_the_hook_runs_in_pre_commit(repository: Path, tmp_path: Path) -> None:
     (repository / ".pre-commit-config.yaml").write_text(json.dumps({"repos": [local]}))
     (repository / "wrong.json").write_text(WRONG)
     git(repository, "add", ".")
-    done = subprocess.run(
-        [sys.executable, "-m", "pre_commit", "run"], cwd=repository, capture_output=True, text=True,
-        check=False, env={**os.environ, "PRE_COMMIT_HOME": str(tmp_path / "home")},
+    committed = partial(
+        subprocess.run, [sys.executable, "-m", "pre_commit", "run"], cwd=repository,
+        capture_output=True, text=True, check=False,
+        env={**os.environ, "PRE_COMMIT_HOME": str(tmp_path / "home")},
     )  # fmt: skip
+    done = committed()
     assert done.returncode == 1 and "wrong.json:8: error: order 2 fails" in done.stdout, done.stdout
     assert "rk.c" not in done.stdout  # it is no part of this commit
     shutil.copy(repository / "right.json", repository / "wrong.json")
     git(repository, "add", ".")
-    done = subprocess.run(
-        [sys.executable, "-m", "pre_commit", "run"], cwd=repository, capture_output=True, text=True,
-        check=False, env={**os.environ, "PRE_COMMIT_HOME": str(tmp_path / "home")},
-    )  # fmt: skip
+    done = committed()
     assert done.returncode == 0, done.stdout
 
 

@@ -25,6 +25,7 @@ from glmref.theory.error_constants import (
 from glmref.theory.order import highest_order, order_of
 from glmref.theory.trees import parse_tree, trees, trees_up_to
 from tests.bseries import order_residuals
+from tests.build import conjugated_rk4
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -151,12 +152,7 @@ def test_abscissae_of_g4123():
 def test_a_method_that_is_conjugate_to_rk4_has_its_order_only_with_a_free_start():
     # Euler back by h/3, RK4, Euler forth again: Euler differs from the flow in h^2, so that the
     # conjugate differs from RK4 in h^3
-    half, b = F(1, 2), [F(1, 6), F(1, 3), F(1, 3), F(1, 6)]
-    rk = [[0, 0, 0, 0], [half, 0, 0, 0], [0, half, 0, 0], [0, 0, 1, 0]]
-    rows = [[F(-1, 3), 0, 0, 0, 0, 0]]
-    rows += [[F(-1, 3), *row, 0] for row in rk]
-    rows += [[F(-1, 3), *b, 0]]
-    method = GLM(A=rows, U=[[1]] * 6, B=[[F(-1, 3), *b, F(1, 3)]], V=[[1]])
+    method = conjugated_rk4()
     assert order_of(method).order == 4
     assert order_of(method, principal="identity").order == 2
 

@@ -1,17 +1,17 @@
 """Starting and finishing methods: through which order, and where they differ first."""
 
 from dataclasses import replace
-from fractions import Fraction as F
 
 import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import ExactnessError
 from glmref.exact import Ball
-from glmref.method import GLM, FinishingMethod, StartingMethod, as_matrix, as_vector
+from glmref.method import FinishingMethod, StartingMethod, as_matrix, as_vector
 from glmref.prove.kernel import Kernel
 from glmref.theory.trees import parse_tree
 from tests.bseries import elementary_weights, values_series
+from tests.build import conjugated_rk4
 
 A_36 = "(3-sqrt(3))/6"
 W_36 = "(1+sqrt(3))/8"
@@ -102,16 +102,6 @@ def test_published_digits_of_3_9_are_enclosed():
     found = started(method, start(exact_start.A, rounded, exact_start.u))
     assert (found.value, found.upper, found.exact) == (3, 3, False)
     assert found.lower < 3
-
-
-def conjugated_rk4():
-    """Euler with step h/3 backwards, RK4, Euler with step h/3 forwards, as one tableau."""
-    half, b = F(1, 2), [F(1, 6), F(1, 3), F(1, 3), F(1, 6)]
-    rk = [[0, 0, 0, 0], [half, 0, 0, 0], [0, half, 0, 0], [0, 0, 1, 0]]
-    rows = [[F(-1, 3), 0, 0, 0, 0, 0]]
-    rows += [[F(-1, 3), *row, 0] for row in rk]
-    rows += [[F(-1, 3), *b, 0]]
-    return GLM(A=rows, U=[[1]] * 6, B=[[F(-1, 3), *b, F(1, 3)]], V=[[1]])
 
 
 def test_a_conjugated_method_is_started_and_finished_by_its_conjugation():

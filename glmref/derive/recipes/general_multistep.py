@@ -17,11 +17,10 @@ from typing import Any
 
 from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
-from ...findings import Proof, Verdict
-from ...prove.facts import facts_of
+from ...findings import Proof
 from ...theory.residues import in_order, residues
 from ..general_multistep import GeneralHalf, general_document, matching_cosine
-from .record import Derivation, Progress, Statement
+from .record import Derivation, Progress, Statement, prove_claims, shipped_names
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": ""}
 
@@ -106,10 +105,7 @@ def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequ
     }
     if notes:
         document["notes"] = list(notes)
-    facts = facts_of(load_document(document))
-    for claim, declared in document["claims"].items():
-        if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
-            raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+    prove_claims(name, document)
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
         f"{name}: order {order} on all systems, symmetric, one evaluation a step; the largest "
@@ -132,11 +128,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     if options["q"] or options["p"]:
         given = {"multistep-general-found": Shipped(options["q"], options["p"])}
         where, matched = f"roots {options['q']}; {options['p']}", options["match"] == "p"
-    elif options["name"] and options["name"] not in SHIPPED:
-        raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
     else:
-        names = [options["name"]] if options["name"] else list(SHIPPED)
-        given = {name: SHIPPED[name] for name in names}
+        given = {name: SHIPPED[name] for name in shipped_names(options["name"], SHIPPED)}
         where, matched = "", True
     documents, statements = [], []
     for k, (name, roots) in enumerate(given.items()):

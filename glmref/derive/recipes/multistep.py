@@ -16,12 +16,17 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from ...catalogue.reader import load_document
-from ...errors import ExactnessError, UsageError
-from ...findings import Proof, Verdict
-from ...prove.facts import facts_of
+from ...errors import UsageError
+from ...findings import Proof
 from ..multistep import TwoKicks, multistep_document, two_kick_document
-from .record import Derivation, Progress, Statement, survey_notes
+from .record import (
+    Derivation,
+    Progress,
+    Statement,
+    prove_claims,
+    shipped_names,
+    survey_notes,
+)
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
 
@@ -168,10 +173,7 @@ def _complete(
     }
     if notes:
         document["notes"] = list(notes)
-    facts = facts_of(load_document(document))
-    for claim, declared in document["claims"].items():
-        if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
-            raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+    prove_claims(name, document)
     systems = "second-order" if second else "separable"
     text = (
         f"{name}: order {order} on {systems} systems, start of the same order, symmetric, "
@@ -206,10 +208,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
             where += f"; slopes {options['slopes']}, weight {weight}"
         document, statement = _complete(name, numbers, (), where)
         return Derivation("multistep", [document], [statement])
-    if options["name"] and options["name"] not in SHIPPED:
-        raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
     documents, statements = [], []
-    names = [options["name"]] if options["name"] else list(SHIPPED)
+    names = shipped_names(options["name"], SHIPPED)
     for k, name in enumerate(names):
         progress(name, k, len(names))
         shipped = SHIPPED[name]

@@ -10,7 +10,10 @@ from importlib.resources import files
 from typing import Any
 
 from ...catalogue.lookup import data_root
-from ...findings import Proof
+from ...catalogue.reader import load_document
+from ...errors import ExactnessError, UsageError
+from ...findings import Proof, Verdict
+from ...prove.facts import facts_of
 
 #: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
 GROWS = (
@@ -150,6 +153,33 @@ _THESIS_BIBTEX = (
     "general linear methods for Hamiltonian systems}},\n  school = {COMSATS University Islamabad, "
     "Lahore Campus},\n  year = {2018},\n}"
 )
+
+
+def prove_claims(name: str, document: Mapping[str, Any]) -> None:
+    """Prove every claim of a method document.
+
+    Raises
+    ------
+    ExactnessError
+        For the first claim that is not proved.
+    """
+    facts = facts_of(load_document(document))
+    for claim, declared in document["claims"].items():
+        if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
+            raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+
+
+def shipped_names(name: str, shipped: Mapping[str, Any]) -> list[str]:
+    """Return the one name that is given, or all names of shipped methods.
+
+    Raises
+    ------
+    UsageError
+        For a name that is not shipped.
+    """
+    if name and name not in shipped:
+        raise UsageError(f"`name` must be one of {', '.join(shipped)}, got {name!r}")
+    return [name] if name else list(shipped)
 
 
 def thesis_source(
