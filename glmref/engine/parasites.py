@@ -38,6 +38,8 @@ FACTOR = 10.0
 #: With a Hamiltonian: growth of the energy error from that of the first steps at which a notice is
 #: given, how many these are, and how many solutions of a window it is computed of.
 _ENERGY, _EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
+#: The growth that suffices where the parasitic part is larger than the truncation error, too.
+_ENERGY_TOO = 8.0
 #: The part of the truncation error that the parasitic part then has to be.
 _VISIBLE = 0.01
 #: Numbers of coefficients of the polynomials.
@@ -144,11 +146,11 @@ class Watch:
             found.append(max(float(largest), float(rest)))
         return np.array(found)
 
-    def _error_of_energy(self, solutions: np.ndarray, function: Any) -> float:
+    def _error_of_energy(self, solutions: np.ndarray, function: Any, samples: int) -> float:
         """Return the largest or the median error at some solutions, relative."""
         assert self.hamiltonian is not None
         first, *others = (
-            float(self.hamiltonian(y)) for y in (self.y0, *solutions[:: WINDOW // _SAMPLES])
+            float(self.hamiltonian(y)) for y in (self.y0, *solutions[:: WINDOW // samples])
         )
         errors = [abs(x - first) for x in others]
         return float(function(errors)) / max(abs(first), np.finfo(float).tiny)
@@ -182,14 +184,17 @@ class Watch:
         if self.hamiltonian is None:
             return bool((found > FACTOR * self.scale).any())
         if step <= _EARLY:
-            self.energy_error = max(self.energy_error, self._error_of_energy(solutions, max))
+            self.energy_error = max(
+                self.energy_error, self._error_of_energy(solutions, max, 4 * _SAMPLES)
+            )
             return False
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
         if (found <= enough).all():
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        error = self._error_of_energy(solutions, np.median)
-        return error > _ENERGY * max(self.energy_error, unit)
+        error = self._error_of_energy(solutions, np.median, _SAMPLES)
+        factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
+        return error > factor * max(self.energy_error, unit)
 
     def notice(self, time: float, step: int) -> str:
         """Return the sentence on what was found at a step."""

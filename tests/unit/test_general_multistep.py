@@ -232,26 +232,41 @@ def test_the_page_prints_what_is_measured() -> None:
     record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
     names = ("multistep-general-8", "multistep-general-8b")
     counts = {x["problem"]: x["methods"] for x in record["evaluations"] if x["tolerance"] == 1e-9}
-    ends = {(x["problem"], x["method"]): x["energy"][-1] for x in record["long"]}
     ratios: dict[str, list[float]] = {}
     for problem_, *cells in rows:
-        shown = [None if x == "-" else int(x.replace(",", "")) for x in cells[:4]]
-        found = counts.get(problem_)
-        gauss = min(x for k, x in found.items() if k.startswith("gauss")) if found else None
-        dop853 = found["scipy-dop853"] if found else None
-        own = [found[name] if found else None for name in names]
-        assert shown == [*own, gauss, dop853]
-        for name, cell in zip(names, cells[4:], strict=True):
-            end = ends[problem_, name]
-            assert cell == ("lost" if end is None or end > 1 else f"{end:.1e}")
-            if found:
-                ratios.setdefault(name, []).append(found[name] / gauss)
-                ratios.setdefault(f"{name} dop", []).append(found[name] / dop853)
+        found = counts[problem_]
+        gauss = min(x for k, x in found.items() if k.startswith("gauss"))
+        dop853 = found["scipy-dop853"]
+        assert [int(x.replace(",", "")) for x in cells] == [*map(found.get, names), gauss, dop853]
+        for name in names:
+            ratios.setdefault(name, []).append(found[name] / gauss)
+            ratios.setdefault(f"{name} dop", []).append(found[name] / dop853)
     means = {k: f"{np.exp(np.mean(np.log(x))):.2f}" for k, x in ratios.items()}
     assert list(means.values()) == ["0.38", "0.80", "0.27", "0.57"]
     assert "needs 0.27 and" in page
     assert "0.38 of the evaluations" in page
     assert "0.57 and 0.80" in page
+
+
+def test_the_page_prints_the_long_runs() -> None:
+    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    table = page.partition("<!-- table: nonseparable-long -->")[2].partition("<!-- end")[0]
+    rows = [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
+    record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
+    found = {(x["problem"], x["method"]): x for x in record}
+    lost = [x for x in record if x["energy"] is None or x["energy"] > 1]
+    assert [x for x in record if x["reported"] is not None] == lost
+    assert len(record) == 3 * len(rows)
+    for name, *cells in rows:
+        for method, cell in zip(SHIPPED, cells, strict=True):
+            x = found[name, method]
+            bounded = f"{x['energy']:.1e}" if x not in lost else f"lost, {x['reported']:g}"
+            assert cell == bounded
+    late = sorted(x["growth"] for x in lost if x["growth"] >= 100)
+    assert f"All {len(lost)} lost runs" in page
+    assert f"In {len(lost) - len(late)} of the {len(lost)}" in page
+    assert (len(late), late[0], late[-1]) == (5, 160, 800)
+    assert [sum(x["method"] == m for x in lost) for m in SHIPPED] == [8, 8, 12]
 
 
 def test_ensembles_in_lanes_do_what_single_runs_do() -> None:
