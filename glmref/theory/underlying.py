@@ -73,7 +73,8 @@ class UnderlyingMethod(StartingSeries):
         is_real: bool = True,
     ) -> None:
         super().__init__(components, palette, free=False)
-        self.form, self.is_real = form, is_real
+        self.form: Matrix | None = form
+        self.is_real: bool = is_real
         self.phi: dict[Tree, Any] = {}
         self._iterates = Iterates({x: (*c.u, 1) for x, c in components.items()})
 
