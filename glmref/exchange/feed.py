@@ -141,7 +141,7 @@ def _method(folder: Path, name: str, findings: list[dict[str, Any]]) -> dict[str
         "stages": len(next(iter(method.components)).matrices[0]),
         "exact": all(x is not None for b in blocks.values() for r in b["exact"] for x in r),
         "known": digits,
-        "embedded": found.get("embedded-order", {}),
+        "embedded": found.get("embedded-order") or {},
         "source": {k: x for k, x in document["source"].items() if k != "bibtex"},
         "path": place,
         "sha256": hashlib.sha256((folder / place).read_bytes()).hexdigest(),

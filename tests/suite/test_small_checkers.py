@@ -97,13 +97,13 @@ def written(folder: Path, listed: list[str]) -> list[Path]:
 def agrees(name: str, report: dict[str, Any]) -> None:
     """What is proved of a method is what a checker says, through order 8."""
     known, rows = proved()[name], report["rows"]
-    orders = {"b": known.get("order"), **known.get("embedded-order", {})}
+    orders = {"b": known.get("order"), **(known.get("embedded-order") or {})}
     for row, order in orders.items():
         if order is not None:
             expected = min(order, MOST)
             assert rows[row]["order"] == expected <= rows[row]["near"], (name, row)
             assert rows[row]["capped"] is (order >= MOST) is (rows[row]["tree"] is None)
-    for row, (order, _) in known.get("order-to-digits", {}).items():
+    for row, (order, _) in (known.get("order-to-digits") or {}).items():
         assert rows[row]["order"] == 0 and rows[row]["near"] == min(order, MOST)
     if "row-sums" in known:
         assert report["row_sums"] is known["row-sums"]
