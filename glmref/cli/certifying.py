@@ -44,7 +44,7 @@ def write_lines(name: str, output: str | None = None) -> int:
         if output is None:
             say(one_line(found))
         else:
-            _write(Path(output), found)
+            write_certificate(Path(output), found)
     if not written:
         raise UsageError(f"no claim of {name!r} has a certificate")
     return HOLDS if written else BAD_INPUT
@@ -99,7 +99,8 @@ def _made(path: Path, proofs: Callable[[], AbstractContextManager[None]]) -> Ite
             yield claim, facts.judge(claim, declared).certificate
 
 
-def _write(folder: Path, certificate: Mapping[str, Any]) -> None:
+def write_certificate(folder: Path, certificate: Mapping[str, Any]) -> None:
+    """Write a certificate into a folder, as a file with the names of the method and the claim."""
     make_folder(folder)
     statement = certificate["statement"]
     path = folder / f"{statement['method']}.{statement['claim']}.json"
@@ -123,6 +124,6 @@ def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:
             if isinstance(found, str):
                 missing.append(f"{name} {claim}: {found}")
             else:
-                _write(folder, found)
+                write_certificate(folder, found)
                 count += 1
     return count, missing

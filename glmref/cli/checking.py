@@ -17,7 +17,7 @@ from ..findings import Finding, Verdict
 from ..system.process import INTERRUPTED
 from ..views.tables import FORMATS, Style
 from .auditing import check_plain, digits_option, is_in_words, order_option
-from .certifying import write_certificates, write_lines
+from .certifying import write_lines
 from .output import (
     BAD_INPUT,
     FAILED,
@@ -100,21 +100,23 @@ def verify(
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
     try:
         with _progress(len(asked)) as advance:
-            _check(asked, only, report, advance, budget, on, keep=not no_cache)
+            _check(asked, only, report, advance, budget, on, certificates, keep=not no_cache)
     except KeyboardInterrupt:
         report.finish(len(asked), interrupted=True)
         return INTERRUPTED
     report.finish(len(asked))
     if certificates is not None:
-        _certify([x for x in asked if not report.failed(x)], certificates)
+        _count(report.findings, Path(certificates))
     if only and not report.findings and not report.errors:
         raise UsageError(f"none of the files asked for claims {' or '.join(map(repr, only))}")
     return report.code()
 
 
-def _certify(names: Sequence[str], folder: str) -> None:
-    count, missing = write_certificates(list(names), Path(folder))
-    complain(f"{count} certificates written to {folder}, none for {len(missing)} claims")
+def _count(findings: Sequence[Finding], folder: Path) -> None:
+    """Say how many certificates were written."""
+    names = [f"{x.method}.{x.claim.removeprefix('refutes ')}.json" for x in findings]
+    count = sum((folder / x).is_file() for x in names)
+    complain(f"{count} certificates written to {folder}, none for {len(names) - count} claims")
 
 
 def _check(
@@ -124,12 +126,15 @@ def _check(
     advance: Any,
     budget: float | None,
     on: str | None,
+    certificates: str | None,
     *,
     keep: bool,
 ) -> None:
     from .parallel import check_all
 
-    for checked in check_all(names, only, budget=budget, on=on, keep=keep):
+    for checked in check_all(
+        names, only, budget=budget, on=on, keep=keep, certificates=certificates
+    ):
         with advance():
             report.add(checked)
 
@@ -170,10 +175,6 @@ class _Report:
                     checked.findings, style=self.style, every=self.every, width=self.width
                 )
             )
-
-    def failed(self, name: str) -> bool:
-        """Whether a file could not be read."""
-        return any(name == x for x, _ in self.errors)
 
     def finish(self, asked: int, *, interrupted: bool = False) -> None:
         """Write the end of the report: everything that was found so far, complete in itself."""

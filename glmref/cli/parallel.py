@@ -6,6 +6,8 @@ import os
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -20,6 +22,7 @@ from ..system.budget import READING
 from ..system.files import noting
 from ..system.process import Say, apart
 from ..views.tables import plain
+from .certifying import write_certificate
 from .output import internal_sentence
 
 #: Seconds that two new processes need before they give a first result (they import the package).
@@ -38,7 +41,12 @@ class Checked:
 
 
 def check(
-    name: str, only: Sequence[str] = (), budget: float | None = None, *, keep: bool = False
+    name: str,
+    only: Sequence[str] = (),
+    budget: float | None = None,
+    *,
+    keep: bool = False,
+    certificates: str | None = None,
 ) -> Checked:
     """Check one data file in a budget of processor time; every outcome is a record.
 
@@ -46,13 +54,15 @@ def check(
     ----------
     keep : bool
         Whether what was found before for the same bytes is taken, and what is found kept.
+    certificates : str or None
+        Folder for the certificates that the judge accepts; then nothing found before is taken.
     """
-    asked = question(name, only, budget) if keep else None
+    asked = question(name, only, budget) if keep and certificates is None else None
     known = None if asked is None else look_up(asked)
     if known is not None:
         return Checked(name, known)
     try:
-        return Checked(name, _decided(name, only, budget, asked))
+        return Checked(name, _decided(name, only, budget, asked, certificates))
     except GlmrefError as error:
         return Checked(name, error=str(error))
     except Exception as error:
@@ -61,14 +71,20 @@ def check(
 
 
 def _decided(
-    name: str, only: Sequence[str], budget: float | None, asked: Question | None
+    name: str,
+    only: Sequence[str],
+    budget: float | None,
+    asked: Question | None,
+    certificates: str | None,
 ) -> list[Finding]:
     """Findings about a file. One with a budget is decided apart, and open where that is ended."""
     from ..prove.verifier import budget_of, no_more, nobody, verify_file
 
+    accepted = nobody if certificates is None else partial(write_certificate, Path(certificates))
+
     def decide(tell: Callable[[Finding], None]) -> list[Finding]:
         with noting() as read:
-            found = verify_file(name, only=only, budget=budget, tell=tell)
+            found = verify_file(name, only=only, budget=budget, tell=tell, accepted=accepted)
         found = [_plain(f) for f in found]
         if asked is not None:
             keep_findings(asked, read, found)
@@ -113,7 +129,10 @@ def _plain(found: Finding) -> Finding:
 
 def check_task(task: Mapping[str, Any]) -> Checked:
     """Carry out the task of checking one file."""
-    return check(task["name"], task["only"], task["budget"], keep=task["keep"])
+    return check(
+        task["name"], task["only"], task["budget"], keep=task["keep"],
+        certificates=task["certificates"],
+    )  # fmt: skip
 
 
 def check_all(
@@ -123,6 +142,7 @@ def check_all(
     on: str | None = None,
     budget: float | None = None,
     keep: bool = False,
+    certificates: str | None = None,
     function: Function = check_task,
 ) -> Iterator[Checked]:
     """Check data files in order.
@@ -141,12 +161,13 @@ def check_all(
     budget : float or None
         Seconds of processor time for the proofs of each file, see
         :func:`~glmref.prove.verifier.verify_file`.
-    keep : bool
+    keep, certificates : bool, str or None
         See :func:`check`.
     function : Function
         Carries out the task of one file.
     """
-    tasks = [{"name": x, "only": list(only), "budget": budget, "keep": keep} for x in names]
+    same = {"only": list(only), "budget": budget, "keep": keep, "certificates": certificates}
+    tasks = [{"name": x, **same} for x in names]
     if on or os.environ.get(ENVIRONMENT):
         with executor(on) as where:
             yield from _checked(tasks, where, function)

@@ -38,6 +38,9 @@ from .plain_orders import ORDERS, order_findings
 from .verdicts import Judgement, refuted
 from .wrong_entry import suspected
 
+#: What is given each certificate that the judge accepted.
+Accepted = Callable[[Mapping[str, Any]], object]
+
 
 def nobody(*said: object) -> None:
     """Hear of something, and do nothing."""
@@ -85,7 +88,8 @@ def verify(
         raise UsageError(f"there is no claim {shown(unknown[0])}; {hint}")
     if isinstance(method, str | Path):
         return ShownList(verify_file(method, only=only, budget=budget, tell=tell))
-    return _verified(_with_own_document(method_of(method)), only=only, budget=budget, tell=tell)
+    own = _with_own_document(method_of(method))
+    return _verified(own, only=only, budget=budget, tell=tell, accepted=nobody)
 
 
 def _with_own_document(method: Any) -> Any:
@@ -115,6 +119,7 @@ def _verified(
     only: Collection[str],
     budget: float | None,
     tell: Callable[[Finding], None],
+    accepted: Accepted,
 ) -> list[Finding]:
     """Check every claim of a method whose document is its own, see :func:`verify`."""
     if not _says_anything(method):
@@ -140,7 +145,7 @@ def _verified(
                 continue
             try:
                 facts = facts or facts_for(method)
-                found.append(_with_correction(method, _check(facts, claim, declared)))
+                found.append(_with_correction(method, _check(facts, claim, declared, accepted)))
             except BudgetError as error:
                 spent = no_more(error)
                 found.append(undecided(method, claim, declared, spent))
@@ -275,8 +280,11 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
     return facts.judge(claim, declared)
 
 
-def _check(facts: Facts, claim: str, declared: object) -> Finding:
-    return _judged(facts, claim, declared).finding(facts.method.name, claim, declared)
+def _check(facts: Facts, claim: str, declared: object, accepted: Accepted = nobody) -> Finding:
+    judgement = _judged(facts, claim, declared)
+    if isinstance(judgement.certificate, Mapping):
+        accepted(judgement.certificate)
+    return judgement.finding(facts.method.name, claim, declared)
 
 
 def verify_file(
@@ -285,6 +293,7 @@ def verify_file(
     only: Collection[str] = (),
     budget: float | None = None,
     tell: Callable[[Finding], None] = nobody,
+    accepted: Accepted = nobody,
 ) -> list[Finding]:
     """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
 
@@ -299,6 +308,8 @@ def verify_file(
         for a shipped one.
     tell : callable
         See :func:`verify`.
+    accepted : callable
+        Is given each certificate that the judge accepted.
 
     Raises
     ------
@@ -319,11 +330,11 @@ def verify_file(
         )
     try:
         if broken is None:
-            return _verified(method, only=only, budget=budget, tell=tell)
+            return _verified(method, only=only, budget=budget, tell=tell, accepted=accepted)
         claim = str(broken["claim"])
         tell(undecided(method, f"refutes {claim}", method.claims.get(claim), ""))
         with limited(budget):
-            return [_refute(method, broken)]
+            return [_refute(method, broken, accepted)]
     except (BudgetError, UndecidedError) as error:
         reason = no_more(error) if isinstance(error, BudgetError) else str(error)
         claim = str(broken["claim"]) if broken else ""
@@ -339,7 +350,7 @@ def budget_of(path: Path, budget: float | None = None) -> float | None:
     return budget if budget is not None or is_shipped(path) else PROVING
 
 
-def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
+def _refute(method: Method, broken: Mapping[str, Any], accepted: Accepted = nobody) -> Finding:
     """Turn the failure of the named claim into a finding that the refutation holds.
 
     A file may say in ``broken.found`` which witness the refutation must give, word for word.
@@ -347,6 +358,8 @@ def _refute(method: Method, broken: Mapping[str, Any]) -> Finding:
     ((claim, declared),) = asked_of(method, broken).items()
     facts = facts_for(method)
     inner = _judged(facts, claim, declared)
+    if isinstance(inner.certificate, Mapping):
+        accepted(inner.certificate)
     expected = broken.get("found", inner.reason) == inner.reason
     reason = inner.reason
     if inner.verdict is Verdict.FAILS and not expected:

@@ -242,8 +242,8 @@ def test_verify_says_what_was_decided_before_and_that_the_rest_is_open(
 ) -> None:
     judged = verifier._check
 
-    def check(facts: Any, claim: str, declared: object) -> Any:
-        return what() if claim == "symplectic" else judged(facts, claim, declared)
+    def check(facts: Any, claim: str, declared: object, accepted: Any) -> Any:
+        return what() if claim == "symplectic" else judged(facts, claim, declared, accepted)
 
     monkeypatch.setattr(verifier, "_check", check)
     path = written(tmp_path)

@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 import glmref
+from glmref.cli import main
 from glmref.errors import DataError
 from glmref.findings import Verdict
+from glmref.prove import verdicts
 from glmref.prove.verifier import verify_file
 from tests.adversary.deceive import doc, findings, shipped
 
@@ -85,3 +87,19 @@ def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
         assert "<table" in glmref.verify(method)._repr_html_()  # type: ignore[attr-defined]
     unnamed = glmref.check([["1/2"]], [1], order=2)._repr_html_()  # type: ignore[attr-defined]
     assert "tableau</strong>" in unnamed and "no claims" not in unnamed
+
+
+def test_the_certificates_written_are_those_by_which_the_claims_were_decided(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each claim is judged once: nothing is found or judged again for the files."""
+    judged: list[Any] = []
+    verdict = verdicts.judges_verdict
+    monkeypatch.setattr(verdicts, "judges_verdict", lambda x: judged.append(x) or verdict(x))
+    assert main(["verify", "rk4", "ab-2-sign", "--certificates", str(tmp_path)]) == 0
+    written = [json.loads(x.read_text(encoding="utf-8")) for x in tmp_path.iterdir()]
+
+    def key(certificate: dict[str, Any]) -> tuple[str, str]:
+        return certificate["statement"]["method"], certificate["statement"]["claim"]
+
+    assert len(written) > 6 and sorted(written, key=key) == sorted(judged, key=key)
