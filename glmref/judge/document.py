@@ -57,15 +57,21 @@ class Component(namedtuple("Component", "A U B V")):
         return len(self.V)
 
 
+def class_of(document):
+    """Return the class of a document that has the keys of its class, and no others."""
+    kind = document.get("class")
+    require(isinstance(kind, str) and kind in CLASSES, f"no class is called {str(kind)[:40]!r}")
+    needed, optional = CLASSES[kind]
+    keys(document, needed + " class", COMMON + " " + optional, where="document")
+    return kind
+
+
 class Method:
     """Components with their colours, the palette, and what else the file gives."""
 
     def __init__(self, document, numbers, base=None):
         self.document, self.numbers = document, numbers
-        kind = document.get("class")
-        require(isinstance(kind, str) and kind in CLASSES, f"no class is called {kind!r}")
-        needed, optional = CLASSES[kind]
-        keys(document, needed + " class", COMMON + " " + optional, where="document")
+        kind = class_of(document)
         formats = ("glmref-method-1", "glmref-method-2")
         require(document.get("format", formats[0]) in formats, "another format")
         later = {kind, *(() if kind == "pair-sweep" else document)} & SECOND_FORMAT
@@ -344,6 +350,8 @@ class Method:
         G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
         X = [ones(len(P)), *(self.matrix("w") if self.document["w"] != [] else [])]
         Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] != [] else [])]
+        fits = all(len(x) == len(b) for x in (P, *X)) and all(len(y) == len(c) for y in (Q, *Y))
+        require(fits and len(X) == len(G) and len(Y) == len(G[0]), "shapes of the pair")
         V, V_hat, S = self.matrix("V"), self.matrix("V_hat"), times(transpose(X), G, Y)
         below = [[P[i] < Q[j] for j in range(len(Q))] for i in range(len(P))]
         A = [[x * S[i][j] if below[i][j] else zero for i, x in enumerate(b)] for j in range(len(Q))]

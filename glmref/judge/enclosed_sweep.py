@@ -32,6 +32,8 @@ class Sweep(Enclosed):
         self.signs = self.find_signs()
         self.q = self.find_stage_order()
         given = as_object(self.proof.get("free", {}))
+        lists = all(n.isdecimal() and isinstance(ts, list) for n, ts in given.items())
+        require(lists, "free trees are lists by order")
         self.free = {int(n): tuple(read_tree(t) for t in ts) for n, ts in given.items()}
         for n, ts in self.free.items():
             require(all(size(t) == n for t in ts), "a free tree has another order")

@@ -8,7 +8,7 @@ from .arithmetic import Fraction, rational_of
 from .grammar import DIGITS, parse, plain
 from .linalg import diagonal
 from .numbers import Element, conj, enclose, real, upper, vanishes
-from .refusals import SIZE, keys, require, whole
+from .refusals import SIZE, as_object, keys, require, whole
 from .towers import DIMENSION, Tower
 
 
@@ -108,13 +108,14 @@ class Numbers:
 
     def read(self, text, document, allowed):
         """Return the number of an entry that was not read before."""
-        own = document.get("constants", {})
+        own = as_object(document.get("constants", {}))
         constants = {x: own[x] for x in own if allowed is None or x in allowed}
 
         def known(name):
             return self.name(document, name) if allowed is None or name in allowed else None
 
         def written_out(text):
+            require(isinstance(text, str), "a constant is no text")
             text = re.sub(r"[A-Za-z_][A-Za-z_0-9]*", lambda m: f"({written_out(constants[m[0]])})"
                           if m[0] in constants else m[0], plain(text))  # fmt: skip
             require(len(text) <= DIGITS, "beyond the limits of this checker")

@@ -53,6 +53,7 @@ def dot(x, y):
 
 def less(x, y):
     """Return x - y."""
+    require(len(x) == len(y), "two vectors have other lengths")
     return [a - b for a, b in zip(x, y, strict=True)]
 
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from .arithmetic import Fraction, Interval, rational_of
 from .claims import LOOKS_AT
-from .document import Method
+from .document import Method, class_of
 from .enclosed_pair import Pair
 from .enclosed_rk import RungeKutta
 from .enclosed_sweep import Sweep
@@ -57,8 +57,9 @@ class Record:
         elif block is not None:
             kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
                      "rosenbrock": RungeKutta}  # fmt: skip
-            require(document.get("class") in kinds, "an enclosure of another class")
-            self.root = kinds[document["class"]](document, numbers, block)
+            kind = class_of(document)
+            require(kind in kinds, "an enclosure of another class")
+            self.root = kinds[kind](document, numbers, block)
             weights = [row for row, _ in self.root.halves.values()]
             fine = all(apart(x) for row in weights for x in at_values(row, self.root.root))
             require(fine, "a weight may be 0")
@@ -106,6 +107,7 @@ def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]
         refutes nothing.
     """
     try:
+        check_depth(certificate)
         keys(certificate, "format statement document field parts identities", "base", "certificate")
         member(certificate["format"] == FORMAT, "the format is another one")
         statement, document = certificate["statement"], certificate["document"]
@@ -124,6 +126,17 @@ def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]
     except Malformed as error:
         raise NoCertificate(str(error)) from None
     return document, statement
+
+
+def check_depth(value: object) -> None:
+    """Refuse a value with more than 100 lists and objects inside each other."""
+    level = [value]
+    for _ in range(100):
+        level = [y for x in level if isinstance(x, dict | list)
+                 for y in (x.values() if isinstance(x, dict) else x)]  # fmt: skip
+        if not level:
+            return
+    raise Malformed("lists and objects stand more than 100 deep inside each other")
 
 
 def check_parts(parts: object, rules: Mapping[str, object]) -> None:

@@ -281,6 +281,15 @@ def stage_defect(series: Series, tree: Tree, last: bool) -> list:
     return apply(kernel(added), gap)
 
 
+def a_stage_has_one_abscissa(case: BoundCase) -> bool:
+    """All parts of an additive method give a stage one abscissa."""
+    if case.q == 0 or not case.method.additive:
+        return True
+    series = case.proof.series(*case.kind, 1)
+    first, *others = (series.stages((c, ())) for c in case.method.parts)
+    return all(vanishes(less(first, other)) for other in others)
+
+
 def stages_are_the_solution(case: BoundCase) -> bool | Fails:
     """Every stage is the solution at its abscissa on every tree through q."""
     series = case.proof.series(*case.kind, case.q, filled=True)
@@ -351,7 +360,8 @@ ORDER_RULES = (
     ),
     Rule(
         "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE, "q", BoundCase,
-        (bound_is_below_the_order, series_is_that_of_the_order, stages_are_the_solution),
+        (bound_is_below_the_order, series_is_that_of_the_order,
+         a_stage_has_one_abscissa, stages_are_the_solution),
         lambda case: Bound("stage-order", case.q, None, *case.kind),
     ),
     Rule(

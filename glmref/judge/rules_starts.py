@@ -40,7 +40,9 @@ class StartCase(BoundCase):
         keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
         found = {c: method.list("u" + h, table) for c, h in hats.items()}
         for c, h in hats.items():
-            fits = len(table["B" + h]) == len(found[c]) == method.part(c).r
+            rows = table["B" + h]
+            require(isinstance(rows, list), "B of the start is no matrix")
+            fits = len(rows) == len(found[c]) == method.part(c).r
             require(fits, "the start has another number of values")
         return found
 
@@ -161,7 +163,7 @@ def series_is_known(case: StartCase) -> bool:
     That is so of pairs and of the bound 0 where 1 is a simple eigenvalue of each V, and of u. An
     upper bound is shown only where no other principal parts satisfy the conditions.
     """
-    if case.is_the_order or case.order.enclosed or case.witness["tree"] == "":
+    if case.is_the_order or case.order.enclosed or case.witness.get("tree") == "":
         return True
     series = case.proof.series(case.method.pair, case.kind[1], 1)
     return series.simple and (case.q == 0 or case.method.pair)
@@ -172,7 +174,7 @@ def start_is_wrong(case: StartCase) -> bool:
     if case.is_the_order:
         return True
     order, p = case.past_the_bound
-    if case.witness["tree"] == "":
+    if case.witness.get("tree") == "":
         series = case.proof.series(bool(case.method.pair), case.kind[1], order, filled=True)
         gaps = [x for c, u in series.u.items() for x in less(case.u[c], u)]
         return case.q == 0 and any(map(apart, gaps))

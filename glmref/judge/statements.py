@@ -14,7 +14,7 @@ from .claims import (
     SECOND,
     VALUES,
 )
-from .document import CLASSES
+from .document import CLASSES, rows_of
 from .proof import Proof, record_of
 from .refusals import Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, RowOrder, Rule
@@ -79,7 +79,7 @@ def fits(proof: Proof) -> bool:
     texts = PROVES.get(claim, ("", ""))[not truth] if exact or claim in AS_EXACT else ""
     if not exact and (truth or claim == "growth"):
         texts += "|implied"
-    often = {"*": len(proof.method.parts), "+": len(proof.method.document.get("embedded", ()))}
+    often = {"*": len(proof.method.parts), "+": len(rows_of(proof.method.document))}
     return rules in ([x.rstrip("*+") for x in text.split() for _ in range(often.get(x[-1], 1))]
                      for text in texts.split("|") if text)  # fmt: skip
 

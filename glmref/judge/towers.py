@@ -43,7 +43,9 @@ class Tower:
         degree = len(polynomial)
         require(2 <= degree and degree * len(self.basis) <= DIMENSION, "degrees of the tower")
         self.polynomials.append([self.parse(text) for text in polynomial])
-        ends = [[rational(x) for x in entry[key]] for key in ("real", "imag")]
+        sides = [entry["real"], entry["imag"]]
+        require(all(isinstance(x, list) for x in sides), "a side of a box is a list")
+        ends = [[rational(x) for x in side] for side in sides]
         require(all(len(x) == 2 and x[0] <= x[1] for x in ends), "a box has ends that are ordered")
         real_, p = ends[1] == [0, 0], [enclose(x) for x in [*self.polynomials[-1], Fraction(1)]]
         box = Box(*(Interval.ends(*x) for x in ends))

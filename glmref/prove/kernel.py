@@ -25,6 +25,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from math import factorial
 from typing import Any
 
@@ -662,7 +663,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
         c = {colour: series.abscissae(colour) for colour in series.palette}
-        lower = top if order.lower else 0
+        # of an additive method the abscissa of a stage is that of every part
+        one = not self.method.additive or all(is_zero(difference(*x)) for x in pairwise(c.values()))
+        lower = top if order.lower and one else 0
         for q in range(1, top + 1):
             answers, refuted = [], False
             series.through(q)

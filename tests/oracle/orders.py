@@ -304,6 +304,10 @@ def stage_order(start: Starting) -> int:
     """Return the stage order: the stages are the solution at c = xi of a single vertex."""
     if start.loose:
         raise Undecided("the starting series is not the only one")
+    first, *others = (start.stages((c, ())) for c in start.method.parts)
+    if not start.method.pair and not all(start.margin.zeros([x - y for x, y in zip(first, other, strict=True)])
+                          for other in others):  # fmt: skip
+        raise Undecided("a stage has no one abscissa")
     q = min(start.order, 1)
     while q < start.order:
         for t in start.pool(q + 1):

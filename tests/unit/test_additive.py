@@ -192,3 +192,10 @@ def test_the_abscissae_of_the_parts_stand_one_after_another():
     method = load_document({**EULER, "parts": parts, "claims": {"abscissae": ["0", "1", "0", "1"]}})
     (found,) = glmref.verify(method)
     assert found.verdict is Verdict.FAILS and "no abscissae" in found.witness
+
+
+@pytest.mark.parametrize(("c", "expected"), [("0", Verdict.HOLDS), ("1", Verdict.OPEN)])
+def test_a_stage_that_the_parts_put_at_two_times_has_no_stage_order(c, expected):
+    parts = [{"A": [["0"]], "b": ["1"]}, {"A": [[c]], "b": ["1"]}]
+    method = load_document(EULER | {"parts": parts, "claims": {"stage-order": 1}})
+    assert facts_for(method).judge("stage-order", 1).verdict is expected
