@@ -776,7 +776,8 @@ class Folder:
         if isinstance(x, Entries):
             place = tuple(number(k).whole() for k in index)
             if not isinstance(x.get(place), Number):
-                raise x.get(place) or Unread("an entry that is not given is read")
+                held = x.get(place)
+                raise held if isinstance(held, Unread) else Unread("an entry is not given")
             return x[place]
         for k, at in enumerate(index):
             if not isinstance(x, list):

@@ -368,7 +368,7 @@ def _of_flat(value: list[Any]) -> Iterator[Reading]:
             yield Reading([value[i::s] for i in range(s)], cost=4)
     for diagonal in (0, 1):
         s = (isqrt(8 * n + 1) + 1) // 2 - diagonal
-        if s > 2 and n == s * (s - 1) // 2 + diagonal * s:
+        if s > 1 + diagonal and n == s * (s - 1) // 2 + diagonal * s:
             rows, at = [], 0
             for i in range(s):
                 rows.append([*value[at : at + i + diagonal], *([ZERO] * (s - i - diagonal))])
@@ -722,7 +722,7 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     named = x.array.role == "A" and (x.b is None or x.b.role in ("b", "embedded"))
     named = named or (called and x.b is not None and x.match == 1)
     node = x.c is not None and x.c.role == "c"
-    if not broken and s < 4:
+    if not broken and s < 4 and not (named and node and x.b is not None):
         return False
     if s == 2:
         known = node or x.reading.c is not None or x.order >= 2
@@ -916,6 +916,9 @@ def _own_order(block: Block) -> int | None:
     while at is not None:
         if at.user is not None and (order := _own_order(at.user)) is not None:
             return order
+        both = [x for x in at.items if x.name in ("q", "p") and isinstance(x.value, Number)]
+        if at.kind == "record" and {x.name for x in both} == {"q", "p"}:  # and the embedded one
+            return both[0].value.whole() if both[0].name == "q" else both[1].value.whole()
         found: set[int] = set()
         inner = [x for x in at.blocks if x.kind == "record" and x is not block]
         below = [y for x in inner for y in x.items] if at.parent else []

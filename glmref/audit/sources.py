@@ -216,7 +216,7 @@ def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
 _MORE = ("sundials", "petsc", "julia", "openmodelica", "rklib", "kpp", "matlode", "principia",
-         "weights")  # fmt: skip
+         "weights", "gsl", "odeint", "eigen", "java", "constants")  # fmt: skip
 
 
 def _read(path: Path, text: str, form: str, declared: Mapping[str, int]) -> Iterator[Table]:
@@ -230,9 +230,14 @@ def _read(path: Path, text: str, form: str, declared: Mapping[str, int]) -> Iter
     found = tables(text, language, fixed=path.suffix in FIXED)
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
     special = [x for form in forms for x in read(text, form, declared)]
-    yield from special
+    lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
+    read_at = [x.line for x in found if not x.unread]
+    for x in special:
+        end = next((n for n in lines if n > x.line), len(text))
+        if not (x.unread and any(x.line <= n < end for n in read_at)):
+            yield x
     known = {key_of(A) for x in special for A in x.A}
-    names = {x.name.lower() for x in special}
+    names = {x.name.lower() for x in special if not x.unread}
     for x in found:
         again = ({key_of(A) for A in x.A} | {x.key}) & known
         if (

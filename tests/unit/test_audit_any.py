@@ -13,10 +13,12 @@ from hypothesis import strategies as st
 
 from glmref.audit.judge import judge
 from glmref.audit.lexer import ENDINGS, LANGUAGES, language_of
-from glmref.audit.recognising import tables
+from glmref.audit.readers import read
+from glmref.audit.recognising import size, tables
 from glmref.audit.sources import audit
 from glmref.audit.table import Table
 from glmref.cli import main
+from tests.unit import test_audit as samples
 
 Rows = list[list[Fraction]]
 
@@ -287,3 +289,34 @@ def test_the_command_needs_no_format(tmp_path: Path, capsys: pytest.CaptureFixtu
     (other / "nothing.py").write_text("x = 1\n", "utf-8")
     assert main(["audit", str(other)]) == 2
     assert list(audit(other)) == []
+
+
+#: Samples of the formats, with their language and the tables that both readers see.
+SAMPLES = [
+    (samples.SUNDIALS, "sundials", "c", 1),
+    (samples.PETSC, "petsc", "c", 1),
+    (samples.JULIA, "julia", "julia", 3),
+    (samples.PYTHON, "python", "python", 4),
+    (samples.OPENMODELICA, "openmodelica", "c", 1),
+    (samples.NAMED_B, "constants", "c", 1),
+    (samples.RUST, "rust", "rust", 2),
+    (samples.MATLODE, "matlode", "matlab", 1),
+]
+
+
+@pytest.mark.parametrize(("text", "form", "language", "count"), SAMPLES)
+def test_both_readers_see_the_same_numbers(text: str, form: str, language: str, count: int) -> None:
+    """The reader of a format and the one of all sources, where both read a table."""
+
+    def numbers(found: Any) -> set[tuple[float, ...]]:
+        kinds = ("rk", "additive")
+        return {
+            tuple(float(f"{size(x):.9g}") for row in (*A, b) for x in row)
+            for table in found
+            if table.kind in kinds
+            for A, b in zip(table.A, table.b, strict=True)
+        }
+
+    remark = {"python": "#", "julia": "#", "matlab": "%"}.get(language, "//")
+    general = tables(f"{remark} Runge-Kutta\n{text}", LANGUAGES[language])
+    assert len(numbers(read(text, form, {})) & numbers(general)) >= count
