@@ -48,10 +48,11 @@ def complete_problem(
 def complete_scene(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """Complete a scene: the shipped names and files."""
+    """Complete a scene or a campaign: the shipped names and files."""
+    from ..scenes.campaign import campaign_names
     from ..scenes.reading import names
 
-    return _completed(names(), incomplete)
+    return _completed([*names(), *campaign_names()], incomplete)
 
 
 def complete_recipe(

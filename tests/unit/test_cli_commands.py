@@ -370,6 +370,7 @@ def test_errata_by_id_by_text_and_by_verdict(run: Run) -> None:
         ("problems", "kep", "kepler"),
         ("compare", "dou", "double-pendulum"),
         ("run", "start-", "start-zero"),
+        ("run", "resonance-", "resonance-map"),
         ("derive", "two", "two-stage"),
     ],
 )
