@@ -279,3 +279,21 @@ def test_ensembles_in_lanes_do_what_single_runs_do() -> None:
     # the order of sums differs in the start: of 41 terms, with weights up to 5e5 times mu 7e-4
     assert np.abs(found.y[-1][[0, 2]] - single.y[-1]).max() < 41 * 350 * 2.0**-52
     assert np.abs(found.y[-1][1] - single.y[-1]).max() > 1e-3
+
+
+def test_the_page_prints_what_renewal_gives() -> None:
+    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
+    found = {
+        (x["problem"], x["method"][-2:], x["renew"], x["start_order"]): x for x in record["renewal"]
+    }
+    for name in ("uneven-plane", "shear", "discrete-schroedinger"):
+        x = found[name, "8b", 300, 9]
+        assert x["reported"] is None
+        assert f"{x['energy']:.1e}" in page
+        assert x["start_evaluations"] == 41 * (1 + 39_999 // 300)
+    assert found["swinging-atwood", "8b", 300, 9]["reported"]
+    again = [k for k, x in found.items() if k[1:] == ("8b", 1000, 9) and x["reported"]]
+    assert len(again) == 3
+    ratios = [x["energy"] / found[*k[:3], 9]["energy"] for k, x in found.items() if k[3] == 11]
+    assert (len(ratios), f"{min(ratios):.1f}", f"{max(ratios):.0f}") == (16, "0.7", "35")
