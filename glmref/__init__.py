@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from .views.plot import plot
     from .views.show import show
 
-__version__ = "0.1.0"
+__version__ = "1.0.0rc1"
 
 _HOMES = {
     "audit": ("CheckFailed", "assert_tableau", "check"),
