@@ -88,3 +88,10 @@ def as_object(value: object) -> Mapping[str, object]:
     if not isinstance(value, dict):
         raise Malformed("an object is missing")
     return value
+
+
+def as_list(value: object) -> list[object]:
+    """Return a list of the certificate."""
+    if not isinstance(value, list):
+        raise Malformed("a list is missing")
+    return value

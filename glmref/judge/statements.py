@@ -23,6 +23,7 @@ from .rules_enclosed import ENCLOSED_RULES
 from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
 from .rules_orders import ORDER_RULES
+from .rules_residues import RESIDUE_RULES
 from .rules_rows import ROW_RULES, check_rows
 from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
@@ -33,8 +34,8 @@ from .rules_symmetry import SYMMETRY_RULES
 RULES: dict[str, Rule] = {
     rule.name: rule
     for family in (
-        ORDER_RULES, START_RULES, GROWTH_RULES, FORM_RULES, SYMMETRY_RULES, STRUCTURE_RULES,
-        STABILITY_RULES, ROW_RULES, DIGIT_RULES, ENCLOSED_RULES,
+        ORDER_RULES, START_RULES, GROWTH_RULES, RESIDUE_RULES, FORM_RULES, SYMMETRY_RULES,
+        STRUCTURE_RULES, STABILITY_RULES, ROW_RULES, DIGIT_RULES, ENCLOSED_RULES,
     )
     for rule in family
 }  # fmt: skip
