@@ -69,7 +69,9 @@ def check(told):
     """Modules are those of the plans so far, evaluations those of the plan, outcomes have names."""
     union = set()
     for scene in told:
-        union |= set(scene["plan"])
+        completed = any(outcome == "completed" for _, outcome, *_ in scene["rows"])
+        # a closed form is for the error of a run that ends well
+        union |= set(scene["plan"]) - (set() if completed else {"mpmath"})
         assert set(scene["after"]) == union, scene["name"]
         for method, outcome, planned, evaluations, message in scene["rows"]:
             assert outcome != "internal error", (scene["name"], method, message)
