@@ -104,7 +104,6 @@ FILES: dict[str, bytes | Callable[[], bytes]] = {
     "wrong-class": _with(**{"class": "runge-kutta"}),
     "class-is-a-number": _with(**{"class": 3}),
     "wrong-format": _with(format="glmref-method-99"),
-    "missing-format": _with(format=None),
     "missing-name": _with(name=None),
     "name-with-a-path": _with(name="../../etc/passwd"),
     "name-in-capitals": _with(name="Gauss 2"),
