@@ -58,7 +58,8 @@ def test_four_runs_killed_at_random_instants(runs: Runs) -> None:
 
 @pytest.mark.slow
 def test_thirty_runs_killed_at_random_instants(runs: Runs) -> None:
-    assert kill_at_random(runs, 30, SEED + 1) > 5  # fewer are hit where other work slows the machine
+    # fewer are hit where other work slows the machine
+    assert kill_at_random(runs, 30, SEED + 1) > 5
 
 
 def run_pairs(runs: Runs, count: int) -> int:
