@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -18,13 +19,15 @@ PUBLIC = {name: getattr(glmref, name) for name in glmref.__all__ if name != "__v
 
 @pytest.mark.slow
 def test_pyright_knows_the_type_of_every_public_name(tmp_path: Path) -> None:
-    pyright = shutil.which("pyright")
+    # beside the interpreter of the tests, which pyright then asks where packages are
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    pyright = shutil.which("pyright", path=path)
     if pyright is None:
         pytest.skip("pyright is not installed")
     done = subprocess.run(
         [pyright, "--verifytypes", "glmref", "--ignoreexternal", "--outputjson"],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-        check=False,
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT), "PATH": path},
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     symbols = json.loads(done.stdout)["typeCompleteness"]["symbols"]
     places = {f"{x.__module__}.{x.__qualname__}" for x in PUBLIC.values()}
