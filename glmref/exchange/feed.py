@@ -20,6 +20,7 @@ import mpmath
 
 from .. import __version__
 from ..catalogue.canonical import canonical, checksums, datapackage
+from ..catalogue.claims import EMBEDDED_ORDER
 from ..catalogue.files import data_root, names
 from ..catalogue.lookup import load, path_of
 from ..catalogue.strict_json import read_json
@@ -141,7 +142,7 @@ def _method(folder: Path, name: str, findings: list[dict[str, Any]]) -> dict[str
         "stages": len(next(iter(method.components)).matrices[0]),
         "exact": all(x is not None for b in blocks.values() for r in b["exact"] for x in r),
         "known": digits,
-        "embedded": found.get("embedded-order") or {},
+        "embedded": found.get(EMBEDDED_ORDER.key) or {},
         "source": {k: x for k, x in document["source"].items() if k != "bibtex"},
         "path": place,
         "sha256": hashlib.sha256((folder / place).read_bytes()).hexdigest(),
