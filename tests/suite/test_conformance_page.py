@@ -77,7 +77,7 @@ def test_the_smallest_adapter_passes_and_is_read_as_what_it_is(here: Path, capsy
 
 
 def test_the_tables_name_every_operation_claim_problem_and_shipped_adapter() -> None:
-    quoted = set(re.findall(r"`(\w+)[`(]", TEXT))
+    quoted = set(re.findall(r"`([\w+-]+)[`(]", TEXT))
     assert {*OFFERS, *SHIPPED, *problems()} - {"rigid-body"} <= quoted
     claims = TEXT.partition("## What is checked")[2].partition("\n## ")[0]
     rows = {
