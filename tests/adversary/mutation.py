@@ -184,6 +184,7 @@ def _no_eigenvector() -> Any:
     return Proposal(lambda: {"o": (parts, (zero, one))})
 
 
+_CARRY_ON = "all((_carries_on(*b) for x in kernels for b in x.blocks.values()))"
 #: Mutants that no case can notice, and why.
 EQUIVALENT = {
     "n > (6 if self.is_pair else MAX_ORDER[0] - 2)  ->  "
@@ -218,6 +219,22 @@ EQUIVALENT = {
         "bounds are whole numbers, and a size over 2^-bits is none, but for 5.0e-1",
     ),
     "n < order  ->  n <= order": "numbers are kept that nobody asks for again",
+    **dict.fromkeys(
+        (
+            f"{condition}  ->  {changed}"
+            for condition, changed in (
+                (
+                    "all(((x - 1).is_zero() is True for row in (*U, *V) for x in row))",
+                    "any(((x - 1).is_zero() is True for row in (*U, *V) for x in row))",
+                ),
+                (
+                    f"not kernels or not {_CARRY_ON}",
+                    f"not kernels and (not {_CARRY_ON})",
+                ),
+            )
+        ),
+        "the judge refuses what is proposed then, for the same condition",
+    ),
 }
 
 

@@ -147,7 +147,11 @@ def caught(doc: dict[str, Any]) -> bool:
         last = len(CHEAP_FIRST)
         ranks = {claim: n for n, claim in enumerate(CHEAP_FIRST)}
         for claim in sorted(claims, key=lambda c: (ranks.get(c, last), c)):
-            if facts.judge(claim, claims[claim]).verdict is Verdict.FAILS:
+            # a certificate is written, and judged, of what does not hold
+            if (
+                facts.find(claim, claims[claim]).truth is False
+                and facts.judge(claim, claims[claim]).verdict is Verdict.FAILS
+            ):
                 return True
     except GlmrefError:
         return True
