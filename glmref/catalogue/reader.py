@@ -290,6 +290,8 @@ class _Reader(Entries):
 
     def _one_leg(self) -> GLM:
         coefficients = self._alpha_beta()
+        if (sum(coefficients[1][1:], coefficients[1][0]) - 1).is_zero() is False:
+            raise self.error("`beta` of a one-leg method must sum to 1")
         built = families.one_leg(*coefficients)
         return replace(
             built, **self._forms(built.r), **self._record(built.r), multistep=coefficients
