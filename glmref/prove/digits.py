@@ -308,6 +308,7 @@ class DigitRules:
         one_step: bool
         row_kernels: Any
         timed: Any
+        sized: dict[tuple[Any, ...], dict[str, Sized]]
         _made: Any
         _most: Callable[..., int]
 
@@ -334,6 +335,12 @@ class DigitRules:
         if set(declared) != set(rows):
             raise ExactnessError("the weights of the method are others")
         sized = {name: (int(p), str(e)) for name, (p, e) in declared.items()}
+        key = tuple(sized.items())
+        if key not in self.sized:
+            self.sized[key] = self._to_digits(rows, sized)
+        return self.sized[key]
+
+    def _to_digits(self, rows: Any, sized: Mapping[str, tuple[int, str]]) -> dict[str, Sized]:
         most = self._most(nystrom=self._is_nystrom)
         if max(p for p, _ in sized.values()) > most:
             raise ExactnessError(f"trees are compared through order {most} here")

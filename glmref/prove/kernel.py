@@ -82,7 +82,7 @@ from .algebra import (
     full_rank,
     is_exact,
 )
-from .digits import DigitRules, rounded_up
+from .digits import DigitRules, Sized, rounded_up
 from .form_rules import FormRules
 from .growth_rules import GrowthRules
 from .implications import Implied
@@ -198,6 +198,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         timed = method.in_time
         #: the kernel that knows the order: another one where time is a component of its own
         self.timed = self if timed is method else Kernel(timed)
+        #: what is known of orders to digits, which the finder and the writer ask for
+        self.sized: dict[tuple[Any, ...], dict[str, Sized]] = {}
 
     # -- claims ----------------------------------------------------------------------------------
 
