@@ -244,7 +244,7 @@ def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(
     done.stdout.fnmatch_lines(
         [
             "rk4: 8 of 13 hold",
-            "  FAILS  abscissae/rk4/forced:*(AbscissaeIgnored)*",
+            "  FAILS  abscissae/rk4 (forced):*(AbscissaeIgnored)*",
             "  4 more are not judged: they rest on these",
             "8 holds, 1 fails, 4 open",
         ],
