@@ -74,9 +74,12 @@ def test_the_attack_sees_a_certificate_of_what_is_false():
 
 def test_a_nested_formula_is_refused_with_a_short_sentence():
     for text in ("-" * 3000 + "1", "+".join(["y[0]"] * 3000), "(" * 3000, "t." + "x" * 5000):
-        with pytest.raises(UsageError) as caught:
+        try:
             Problem(f=(text,), y0=(1.0,))
-        assert len(str(caught.value)) < 300
+        except UsageError as error:
+            assert len(str(error)) < 300
+        else:  # right formulas, which newer versions of Python nest as deep
+            assert text[0] in "-y"
 
 
 @pytest.mark.parametrize(
