@@ -78,7 +78,9 @@ _TIMES = (
 def _cases() -> tuple[Case, ...]:
     found = []
     for name, held in PROBLEMS.items():
-        of, parameters = (name, ()) if held.H else ("kepler", tuple(held.y0.items()))
+        of, parameters = (
+            (name, ()) if held.H else ("kepler", tuple((held.parameters or {}).items()))
+        )
         case = Case(name, of, held.t_end, held.least, parameters, most=held.most)
         least = round(held.least * held.longer / held.t_end)
         more = max(held.most, 20 * least)

@@ -1,4 +1,4 @@
-"""Gravitating bodies: the outer solar system, the Pleiades, the figure eight, any N bodies.
+"""Gravitating bodies, any N of them, and the orbits of Arenstorf.
 
 States are y = (positions, velocities), body by body: x1, y1, z1, x2, ... Newton's equations are of
 second order, and y is not canonical unless all masses are one; energy and angular momentum are
@@ -6,7 +6,6 @@ conserved all the same.
 
 References
 ----------
-HLW: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006.
 HNW: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., Springer 1993.
 """
 
@@ -157,83 +156,6 @@ def gravity(
         canonical=all(x == 1 for x in m),
         bodies=len(m),
         **record,
-    )
-
-
-# masses relative to the sun (the first one includes the inner planets); positions in astronomical
-# units and velocities per day, on September 5, 1994 at 0h00
-_OUTER = {
-    "sun": ("1.00000597682", ("0", "0", "0"), ("0", "0", "0")),
-    "jupiter": (
-        "0.000954786104043",
-        ("-3.5023653", "-3.8169847", "-1.5507963"),
-        ("0.00565429", "-0.00412490", "-0.00190589"),
-    ),
-    "saturn": (
-        "0.000285583733151",
-        ("9.0755314", "-3.0458353", "-1.6483708"),
-        ("0.00168318", "0.00483525", "0.00192462"),
-    ),
-    "uranus": (
-        "0.0000437273164546",
-        ("8.3101420", "-16.2901086", "-7.2521278"),
-        ("0.00354178", "0.00137102", "0.00055029"),
-    ),
-    "neptune": (
-        "0.0000517759138449",
-        ("11.4707666", "-25.7294829", "-10.8169456"),
-        ("0.00288930", "0.00114527", "0.00039677"),
-    ),
-    "pluto": (
-        "1/130000000",
-        ("-15.5387357", "-25.2225594", "-3.1902382"),
-        ("0.00276725", "-0.00170702", "-0.00136504"),
-    ),
-}
-
-
-def outer_solar_system() -> Problem:
-    """Sun, Jupiter, Saturn, Uranus, Neptune, Pluto: 36 components, time in days."""
-    masses, positions, velocities = zip(*_OUTER.values(), strict=True)
-    return gravity(
-        masses,
-        positions,
-        velocities,
-        gravitation="0.000295912208286",
-        name="outer-solar-system",
-        source="HLW, section I.2.4, table 2.2",
-        t_span=(0.0, 200000.0),
-        scales={"time": 4332.6, "length": 5.2},
-    )
-
-
-def figure_eight() -> Problem:
-    """Three unit masses chasing each other along one curve, period 6.32591398."""
-    x, y, vx, vy = "0.97000436", "0.24308753", "0.93240737", "0.86473146"
-    half = [str(Fraction(v) / 2) for v in (vx, vy)]
-    return gravity(
-        (1, 1, 1),
-        ((x, f"-{y}"), (f"-{x}", y), (0, 0)),
-        (half, half, (f"-{vx}", f"-{vy}")),
-        name="figure-eight",
-        source="Chenciner, Montgomery, Annals of Mathematics 152 (2000) 881-901; digits by Simó",
-        t_span=(0.0, 63.2591398),
-        scales={"period": 6.32591398, "time": 1.0},
-    )
-
-
-def pleiades() -> Problem:
-    """Seven stars in the plane with masses 1 to 7 and close encounters."""
-    x, y = (3, 3, -1, -3, 2, -2, 2), (3, -3, 2, 0, 0, -4, 4)
-    vx, vy = (0, 0, 0, 0, 0, "7/4", "-3/2"), (0, 0, 0, "-5/4", 1, 0, 0)
-    return gravity(
-        range(1, 8),
-        list(zip(x, y, strict=True)),
-        list(zip(vx, vy, strict=True)),
-        name="pleiades",
-        source="HNW, section II.10, equation (10.3); states here are body by body",
-        t_span=(0.0, 3.0),
-        scales={"time": 0.1},
     )
 
 

@@ -1,4 +1,4 @@
-"""Small Hamiltonian problems: oscillators, pendulums, Hénon-Heiles, Lotka-Volterra.
+"""Small Hamiltonian problems: the harmonic oscillator, the pendulum, Hénon-Heiles.
 
 References
 ----------
@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .formula import Formula
 from .model import Problem
 from .precision import Flow
 from .ranges import number
@@ -114,68 +113,6 @@ def henon_heiles(
         hamiltonian="(y[0]*y[0] + y[1]*y[1] + y[2]*y[2] + y[3]*y[3])/2"
         " + y[0]*y[0]*y[1] + cubic*y[1]*y[1]*y[1]",
         invariants={"second": second} if integrable else {},
-        canonical=True,
-        scales={"time": 1.0},
-    )
-
-
-def double_pendulum(q1: object = 1, q2: object = "3/2", p1: object = 0, p2: object = 0) -> Problem:
-    """Two unit masses on unit rods, g = 1, in angles from the vertical: not separable."""
-    values = {"q1": q1, "q2": q2, "p1": p1, "p2": p2}
-    parameters = {key: number(value, key) for key, value in values.items()}
-    energy = "(y[2]*y[2] + 2*y[3]*y[3] - 2*y[2]*y[3]*cos(y[0] - y[1]))/(2 + 2*sin(y[0] - y[1])**2)"
-    f = Formula(
-        common=(
-            ("c", "cos(y[0] - y[1])"),
-            ("s", "sin(y[0] - y[1])"),
-            ("d", "1 + s*s"),
-            ("v", "(y[2] - y[3]*c)/d"),
-            ("w", "(2*y[3] - y[2]*c)/d"),
-            ("k", "s*v*w"),
-        ),
-        outputs=("v", "w", "-k - 2*sin(y[0])", "k - sin(y[1])"),
-        parameters=parameters,
-    )
-    return Problem(
-        name="double-pendulum",
-        source="Landau, Lifshitz, Mechanics, section 5, problem 1, in canonical variables",
-        parameters=parameters,
-        f=f,
-        y0=("q1", "q2", "p1", "p2"),
-        t_span=(0.0, 10.0),
-        hamiltonian=energy + " - 2*cos(y[0]) - cos(y[1])",
-        canonical=True,
-        scales={"time": 1.0},
-    )
-
-
-def lotka_volterra(u0: object = 3, v0: object = 2) -> Problem:
-    """Prey u' = u (v - 2) and predators v' = v (1 - u): I = ln u - u + 2 ln v - v is conserved."""
-    parameters = {"u0": number(u0, "u0", above=0), "v0": number(v0, "v0", above=0)}
-    return Problem(
-        name="lotka-volterra",
-        source="HLW, section I.1.1, equation (1.1)",
-        parameters=parameters,
-        f=("y[0]*(y[1] - 2)", "y[1]*(1 - y[0])"),
-        y0=("u0", "v0"),
-        t_span=(0.0, 20.0),
-        invariants={"I": "log(y[0]) - y[0] + 2*log(y[1]) - y[1]"},
-        scales={"time": 1.0},
-    )
-
-
-def lotka_volterra_logarithmic(u0: object = 3, v0: object = 2) -> Problem:
-    """Lotka-Volterra in q = ln u, p = ln v: canonical and separable, not second order."""
-    parameters = {"u0": number(u0, "u0", above=0), "v0": number(v0, "v0", above=0)}
-    return Problem(
-        name="lotka-volterra-logarithmic",
-        source="HLW, section I.1.1 and example VI.2.4",
-        parameters=parameters,
-        dq=("exp(p[0]) - 2",),
-        dp=("1 - exp(q[0])",),
-        y0=("log(u0)", "log(v0)"),
-        t_span=(0.0, 20.0),
-        hamiltonian="exp(y[1]) - 2*y[1] + exp(y[0]) - y[0]",
         canonical=True,
         scales={"time": 1.0},
     )
