@@ -301,8 +301,7 @@ START_RULES = (
         "start-at-most", "start", "at most",
         "the starting series is unique up to the flow, and at the order itself up to N beta",
         UNIQUE, "q | tree", StartCase,
-        (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known,
-         start_uses_right_stages_along_paths, start_is_wrong),
+        (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known, start_is_wrong),
         lambda case: Bound("start", None, case.q, *case.kind),
     ),
     Rule(

@@ -454,7 +454,8 @@ class _Writer:
         claim = NYSTROM_STARTING_ORDER.key if nystrom else STARTING_ORDER.key
         found, free = kernel.range(claim), not kernel.is_pair
         known = kernel.order_range(free=free, nystrom=nystrom)
-        if found.upper is None or found.lower != found.upper:
+        below = not self.holds and found.upper is not None and found.upper < self.declared
+        if found.upper is None or not (below or found.lower == found.upper):
             raise ExactnessError("the order of the start is not settled")
         if known.upper == 0 and kernel.exact:
             return [self._no_order()]
@@ -473,12 +474,11 @@ class _Writer:
             if any(x.is_zero() is False for x in gap):
                 failing = {"tree": str(t)}
                 break
-        self.identities.append(f"the start agrees with the series through order {q}")
-        return [
-            *self._order_parts(free=free, nystrom=nystrom),
-            {"rule": "start-at-least", "witness": {"q": q}},
-            {"rule": "start-at-most", "witness": {"q": q, **failing}},
-        ]
+        parts = self._order_parts(free=free, nystrom=nystrom)
+        if found.lower == q:
+            self.identities.append(f"the start agrees with the series through order {q}")
+            parts.append({"rule": "start-at-least", "witness": {"q": q}})
+        return [*parts, {"rule": "start-at-most", "witness": {"q": q, **failing}}]
 
     def _finishing_order(self) -> list[Part]:
         found = self.kernel.range(FINISHING_ORDER.key)

@@ -429,6 +429,16 @@ def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(
         ]
 
 
+def test_a_start_that_is_wrong_at_one_tree_without_branches_fails() -> None:
+    """What its stages are at trees with branches need not be known."""
+    d = shipped("multistep-rkn-8")
+    d["starting"]["A"][1][0] += "+1/10000000000000007"
+    holds, parts = proved(d, "nystrom-starting-order", 8)
+    assert not holds
+    tree = "k[f[k[f[k[f[k[f]]]]]]]"
+    assert parts[2:] == [{"rule": "start-at-most", "witness": {"q": 7, "tree": tree}}]
+
+
 @pytest.mark.parametrize("letters", ["A", "B", "AB"])
 def test_abscissae_that_are_certainly_others(letters: str) -> None:
     """The abscissae before the entries were rounded are not refuted by the same part."""
