@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from enum import StrEnum
 from io import BytesIO
 from pathlib import Path
@@ -19,6 +19,7 @@ from ..problems.user import FunctionFailed, NoValue
 from ..system.arguments import place, shown
 from ..system.files import write_bytes
 from ..system.shown import Drawing, Shown, above
+from .gauge import Gauge
 
 LARGEST_EXPONENT = 65536
 
@@ -137,6 +138,8 @@ class Solution(Shown):
     suspect : float or None
         Time at which a parasitic part that takes over was found in a run with an explicit multistep
         pair on a system that is not separable, see docs/nonseparable.md; else ``None``.
+    gauge : Gauge or None
+        What ``gauge="auto"`` found, and whether the run was done in other coordinates.
     names : tuple[str, ...]
         (d,) names of the components, such as ``q`` and ``p`` where H names them.
     origin : Any
@@ -166,6 +169,7 @@ class Solution(Shown):
     notices: tuple[str, ...] = ()
     renewals: int = 0
     suspect: float | None = None
+    gauge: Gauge | None = None
     names: tuple[str, ...] = ()
     origin: Any = field(default=None, compare=False)
 
@@ -233,8 +237,9 @@ class Solution(Shown):
         facts = {
             x.name: getattr(self, x.name)
             for x in fields(self)
-            if x.name not in (*self._ARRAYS, "origin")
+            if x.name not in (*self._ARRAYS, "origin", "gauge")
         }
+        facts["gauge"] = None if self.gauge is None else asdict(self.gauge)
         content = BytesIO()
         np.savez(content, facts=np.array(json.dumps(facts)), **arrays)
         write_bytes(file, content.getvalue())
@@ -257,6 +262,9 @@ class Solution(Shown):
             facts["outcome"] = Outcome(facts["outcome"])
             for key in ("notices", "names"):
                 facts[key] = tuple(facts[key])
+            if facts["gauge"] is not None:
+                facts["gauge"] |= {"G": tuple(map(tuple, facts["gauge"]["G"]))}
+                facts["gauge"] = Gauge(**facts["gauge"])
             return cls(**{"history": None, **arrays, **facts})
         except OSError as error:
             raise UsageError(f"{shown(str(file), str)} cannot be read: {error.strerror}") from None

@@ -200,6 +200,7 @@ class Watch:
         """Return the sentence on what was found at a step."""
         return (
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
-            f"against the truncation error, and the orbit is being lost; give renew=1000, a "
-            f"smaller h, or an implicit method such as gauss-4, see docs/nonseparable.md"
+            f"against the truncation error, and the orbit is being lost; give gauge='auto', "
+            f"renew=1000, a smaller h, or an implicit method such as gauss-4, see "
+            f"docs/nonseparable.md"
         )

@@ -16,7 +16,8 @@ from ..system.arguments import flag, one_of, shown, whole
 from .clocks import solved_form, without_clocks
 from .foreign import refuse_foreign, shown_progress
 from .function_checks import inspected
-from .kept import stepper_of
+from .gauge import Gauge, gauge_of
+from .kept import expressed, stepper_of
 from .kernel import SOLVERS
 from .outcome import Interrupted, Solution, StartFailed, all_finite
 from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
@@ -39,6 +40,32 @@ def _growth(reference: Stepper) -> list[str]:
     return [f"the method is not zero-stable: {size}; glmref.analyze says more"]
 
 
+def _gauged(
+    problem: Problem, method: Method, h: float, steps: int, start: Any, gauge: str,
+    digits: int | None,
+) -> tuple[Gauge, Problem]:  # fmt: skip
+    """Return the shear of ``gauge="auto"``, and the problem in the coordinates to run in."""
+    one_of("gauge", gauge, ("auto",))
+    if digits is not None:
+        raise UsageError("`gauge` goes with double precision; leave out `digits` or `gauge`")
+
+    def pilot(steps: int) -> tuple[np.ndarray, np.ndarray, int]:
+        found = solve(problem, method, h=h, steps=steps, every=1, start=start)
+        return found.t, found.y, found.evaluations + found.start_evaluations
+
+    return gauge_of(problem, expressed(problem), method, steps, pilot)
+
+
+def _in_original(found: Solution, sheared: Gauge) -> Solution:
+    """Return a run in sheared coordinates in those of the problem, with the shear."""
+    found = replace(found, gauge=sheared)
+    for key in ("y", "values", "history") if sheared.taken else ():
+        rows = getattr(found, key)
+        if rows is not None:
+            found = replace(found, **{key: sheared.original(rows)})
+    return found
+
+
 #: Beyond 1; multiple eigenvalues of size 1 are computed to a root of round-off.
 _GROWS = 1e-3
 
@@ -47,7 +74,7 @@ def solve(
     problem: Problem | str, method: Method | str | Path, *, h: float,
     t_end: float | None = None, steps: int | None = None, every: int = 0,
     times: Sequence[float] | None = None, start: Any = None, renew: int = 0,
-    engine: str = "compiled",
+    gauge: str | None = None, engine: str = "compiled",
     arithmetic: str = "strict", form: str = "auto", solver: str = "auto", history: bool = False,
     digits: int | None = None, step_limit: int | None = None,
     cancel: Callable[[], bool] | None = None,
@@ -80,6 +107,10 @@ def solve(
         so that it takes many more steps to become large. What is exact for one step
         (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the error
         of the start. ``history`` keeps the values from before it.
+    gauge : str or None
+        ``"auto"``: take a pilot orbit of at most 1,000 steps, and run in the coordinates p + G q
+        where these remove most of the growth of a parasitic part, see :mod:`.gauge`; ``gauge`` of
+        the solution says what was found. The rows are those of the problem in every case.
     engine : str
         ``"compiled"``; ``"reference"``, the step as in a paper; ``"interpreted"``, the compiled
         engine's source run by the interpreter. Additive methods take the reference engine always.
@@ -133,6 +164,9 @@ def solve(
     history = flag("history", history)
     h, renew = step_size(h), whole("renew", renew)
     plan = plan_of(problem, h, t_end, steps, every, times, step_limit)
+    sheared: Gauge | None = None
+    if gauge is not None:
+        sheared, problem = _gauged(problem, chosen, h, plan.steps, start, gauge, digits)
     if digits is None:
         reference = stepper_of(chosen, problem)
     else:
@@ -150,6 +184,11 @@ def solve(
             ) from error
         if not all_finite(given.values):
             raise StartFailed("the starting values are not finite; use a smaller h")
+        if sheared is not None and sheared.taken and given.kind == "given":
+            raise UsageError(
+                "`gauge` changes the coordinates, but `start` gives values in those of the "
+                "problem; give a starting method, or leave `start` out"
+            )
         if renew and given.kind == "given":  # they are those of y0, at every renewal
             raise UsageError(
                 "`renew` makes the values anew by a starting method, but `start` gives the values "
@@ -171,6 +210,8 @@ def solve(
             at_end = (solution.t[-1], solution.y[-1]) if len(solution.t) else (t0, y0)
             notices = seen.afterwards(*at_end)
             solution = replace(solution, notices=(*solution.notices, *notices))
+        if sheared is not None:
+            solution = _in_original(solution, sheared)
         solution = without_clocks(solution, given_problem)
         solution = replace(solution, names=given_problem.labels, origin=(given_problem, chosen))
         if run.interrupted or seen.interrupted:
