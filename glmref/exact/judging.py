@@ -96,8 +96,8 @@ class Interval(Ring):
             raise Undecided("an interval holds 0: nothing is decided")
         return True
 
-    def __add__(self, other):
-        if type(other) is Interval:
+    def __add__(self, other: Interval | flint.fmpq) -> Interval:
+        if isinstance(other, Interval):
             return Interval(self.ball + other.ball)
         if type(other) in RATIONAL:
             return Interval(self.ball + other)
@@ -108,8 +108,8 @@ class Interval(Ring):
     def __neg__(self):
         return Interval(-self.ball)
 
-    def __mul__(self, other):
-        if type(other) is Interval:
+    def __mul__(self, other: Interval | flint.fmpq) -> Interval:
+        if isinstance(other, Interval):
             return Interval(self.ball * other.ball)
         if type(other) in RATIONAL:
             return Interval(self.ball * other)
@@ -137,7 +137,7 @@ class Gradient(Ring):
     def __init__(self, value: Interval, by: dict[int, Interval]) -> None:
         self.value, self.by = value, by
 
-    def __add__(self, other):
+    def __add__(self, other: Gradient | Interval | flint.fmpq) -> Gradient:
         if not isinstance(other, Gradient):
             return Gradient(self.value + other, self.by)
         by = dict(self.by)
@@ -145,7 +145,7 @@ class Gradient(Ring):
             by[k] = by[k] + x if k in by else x
         return Gradient(self.value + other.value, by)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Gradient | Interval | flint.fmpq) -> Gradient:
         if not isinstance(other, Gradient):
             return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
         return dot_of_gradients([(self, other)])

@@ -11,30 +11,42 @@ import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
+from typing import TypeAlias
 
 from .refusals import Refused, Undecided
 
 PLACES = 448  # binary places of an interval
 
+#: A number of any kind; elements of towers and rectangles stand in :mod:`.numbers`.
+Number: TypeAlias = "Fraction | int | Ring"
+
 
 class Ring:
-    """What follows from sums and products."""
+    """What follows from sums and products, which a subclass defines."""
 
     __slots__ = ()
 
-    def __neg__(self):
+    def __add__(self, other: Number) -> Number:
+        return NotImplemented
+
+    def __mul__(self, other: Number) -> Number:
+        return NotImplemented
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Number:
         return self * -1
 
-    def __sub__(self, other):
+    def __sub__(self, other: Number) -> Number:
         return self + -other
 
-    def __rsub__(self, other):
+    def __rsub__(self, other: Number) -> Number:
         return -self + other
 
-    def __pow__(self, n):
+    def __pow__(self, n: int) -> Number:
         return self if n == 1 else self * self ** (n - 1) if n else 1
 
-    def conj(self):
+    def conj(self) -> Ring:
         """Return the conjugate: the number itself where it is real."""
         return self
 
@@ -65,70 +77,70 @@ class Interval(Ring):
 
     __slots__ = ("hi", "lo")
 
-    def __init__(self, lo, hi):
+    def __init__(self, lo: int, hi: int) -> None:
         self.lo, self.hi = lo, hi
 
     @classmethod
-    def ends(cls, lo, hi):
+    def ends(cls, lo: Fraction, hi: Fraction) -> Interval:
         """Return the interval between two rationals, rounded outward."""
         return cls((lo * 2**PLACES).__floor__(), (hi * 2**PLACES).__ceil__())
 
-    def middle(self):
+    def middle(self) -> Interval:
         """Return the midpoint, an interval without width."""
         return Interval((self.lo + self.hi) // 2, (self.lo + self.hi) // 2)
 
-    def inside(self, other):
+    def inside(self, other: Interval) -> bool:
         """Tell whether the interval lies in the interior of another."""
         return other.lo < self.lo and self.hi < other.hi
 
-    def meet(self, other):
+    def meet(self, other: Interval) -> Interval:
         """Return the intersection."""
         return Interval(max(self.lo, other.lo), min(self.hi, other.hi))
 
-    def positive(self):
+    def positive(self) -> bool:
         """Tell whether all numbers of the interval are positive."""
         return self.lo > 0
 
-    def is_zero(self):
+    def is_zero(self) -> bool:
         """Tell whether the interval holds 0 only."""
         return self.lo == 0 == self.hi
 
-    def least(self):
+    def least(self) -> int:
         """Return a measure of the least |x|, to be compared with those of other intervals."""
         return min(abs(self.lo), abs(self.hi))
 
-    def __float__(self):
+    def __float__(self) -> float:
         """Return a number near the midpoint."""
         return (self.lo + self.hi) / 2 ** (PLACES + 1)
 
-    def holds_zero(self):
+    def holds_zero(self) -> bool:
         """Tell whether 0 lies in the interval."""
         return self.lo <= 0 <= self.hi
 
-    def inverse(self):
+    def inverse(self) -> Interval:
         """Return 1 / x of an interval that excludes 0."""
         return Interval(4**PLACES // self.hi, -(-(4**PLACES) // self.lo))
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         if self.lo <= 0 <= self.hi:
             raise Undecided("an interval holds 0: nothing is decided")
         return True
 
-    def __add__(self, other):
+    def __add__(self, other: Number) -> Interval:
         if type(other) is not Interval:
-            if type(other) not in RATIONAL:
+            if isinstance(other, Ring):
                 return NotImplemented
             other = rounded(other)
         return Interval(self.lo + other.lo, self.hi + other.hi)
 
     __radd__ = __add__
 
-    def __neg__(self):
+    def __neg__(self) -> Interval:
         return Interval(-self.hi, -self.lo)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Number) -> Interval:
         if type(other) is not Interval:
-            if type(other) not in RATIONAL:
+            if isinstance(other, Ring):
                 return NotImplemented
             n, d = other.numerator, other.denominator
             a, b = (self.lo * n, self.hi * n) if n >= 0 else (self.hi * n, self.lo * n)
@@ -138,7 +150,7 @@ class Interval(Ring):
 
     __rmul__ = __mul__
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         raise Refused("intervals are not compared")
 
     __hash__ = None  # type: ignore[assignment]
@@ -148,13 +160,13 @@ class Interval(Ring):
 RATIONAL = (Fraction, int)
 
 
-def rational_of(text):
+def rational_of(text: str) -> Fraction:
     """Return the rational of a decimal such as -1.25e-3."""
     return Fraction(text)
 
 
 @cache
-def rounded(x):
+def rounded(x: Fraction | int) -> Interval:
     """Return an interval around a rational."""
     return Interval.ends(Fraction(x), Fraction(x))
 
@@ -164,10 +176,10 @@ class Gradient(Ring):
 
     __slots__ = ("by", "value")
 
-    def __init__(self, value, by):
+    def __init__(self, value: Interval, by: dict[int, Interval]) -> None:
         self.value, self.by = value, by
 
-    def __add__(self, other):
+    def __add__(self, other: Number) -> Gradient:
         if not isinstance(other, Gradient):
             return Gradient(self.value + other, self.by)
         by = dict(self.by)
@@ -175,7 +187,7 @@ class Gradient(Ring):
             by[k] = by[k] + x if k in by else x
         return Gradient(self.value + other.value, by)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Number) -> Gradient:
         if not isinstance(other, Gradient):
             return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
         return dot_of_gradients([(self, other)])
@@ -249,7 +261,7 @@ def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
     return Gradient(Interval(low >> PLACES, -(-high >> PLACES)), by)
 
 
-def newton_sums(Y, values, gradients):
+def newton_sums(Y: list, values: list, gradients: list) -> tuple[list[Fraction], list[Fraction]]:
     """Return rationals above |Y f| and above the row sums of |1 - Y G|, row by row.
 
     Parameters

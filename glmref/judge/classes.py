@@ -1,15 +1,18 @@
 """Trees by classes at a stage order, and the plan of the principal parts (sections 6.2, 6.3)."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from functools import cache
 
 from .arithmetic import Fraction
 from .linalg import inverse_matrix
 from .refusals import require
-from .trees import LEAF, attach, cut, gamma, show, size, trees
+from .trees import LEAF, Tree, attach, cut, gamma, show, size, trees
 
 
 @cache
-def reduced(t, q):
+def reduced(t: Tree, q: int) -> tuple[Tree, Fraction]:
     """Return the class of a tree at stage order q, and its factor."""
     children, factor = [], Fraction(1)
     for child in t[1]:
@@ -24,19 +27,19 @@ def reduced(t, q):
 
 
 @cache
-def classes(n, q):
+def classes(n: int, q: int) -> list[Tree]:
     """Return the trees of an order that are their own class."""
     return [t for t in trees((("o", "o"),), n) if reduced(t, q)[0] == t]
 
 
 @cache
-def pairs_of(n, q):
+def pairs_of(n: int, q: int) -> list[tuple[Tree, Tree]]:
     """Return the unordered pairs of classes of total order n."""
     return [(t, u) for m in range(1, n // 2 + 1) for i, t in enumerate(classes(m, q))
             for j, u in enumerate(classes(n - m, q)) if m < n - m or i <= j]  # fmt: skip
 
 
-def spread_of(t, u, q):
+def spread_of(t: Tree, u: Tree, q: int) -> dict[Tree, Fraction]:
     """Return the coefficients of x(t * u) + x(u * t) in the values of x at the classes."""
     row = {}
     for grown in (attach(t, u), attach(u, t)):
@@ -48,10 +51,10 @@ def spread_of(t, u, q):
 class Span:
     """Independent rows of rationals, by name of the column."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.rows = {}
 
-    def add(self, row):
+    def add(self, row: Mapping) -> bool:
         """Add a row; return whether it was independent of the others."""
         rest = {k: Fraction(x) for k, x in row.items() if x}
         while rest:
@@ -67,7 +70,7 @@ class Span:
 
 
 @cache
-def plan(n, q, free):
+def plan(n: int, q: int, free: tuple[Tree, ...]) -> tuple[list, list, list]:
     """Return (pairs that define zeta_1 at an even order, pairs left over, inverse matrix)."""
     unknown, span, defining, left, rows = classes(n, q), Span(), [], [], []
     for pair in pairs_of(n, q):
@@ -84,7 +87,7 @@ def plan(n, q, free):
     return defining, left, inverse_matrix([list(map(Fraction, row)) for row in rows])
 
 
-def cut_classes(t, q):
+def cut_classes(t: Tree, q: int) -> dict[Tree, Fraction]:
     """Return {class: weight} of what is left when branches are cut, t itself included."""
     found = {}
     for s, weight in cut(t):
@@ -93,18 +96,20 @@ def cut_classes(t, q):
     return found
 
 
-def conditions_follow(n, q, given, free):
+def conditions_follow(
+    n: int, q: int, given: set[Tree], free: Mapping[int, tuple[Tree, ...]]
+) -> bool:
     """Tell whether R = 0 at the given trees of an odd order n gives R = 0 at all of them (6.3)."""
     if n == 1:
         return LEAF in given
     left, span, count = plan(n - 1, q, free.get(n - 1, ()))[1], Span(), 0
     for t, u in pairs_of(n, q):
-        row = spread_of(t, u, q)
+        row: dict[object, Fraction] = {**spread_of(t, u, q)}
         for a, x in cut_classes(t, q).items():
             for b, y in cut_classes(u, q).items():
                 at = (a, b) if (a, b) in left else (b, a)
                 if size(a) + size(b) == n - 1 and at in left:
-                    row[at] = row.get(at, 0) - x * y
+                    row[at] = row.get(at, Fraction(0)) - x * y
         count += span.add(row)
     for t in given:
         if size(t) == n:

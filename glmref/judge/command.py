@@ -1,13 +1,17 @@
 """The command: files of certificates in, one line for each certificate out."""
 
+from __future__ import annotations
+
 import argparse
 import json
 import os
 import pathlib
 import signal
 import sys
+from collections.abc import Sequence
+from typing import NoReturn
 
-from .proof import frame
+from .proof import read_certificate
 from .refusals import NoCertificate, Refused, Unreadable, beyond, require
 from .statements import RULES, verdict
 
@@ -17,24 +21,24 @@ SECONDS = 60  # of processor time for one certificate
 MEGABYTES = 32  # size of a file
 
 
-def printed(text):
+def printed(text: str) -> str:
     """Return a text of others on one line that a terminal does not obey."""
     return "".join(x if x.isprintable() else ascii(x)[1:-1] for x in text)
 
 
-def no_float(text):
+def no_float(text: str) -> NoReturn:
     """Refuse a JSON number that is not whole."""
     raise Refused(f"{text[:40]} is a JSON number that is not whole")
 
 
-def no_twins(pairs):
+def no_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """Refuse an object that has a key twice."""
     found = dict(pairs)
     require(len(found) == len(pairs), "a key stands twice in one object")
     return found
 
 
-def read(path):
+def read(path: str) -> list[str]:
     """Return the texts of the certificates in a file: one, or one on each line."""
     try:
         # a pipe of the shell has no name; one that has may have no writer, and opening it waits
@@ -49,7 +53,7 @@ def read(path):
     return lines if several and len(text) <= MEGABYTES * 2**20 else [text]
 
 
-def check(text):
+def check(text: str) -> tuple[bool, str]:
     """Return (accepted, sentence) for one certificate, within the limits of time and size.
 
     Raises
@@ -64,7 +68,7 @@ def check(text):
         require(len(text) <= MEGABYTES * 2**20, "beyond the limits of this checker")
         value = json.loads(text, parse_float=no_float, parse_constant=no_float,
                            object_pairs_hook=no_twins)  # fmt: skip
-        frame(value, RULES)
+        read_certificate(value, RULES)
         return verdict(value)
     except json.JSONDecodeError as error:
         raise Unreadable(f"no JSON: {error}") from error
@@ -79,7 +83,7 @@ def check(text):
             signal.setitimer(signal.ITIMER_PROF, 0)
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     """Check the files named and return the exit code."""
     parser = argparse.ArgumentParser(description="Check certificates of glmref-certificate-1.")
     parser.add_argument("files", nargs="+", metavar="FILE", help="one certificate, or one a line")
@@ -104,6 +108,6 @@ def main(arguments=None):
     return code
 
 
-def complain(path, error):
+def complain(path: str, error: Exception) -> None:
     """Write one line to stderr."""
     sys.stderr.write(f"{printed(f'{path}: {error}')}\n")

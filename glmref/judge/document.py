@@ -1,6 +1,9 @@
 """From the document of a method to its matrices A, U, B, V (section 1)."""
 
-from collections import namedtuple
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 from .arithmetic import Fraction
 from .claims import ORDERS, SECOND
@@ -21,7 +24,10 @@ from .linalg import (
     transpose,
 )
 from .numbers import apart, inverse, is_enclosure, total, vanishes
-from .refusals import as_object, keys, not_covered, require
+from .refusals import Document, as_list, as_object, as_text, keys, not_covered, require, shown
+
+if TYPE_CHECKING:
+    from .fields import Numbers
 
 COMMON = "$schema format name title class field broken notes digits constants claims source"
 
@@ -46,21 +52,24 @@ CLASSES = {  # needed keys, optional keys
 SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
 
 
-class Component(namedtuple("Component", "A U B V")):
-    """Matrices A (stages, slopes), U, B, V."""
+class Component(NamedTuple):
+    """Matrices A (stages, slopes), U, B, V; those that a series of a start has not are empty."""
 
-    __slots__ = ()
+    A: list
+    U: list
+    B: list
+    V: list
 
     @property
-    def r(self):
+    def r(self) -> int:
         """Number of values."""
         return len(self.V)
 
 
-def class_of(document):
+def class_of(document: Document) -> str:
     """Return the class of a document that has the keys of its class, and no others."""
-    kind = document.get("class")
-    require(isinstance(kind, str) and kind in CLASSES, f"no class is called {str(kind)[:40]!r}")
+    kind = str(document.get("class"))
+    require(kind in CLASSES, f"no class is called {kind[:40]!r}")
     needed, optional = CLASSES[kind]
     keys(document, needed + " class", COMMON + " " + optional, where="document")
     return kind
@@ -69,7 +78,12 @@ def class_of(document):
 class Method:
     """Components with their colours, the palette, and what else the file gives."""
 
-    def __init__(self, document, numbers, base=None):
+    def __init__(
+        self,
+        document: Mapping[str, object],
+        numbers: Numbers,
+        base: Mapping[str, object] | None = None,
+    ) -> None:
         self.document, self.numbers = document, numbers
         kind = class_of(document)
         formats = ("glmref-method-1", "glmref-method-2")
@@ -83,66 +97,65 @@ class Method:
         made = getattr(self, "make_" + kind.replace("-", "_"))()
         self.pair, self.additive = type(made) is tuple, kind in ("additive", "rosenbrock")
         self.system = "rosenbrock" if kind == "rosenbrock" else ""
-        self.parts = {"f": made[0], "k": made[1]} if self.pair else {"o": made}
+        self.parts: dict[str, Component] = (
+            {"f": made[0], "k": made[1]} if self.pair else {"o": made}
+        )
         if self.additive:
             self.parts = made
-        blocks = {"glm": {"o": document}}
+        blocks = {"o": document} if kind == "glm" else {}
         if kind == "partitioned":
-            blocks = {kind: {"f": document["q"], "k": document["p"]}}
-        self.declared = {
-            c: self.list("output", block)
-            for c, block in blocks.get(kind, {}).items()
-            if "output" in block
-        }
+            blocks = {c: as_object(document[key]) for c, key in (("f", "q"), ("k", "p"))}
+        self.declared = {c: self.list("output", x) for c, x in blocks.items() if "output" in x}
         fixed = {"splitting": True, "pair-sweep": True, "partitioned-rk": False,
                  "nystrom": "A_prime" not in document}  # fmt: skip
         separable = document.get("separable", fixed.get(kind, False))
         require(type(separable) is bool, "separable is true or false")
-        self.separable = self.pair and separable
+        self.separable = self.pair and bool(separable)
         children = {"f": "k", "k": "f"} if self.separable else {}
         self.palette = tuple((c, children.get(c, "".join(self.parts))) for c in self.parts)
 
-    def single(self):
+    def single(self) -> Component:
         """Return the component of a method that is no pair."""
         require("o" in self.parts, "the rule is for single methods")
         return self.parts["o"]
 
-    def part(self, colour):
+    def part(self, colour: object) -> Component:
         """Return the component of a colour."""
         require(isinstance(colour, str) and colour in self.parts, f"no component {colour!r}")
-        return self.parts[colour]
+        return self.parts[str(colour)]
 
-    def list(self, key, source=None):
+    def list(self, key: str, source: Document | None = None) -> list:
         """Return a vector of the document."""
         return self.numbers.vector((source or self.document).get(key), self.document)
 
-    def matrix(self, key, source=None):
+    def matrix(self, key: str, source: Document | None = None) -> list:
         """Return a matrix of the document."""
         return self.numbers.matrix((source or self.document).get(key), self.document)
 
-    def form(self, key="G"):
+    def form(self, key: str = "G") -> list:
         """Return a matrix that may be written as its diagonal."""
         return self.numbers.form(self.document[key], self.document)
 
     @staticmethod
-    def runge_kutta(A, b):
+    def runge_kutta(A: list, b: list) -> Component:
         """Return the component of a Runge-Kutta method."""
         return Component(A, [[Fraction(1)] for _ in A], [b], [[Fraction(1)]])
 
-    def make_glm(self, source=None):
+    def make_glm(self, source: Document | None = None) -> Component:
         """Return the matrices as they stand."""
         return Component(*(self.matrix(key, source) for key in "AUBV"))
 
-    def make_rk(self):
+    def make_rk(self) -> Component:
         """Return A, U = 1, B = b, V = 1."""
         return self.runge_kutta(self.matrix("A"), self.list("b"))
 
-    def make_composition(self):
+    def make_composition(self) -> Component:
         """Return the base with steps gamma_1 h, gamma_2 h, .."""
-        require(isinstance(self.base, dict) and self.base.get("class") == "rk", "a base must be rk")
-        require(self.base.get("name") == self.document.get("base"), "the base has another name")
-        whole_base = Method(self.base, self.numbers)
-        if "c" in self.base and not vanishes(gaps_of_rows(whole_base)):
+        given = as_object(self.base)
+        require(given.get("class") == "rk", "a base must be rk")
+        require(given.get("name") == self.document.get("base"), "the base has another name")
+        whole_base = Method(given, self.numbers)
+        if "c" in given and not vanishes(gaps_of_rows(whole_base)):
             not_covered("a composition of a base with c apart")
         base, gamma = whole_base.single(), self.list("gamma")
         (b,), zero, A, left = base.B, [Fraction(0)], [], []
@@ -152,14 +165,14 @@ class Method:
             left = left + multiples(g, b)
         return self.runge_kutta(A, left)
 
-    def multistep(self):
+    def multistep(self) -> tuple[list, list]:
         """Return alpha and beta of equal lengths."""
         alpha, beta = self.list("alpha"), self.list("beta")
         require(len(alpha) == len(beta) >= 2, "alpha and beta have other lengths")
         require(bool(alpha[-1]), "alpha_k is 0")
         return alpha, beta
 
-    def make_lmm(self):
+    def make_lmm(self) -> Component:
         """Return the form with one stage and the values y and f that are needed."""
         alpha, beta = self.multistep()
         k, unit = len(alpha) - 1, inverse(alpha[-1])
@@ -178,7 +191,7 @@ class Method:
             B += [Fraction(1)] + [Fraction(0)] * (len(fs) - 1)
         return Component([[b[k]]], [new if implicit else e[0]], [[x] for x in B], V)
 
-    def make_one_leg(self):
+    def make_one_leg(self) -> Component:
         """Return the one-leg form."""
         alpha, beta = self.multistep()
         require(not apart(total(beta) - 1), "beta of a one-leg method does not sum to 1")
@@ -189,12 +202,12 @@ class Method:
         B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
         return Component([[unit * beta[k]]], [U], B, V)
 
-    def make_sweep(self):
+    def make_sweep(self) -> Component:
         """Return B = X D, U = X^* G V, A from S = X^* G X."""
         X, d, V = self.matrix("X"), self.list("D"), self.matrix("V")
         left = times(star(X), self.form())
         S, none = times(left, X), self.numbers.explicit
-        texts = self.document.get("enclosure", {}).get("equations", [])
+        texts = as_list(as_object(self.document.get("enclosure", {})).get("equations", []))
         if none is None and any(str(text).startswith("explicit") for text in texts):
             not_covered("stages of a sweep that an equation makes explicit")
         for i, row in enumerate(S):
@@ -203,26 +216,28 @@ class Method:
             row[:i] = [x * y for x, y in zip(d, row[:i], strict=False)]
         return Component(S, times(left, V), times(X, diagonal(d)), V)
 
-    def make_partitioned(self):
+    def make_partitioned(self) -> tuple[Component, Component]:
         """Return two methods as they stand."""
         for key in ("q", "p"):
             keys(self.document[key], "A U B V", "output", where=f"component {key}")
-        return self.make_glm(self.document["q"]), self.make_glm(self.document["p"])
+        return self.make_glm(as_object(self.document["q"])), self.make_glm(
+            as_object(self.document["p"])
+        )
 
-    def make_partitioned_rk(self):
+    def make_partitioned_rk(self) -> tuple[Component, Component]:
         """Return two Runge-Kutta methods."""
         return self.make_rk(), self.runge_kutta(self.matrix("A_hat"), self.list("b_hat"))
 
-    def make_additive(self):
+    def make_additive(self) -> dict[str, Component]:
         """Return a Runge-Kutta method for each right-hand side; the colours are digits."""
-        parts = self.document["parts"]
-        require(isinstance(parts, list) and 2 <= len(parts) <= 9, "there are 2 to 9 parts")
+        parts = as_list(self.document["parts"], "there are 2 to 9 parts")
+        require(2 <= len(parts) <= 9, "there are 2 to 9 parts")
         for part in parts:
             keys(part, "A b", where="part")
         return {str(n): self.runge_kutta(self.matrix("A", part), self.list("b", part))
                 for n, part in enumerate(parts, 1)}  # fmt: skip
 
-    def make_rosenbrock(self):
+    def make_rosenbrock(self) -> dict[str, Component]:
         """Return f - J with alpha and J with alpha + gamma below it, on two sets of stages."""
         alpha, gamma, b = self.matrix("alpha"), self.matrix("gamma"), self.list("b")
         require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
@@ -230,7 +245,7 @@ class Method:
         return {"1": self.runge_kutta([x + none for x in rows], b + none),
                 "2": self.runge_kutta([none + x for x in rows], none + b)}  # fmt: skip
 
-    def make_nystrom(self):
+    def make_nystrom(self) -> tuple[Component, ...]:
         """Return the pair q' = p, p' = k: the stages p and p + h k_l, from which Q is combined."""
         zero, see, c, A = Fraction(0), "A_prime" in self.document, self.list("c"), self.matrix("A")
         s = len(c)
@@ -245,7 +260,7 @@ class Method:
         pairs = zip((below_q, below_p), self.weights(self.document), strict=True)
         return tuple(self.runge_kutta(*pair) for pair in pairs)
 
-    def weights(self, source):
+    def weights(self, source: Document) -> list:
         """Return the weights of a row of the file, for each component."""
         if self.kind == "additive":
             return self.matrix("b", source)
@@ -259,7 +274,7 @@ class Method:
             return [first, more + [Fraction(0)] * bool(more) + self.list("b_prime", source)]
         return [b]
 
-    def rows(self):
+    def rows(self) -> dict[str, tuple[dict, dict]]:
         """Return {name: (weights of the solution, of the estimate) by colour} of `embedded`."""
         given = rows_of(self.document)
         own = {"rk": "b", "additive": "b", "nystrom": "b b_prime", "rosenbrock": "b", "glm": "b v"}
@@ -280,7 +295,9 @@ class Method:
             found[row["name"]] = (other, weights) if error else (weights, other)
         return found
 
-    def with_parts(self, parts, system="", separable=None):
+    def with_parts(
+        self, parts: dict[str, Component], system: str = "", separable: bool | None = None
+    ) -> Method:
         """Return this method with other components."""
         other = object.__new__(Method)
         other.__dict__.update(self.__dict__, parts=parts, system=system)
@@ -292,7 +309,7 @@ class Method:
             other.palette = (("o", "o"),)
         return other
 
-    def for_claim(self, claim):
+    def for_claim(self, claim: str) -> Method:
         """Return the method that a claim is about."""
         if self.kind == "rosenbrock" and claim in ("a-stable", "l-stable"):
             beta = combine(self.matrix("alpha"), self.matrix("gamma"))
@@ -310,7 +327,7 @@ class Method:
         time = self.runge_kutta([[x, *rest] for x in c], [Fraction(1), *rest])
         return self.with_parts({"f": m, "k": time}, "time")
 
-    def with_row(self, weights):
+    def with_row(self, weights: Mapping[str, list]) -> Method:
         """Return the method with other weights by colour; of class glm with weights of the values.
 
         There the values after a step are moved along u, so that their output is the row.
@@ -322,7 +339,7 @@ class Method:
         w = reading(self, "o", u)
         require(len(b) == len(m.A) and len(v) == m.r, "embedded has another length")
 
-        def moved(M, own):
+        def moved(M: list, own: list) -> list:
             gap = less(own, apply(transpose(M), w))
             return [[x + k * y for x, y in zip(r, gap, strict=True)]
                     for k, r in zip(u, M, strict=True)]  # fmt: skip
@@ -331,7 +348,7 @@ class Method:
             {"o": Component(m.A, m.U, moved(m.B, b), moved(m.V, v))}, self.system
         )
 
-    def make_splitting(self):
+    def make_splitting(self) -> tuple[Component, Component]:
         """Return the pair of a splitting: P stages from a, Q stages from b."""
         first, a, b, zero = self.document["first"], self.list("a"), self.list("b"), Fraction(0)
         require(first in ("q", "p"), "first is q or p")
@@ -342,10 +359,10 @@ class Method:
         A_hat = [[x if j + early <= i else zero for j, x in enumerate(b)] for i in range(len(a))]
         return self.runge_kutta(A, a), self.runge_kutta(A_hat, b)
 
-    def make_pair_sweep(self):
+    def make_pair_sweep(self) -> tuple[Component, Component]:
         """Return the pair of a sweep through the letters of `stages`."""
-        letters = self.document["stages"]
-        require(isinstance(letters, str) and set(letters) <= set("PQ"), "stages are letters P, Q")
+        letters = as_text(self.document["stages"], "stages are letters P, Q")
+        require(set(letters) <= set("PQ"), "stages are letters P, Q")
         P, Q = ([n for n, x in enumerate(letters) if x == y] for y in "PQ")
         G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
         X = [ones(len(P)), *(self.matrix("w") if self.document["w"] != [] else [])]
@@ -361,7 +378,7 @@ class Method:
         return (Component(A, U, times(X, diagonal(b)), V),
                 Component(A_hat, U_hat, times(Y, diagonal(c)), V_hat))  # fmt: skip
 
-    def check_shapes(self):
+    def check_shapes(self) -> None:
         """Refuse matrices that do not fit each other, and stages of a pair that do not meet."""
         stages = {len(m.A) for m in self.parts.values()}
         require(not self.additive or len(stages) == 1, "the parts have other stages")
@@ -373,7 +390,7 @@ class Method:
             fits = fits and (self.separable or len(m.A) == slopes)
             require(fits, f"shapes of component {c} do not fit")
 
-    def vectors_to_one(self, colour, consistent=False):
+    def vectors_to_one(self, colour: object, consistent: bool = False) -> tuple[list | None, bool]:
         """Return (u, whether it is the only one) with V u = u and U u = 1, u None where none is.
 
         Of a `consistent` method also B 1 + V v = u + v for some v: w u = w B 1 for all w = w V.
@@ -389,31 +406,28 @@ class Method:
         c, unique = solve([apply(N, row) for row in rows], right)
         return (None if c is None else apply(transpose(N), c)), unique
 
-    def u(self, colour):
+    def u(self, colour: str) -> list:
         """Return the u with V u = u and U u = 1, which must be the only one."""
         u, unique = self.vectors_to_one(colour)
-        require(u is not None and unique, "there is not one u with V u = u, U u = 1")
-        return u
+        return shown(u if unique else None, "there is not one u with V u = u, U u = 1")
 
 
-def rows_of(document):
+def rows_of(document: Document) -> list[Document]:
     """Return the rows of `embedded`; each has a name of its own, a string other than ``"b"``."""
-    given = document.get("embedded", [])
-    require(isinstance(given, list) and len(given) <= 20, "embedded is a list")
+    given = as_list(document.get("embedded", []), "embedded is a list")
+    require(len(given) <= 20, "embedded is a list")
     names = [as_object(row).get("name") for row in given]
     require(all(isinstance(x, str) for x in names), "a row of embedded has no name")
     require(len({"b", *names}) == len(names) + 1, "a name stands twice in embedded")
     return given
 
 
-def first_place(u):
+def first_place(u: list) -> int:
     """Return the first place where u is not 0."""
-    place = next((k for k, x in enumerate(u) if bool(x)), None)
-    require(place is not None, "u is 0")
-    return place
+    return shown(next((k for k, x in enumerate(u) if bool(x)), None), "u is 0")
 
 
-def reading(method, colour, u):
+def reading(method: Method, colour: str, u: list) -> list:
     """Return the row that reads the solution: as declared, or 1 / u_k at the first place k."""
     w = method.declared.get(colour)
     if w is None:
@@ -423,7 +437,7 @@ def reading(method, colour, u):
     return w
 
 
-def gaps_of_rows(method):
+def gaps_of_rows(method: Method) -> list:
     """Return A 1 - c, or of a Nystrom method 2 A 1 - c^2 and A' 1 - c."""
     if method.kind == "nystrom":
         A, c = method.matrix("A"), method.list("c")

@@ -1,8 +1,12 @@
 """Pairs and splittings with an enclosure (section 6.4)."""
 
+from __future__ import annotations
+
 import re
+from collections.abc import Mapping
 from functools import cache
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .classes import Span
@@ -11,9 +15,12 @@ from .krawczyk import at_values
 from .lie import lie_images
 from .linalg import ones
 from .numbers import is_nil, total
-from .refusals import require
+from .refusals import as_text, matched, require
 from .series import Solved
-from .trees import is_nystrom, read_tree, size, trees, versions
+from .trees import Tree, is_nystrom, read_tree, size, trees, versions
+
+if TYPE_CHECKING:
+    from .document import Method
 
 PAIR_EQUATION = re.compile(r"order (\S+)|growth ([qp]) (.+)|start (\S+) ([1-9][0-9]?)")
 
@@ -22,13 +29,13 @@ ALTERNATING = (("f", "k"), ("k", "f"))
 
 
 @cache
-def second_order(t):
+def second_order(t: Tree) -> bool:
     """Tell whether every vertex f of the free tree has two neighbours or fewer."""
     return len(t[1]) <= (2 if t[0] == "f" else size(t)) and all(map(is_nystrom, t[1]))
 
 
 @cache
-def listed(n, nystrom):
+def listed(n: int, nystrom: bool | str) -> list[Tree]:
     """Return all alternating trees of an order, or those of second-order systems."""
     return [t for t in trees(ALTERNATING, n) if not nystrom or second_order(t)]
 
@@ -36,7 +43,7 @@ def listed(n, nystrom):
 class Pair(Enclosed):
     """A file of class pair-sweep or splitting with an enclosure (6.4)."""
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Read the matrices and equations and check what the theorems suppose."""
         doc, one = self.document, [[Fraction(1)]]
         self.splitting = doc["class"] == "splitting"
@@ -49,11 +56,11 @@ class Pair(Enclosed):
             letters = letters[: len(self.b) + len(self.c)]
         else:
             self.suppose({"f": "V", "k": "V_hat"})
-            letters = doc["stages"]
+            letters = as_text(doc["stages"], "the stages")
             X += self.matrix("w") if doc["w"] != [] else []
             Y += self.matrix("v") if doc["v"] != [] else []
         self.halves = {"f": (self.b, X), "k": (self.c, Y)}
-        require(isinstance(letters, str) and set(letters) <= {"P", "Q"}, "the stages")
+        require(set(letters) <= {"P", "Q"}, "the stages")
         require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")
         self.letters = letters
         self.one_step = len(self.first) == len(self.last) == 1
@@ -66,10 +73,9 @@ class Pair(Enclosed):
         self.signs = self.find_signs() if letters == letters[::-1] else None
         require(self.identity_through(self.order - 1, self.nystrom), "a principal part is not 0")
 
-    def read(self, text):
+    def read(self, text: object) -> tuple:
         """Return an equation: (order, tree), (growth, -, form) or (start, tree, value)."""
-        found = isinstance(text, str) and PAIR_EQUATION.fullmatch(text)
-        require(found, f"{str(text)[:40]!r} is no equation")
+        found = matched(PAIR_EQUATION, text, f"{str(text)[:40]!r} is no equation")
         tree, half, z, start, value = found.groups()
         if half:
             return "growth", None, self.growth_form(z, "f" if half == "q" else "k")
@@ -81,14 +87,14 @@ class Pair(Enclosed):
         require(2 <= int(value) <= len(self.V[tree_[0]]), "an equation names another value")
         return "start", tree_, int(value) - 1
 
-    def series(self, values, order, nystrom):
+    def series(self, values: list, order: int, nystrom: bool | str) -> Solved:
         """Return the series with principal parts 0, with eta below the order; the root moves."""
         found = Solved(self.at(values), True, nystrom)
-        found.pool = lambda n: listed(n, nystrom)
+        found.pool = lambda order: listed(order, nystrom)
         found.advance(order)
         return found
 
-    def residuals(self, values):
+    def residuals(self, values: list) -> list:
         """Return left minus right of every equation."""
         series, found = self.series(values, self.order, self.nystrom), []
         for kind, tree, *what in self.equations:
@@ -101,14 +107,14 @@ class Pair(Enclosed):
                 found.append(parameter(H, *(at_values(x, values) for x in self.halves[half])))
         return found
 
-    def is_zero_start(self, t, k, L):
+    def is_zero_start(self, t: Tree, k: int, L: Mapping[str, list]) -> bool:
         """Tell whether zeta_k(t) = 0 by an equation `start` or by parity."""
         if ("start", t, k) in self.equations:
             return True
         off = any(bool(x) for j, x in enumerate(L[t[0]][k]) if j != k)
         return not off and L[t[0]][k][k] == (-1) ** (size(t) + 1)
 
-    def identity_through(self, n, nystrom):
+    def identity_through(self, n: int, nystrom: bool | str) -> bool:
         """Tell whether all principal parts through order n are 0 (6.4)."""
         if self.one_step or n < 2:
             return True
@@ -123,7 +129,7 @@ class Pair(Enclosed):
                    for k in range(1, len(self.G)) for l in range(1, len(self.G[0]))
                    if bool(self.G[k][l]))  # fmt: skip
 
-    def flow(self):
+    def flow(self) -> str | None:
         """Return the Lie algebra of a product of flows (6.4), None for several values."""
         if not self.one_step:
             return None
@@ -135,7 +141,7 @@ class Pair(Enclosed):
                 return "f" if pattern == "PQ" else "k"
         return "splitting"
 
-    def covered(self, n, nystrom):
+    def covered(self, n: int, nystrom: bool | str) -> bool:
         """Tell whether the equations give all conditions of order n."""
         given = {e[1] for e in self.equations if e[0] == "order"}
         if n == 1:
@@ -154,24 +160,20 @@ class Pair(Enclosed):
                 chosen.add(row)
         return len(chosen.rows) == len(every.rows)
 
-    def is_of_the_theorem(self, identity_mode, nystrom, row):
+    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
         """Tell whether the pair is symmetric or carries one value of each component."""
         return self.signs is not None or self.one_step
 
-    def principal_is_zero(self, p, identity_mode, nystrom):
+    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
         """Tell whether all principal parts below p are 0."""
         return self.identity_through(p - 1, nystrom)
 
-    def gives_order(self, p, nystrom, row, method):
+    def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
         """Tell whether the equations give all conditions through order p."""
         step = 2 if self.signs is not None else 1
         return all(self.covered(n, nystrom) for n in range(1, p + 1, step))
 
-    def gives_stage_order(self, q):
-        """Return False: no equation is about the stages of a pair."""
-        return False
-
-    def implies(self, claim):
+    def implies(self, claim: str) -> bool:
         """Tell whether a claim that is true or false holds at the root."""
         if claim == "symplectic":
             return self.one_step
@@ -181,7 +183,7 @@ class Pair(Enclosed):
             return self.signs is not None
         return claim in ("preconsistent", "g-symplectic")
 
-    def zero_start_holds(self, q, nystrom):
+    def zero_start_holds(self, q: int, nystrom: bool | str) -> bool:
         """Tell whether every value but the first is 0 on all trees through order q."""
         if self.one_step or self.signs is None:
             return self.one_step

@@ -1,7 +1,10 @@
 """Runge-Kutta and Rosenbrock methods with an enclosure (section 6.8)."""
 
+from __future__ import annotations
+
 import re
 from functools import cache
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .document import rows_of
@@ -9,14 +12,18 @@ from .enclosures import Enclosed
 from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise
 from .numbers import is_nil, total
-from .refusals import keys, require
-from .trees import LEAF, attach, gamma, is_coloured, pool_of, read_tree
+from .refusals import keys, matched, require
+from .trees import LEAF, Tree, attach, gamma, is_coloured, pool_of, read_tree
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .document import Method
 
 RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)"
                          r"|stage ([1-9][0-9]?) ([1-9][0-9]?)")  # fmt: skip
 
 
-def bush(n):
+def bush(n: int) -> Tree:
     """Return the tree of n vertices whose root has leaves only."""
     return "o", (LEAF,) * (n - 1)
 
@@ -24,7 +31,7 @@ def bush(n):
 class RungeKutta(Enclosed):
     """A file of class rk or rosenbrock with an enclosure: trees, D(1), C(k) at stages (6.8)."""
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Read what stands below a vertex, the rows of weights and the equations."""
         doc = self.document
         require(not {"c", "dense", "starting", "finishing"} & set(doc), "not covered: c or a start")
@@ -38,24 +45,24 @@ class RungeKutta(Enclosed):
                     for rows in zip(alpha, gamma_, strict=True)]  # fmt: skip
             self.palette, self.below = (("1", "12"), ("2", "12")), {"1": alpha, "2": both}
         self.A = next(iter(self.below.values()))
-        self.rows = {None: self.numbers.vector(doc["b"], doc)}
+        self.rows: dict[str | None, list] = {None: self.numbers.vector(doc["b"], doc)}
         for row in rows_of(doc):
             keys(row, "name b", where="embedded")
             require(row["name"] not in ("column", "stage"), "a row with the name of an equation")
-            self.rows[row["name"]] = self.numbers.vector(row["b"], doc)
+            self.rows[str(row["name"])] = self.numbers.vector(row["b"], doc)
         self.s = len(self.A)
         shapes = [len(x) for x in (*self.A, *self.rows.values())]
         require(all(n == self.s for n in shapes), "shapes")
         self.equations = [self.read(text) for text in self.texts]
         self.columns = len(self.below) == 1 and all(
-            ("column", j) in self.equations or self.vanishes(j) for j in range(self.s))  # fmt: skip
+            ("column", (j,)) in self.equations or self.vanishes(j)
+            for j in range(self.s))  # fmt: skip
         self.mirrored = len(self.below) == 1 and self.is_mirrored()
         self.gauss = len(self.below) == 1 and self.is_gauss()
 
-    def read(self, text):
+    def read(self, text: object) -> tuple:
         """Return an equation ("column", j), ("stage", (i, k)) or (row, tree)."""
-        found = isinstance(text, str) and RK_EQUATION.fullmatch(text)
-        require(found, f"{str(text)[:40]!r} is no equation")
+        found = matched(RK_EQUATION, text, f"{str(text)[:40]!r} is no equation")
         first, row, second, column, *stage = found.groups()
         if stage[0]:
             i, k = map(int, stage)
@@ -64,23 +71,23 @@ class RungeKutta(Enclosed):
         if column:
             one = len(self.below) == 1
             require(one and int(column) <= self.s, "an equation names another column")
-            return "column", int(column) - 1
+            return "column", (int(column) - 1,)
         require(row is None or row in self.rows, "an equation names another row")
         tree = read_tree(first or second)
         require(is_coloured(tree, self.palette), "an equation names another tree")
         return row, self.plain(tree)
 
-    def plain(self, t):
+    def plain(self, t: Tree) -> Tree:
         """Return the tree with leaves of the first colour: what stands below one is not used."""
         if not t[1]:
             return self.palette[0][0], ()
         return t[0], tuple(sorted(map(self.plain, t[1])))
 
-    def column(self, A, b, j):
+    def column(self, A: list, b: list, j: int) -> Number:
         """Return sum b_i a_ij - b_j (1 - c_j)."""
         return total(x * row[j] for x, row in zip(b, A, strict=True)) - (1 - total(A[j])) * b[j]
 
-    def vanishes(self, j):
+    def vanishes(self, j: int) -> bool:
         """Tell whether D(1) holds at a column for all values of the unknowns."""
         b, rows = self.rows[None], range(self.s)
         products = [(1 - total(self.A[j]), b[j]), *((b[i], self.A[i][j]) for i in rows)]
@@ -88,19 +95,19 @@ class RungeKutta(Enclosed):
             return False
         return is_nil(self.column(self.A, b, j))
 
-    def residuals(self, values):
+    def residuals(self, values: list) -> list:
         """Return left minus right of every equation."""
         matrices = {c: at_values(M, values) for c, M in self.below.items()}
         rows = {name: at_values(b, values) for name, b in self.rows.items()}
         A = next(iter(matrices.values()))
 
         @cache
-        def weights(t):
+        def weights(t: Tree) -> list:
             return placewise(self.s, [apply(matrices[t[0]], weights(child)) for child in t[1]])
 
-        def residual(row, what):
+        def residual(row: str | None, what: tuple) -> Number:
             if row == "column":
-                return self.column(A, rows[None], what)
+                return self.column(A, rows[None], what[0])
             if row == "stage":
                 i, k = what
                 c_to_k = weights(bush(k + 1))[i] * Fraction(1, k)
@@ -109,7 +116,7 @@ class RungeKutta(Enclosed):
 
         return [residual(*equation) for equation in self.equations]
 
-    def is_mirrored(self):
+    def is_mirrored(self) -> bool:
         """Tell whether a_i'j' = b_j - a_ij and b_j' = b_j identically, i' = s + 1 - i."""
         b = self.rows[None]
         gaps = [x - y for x, y in zip(b, reversed(b), strict=True)]
@@ -117,13 +124,13 @@ class RungeKutta(Enclosed):
             gaps += [x + y - z for x, y, z in zip(row, reversed(other), b, strict=True)]
         return all(map(is_nil, gaps))
 
-    def has_stage(self, i, k):
+    def has_stage(self, i: int, k: int) -> bool:
         """Tell whether C(k) is given at a stage where it is so below k (6.8)."""
         mirror = self.s - 1 - i
         return k == 1 or ("stage", (i, k)) in self.equations or (self.mirrored and (
             ("stage", (mirror, k)) in self.equations or (i == mirror and k % 2 == 1)))  # fmt: skip
 
-    def is_gauss(self):
+    def is_gauss(self) -> bool:
         """Tell whether B(2 s) and C(s) are given: it is the Gauss method then (6.8)."""
         quadrature = all(
             (self.mirrored and k % 2 == 0)
@@ -135,7 +142,7 @@ class RungeKutta(Enclosed):
             self.has_stage(i, k) for k in range(1, self.s + 1) for i in range(self.s)
         )
 
-    def given(self, t, row):
+    def given(self, t: Tree, row: str | None) -> bool:
         """Tell whether the condition of a tree follows from the equations (6.8)."""
         t = self.plain(t)
         if (row, t) in self.equations:
@@ -149,22 +156,22 @@ class RungeKutta(Enclosed):
             return self.given(LEAF, None)
         return self.given(("o", below), None) and self.given(attach(("o", below), LEAF), None)
 
-    def is_of_the_theorem(self, identity_mode, nystrom, row):
+    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
         """Tell whether the order is that of the solution on all trees, with weights of the file."""
-        return not nystrom and identity_mode and row in self.rows
+        return not nystrom and identity and row in self.rows
 
-    def principal_is_zero(self, p, identity_mode, nystrom):
+    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
         """Return True: the one value is the solution."""
         return True
 
-    def gives_order(self, p, nystrom, row, method):
+    def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
         """Tell whether the equations give all conditions through order p with the row."""
         if row is None and self.gauss:
             return p <= 2 * self.s
         level = (t for n in range(1, p + 1) for t in pool_of(method, n, nystrom))
         return all(self.given(t, row) for t in level)
 
-    def implies(self, claim):
+    def implies(self, claim: str) -> bool:
         """Tell whether a claim that is true or false holds at the root."""
         if claim == "embedded-difference":
             return len(self.rows) > 1 and all(self.given(LEAF, row) for row in self.rows)
@@ -174,9 +181,9 @@ class RungeKutta(Enclosed):
             return self.gauss
         return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
 
-    def zero_growths(self):
+    def zero_growths(self) -> None:
         """Return None: no growth parameter is an equation."""
 
-    def gives_stage_order(self, q):
+    def gives_stage_order(self, q: int) -> bool:
         """Tell whether q is 1, which c = A 1 is, or q <= s of the Gauss method."""
         return len(self.below) == 1 and q <= (self.s if self.gauss else 1)

@@ -1,16 +1,22 @@
 """Sweeps with an enclosure (sections 6.2 and 6.3)."""
 
+from __future__ import annotations
+
 import re
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .classes import classes, conditions_follow, plan, reduced
 from .enclosures import Enclosed, parameter
-from .krawczyk import at_values
+from .krawczyk import at_value, at_values
 from .linalg import apply, combine, dot, equal, identity, kernel, multiples, transpose
-from .numbers import as_real, is_nil, total
-from .refusals import as_object, require
+from .numbers import as_reals, is_nil, total
+from .refusals import as_list, as_object, matched, require
 from .series import Solved
-from .trees import LEAF, gamma, read_tree, size, trees, versions
+from .trees import LEAF, Tree, gamma, read_tree, size, trees, versions
+
+if TYPE_CHECKING:
+    from .document import Method
 
 EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) ([^=]+?)"
                       r"(?: = (.+))?")  # fmt: skip
@@ -19,7 +25,7 @@ EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) (
 class Sweep(Enclosed):
     """A file of class sweep with an enclosure: equations, theorems 1 to 3 of 6.2 and 6.3."""
 
-    def prepare(self):
+    def prepare(self) -> None:
         """Read the matrices and equations and check what the theorems suppose."""
         self.D, self.X = self.numbers.vector(self.document["D"], self.document), self.matrix("X")
         require("trees" not in self.proof, "trees are named in the proof of a pair")
@@ -32,9 +38,9 @@ class Sweep(Enclosed):
         self.signs = self.find_signs()
         self.q = self.find_stage_order()
         given = as_object(self.proof.get("free", {}))
-        lists = all(n.isdecimal() and isinstance(ts, list) for n, ts in given.items())
-        require(lists, "free trees are lists by order")
-        self.free = {int(n): tuple(read_tree(t) for t in ts) for n, ts in given.items()}
+        why = "free trees are lists by order"
+        require(all(n.isdecimal() for n in given), why)
+        self.free = {int(n): tuple(map(read_tree, as_list(ts, why))) for n, ts in given.items()}
         for n, ts in self.free.items():
             require(all(size(t) == n for t in ts), "a free tree has another order")
         require(all(t in self.free.get(size(t), ()) for t in self.xi), "a tree of xi is not free")
@@ -44,10 +50,9 @@ class Sweep(Enclosed):
         self.order = max((size(e[2]) + (e[0] != "order") for e in self.equations
                           if e[0] in ("order", "identity", "defect")), default=2)  # fmt: skip
 
-    def read(self, text):
+    def read(self, text: object) -> tuple:
         """Return an equation (kind, stage or value, tree or number)."""
-        found = isinstance(text, str) and EQUATION.fullmatch(text)
-        require(found, f"{str(text)[:40]!r} is no equation")
+        found = matched(EQUATION, text, f"{str(text)[:40]!r} is no equation")
         kind, what, value = found.groups()
         require((value is not None) == (kind == "abscissa"), "an equation")
         if kind in ("order", "identity"):
@@ -68,7 +73,7 @@ class Sweep(Enclosed):
             return kind, int(first) - 1, None
         return kind, int(first) - 1, read_tree(rest or ("[o]" if kind == "defect" else "o"))
 
-    def find_stage_order(self):
+    def find_stage_order(self) -> int:
         """Return the stage order that the equations `defect` give."""
         have, q = {(i, t) for kind, i, t in self.equations if kind == "defect"}, 1
         while True:
@@ -78,13 +83,13 @@ class Sweep(Enclosed):
                 return q
             q += 1
 
-    def series(self, values, order):
+    def series(self, values: list, order: int) -> ByClasses:
         """Return the series by classes, with eta below the order (6.2)."""
         found = ByClasses(self, values)
         found.advance(order)
         return found
 
-    def residuals(self, values):
+    def residuals(self, values: list) -> list:
         """Return left minus right of every equation."""
         series, found = self.series(values, self.order), []
         for kind, i, what in self.equations:
@@ -105,7 +110,7 @@ class Sweep(Enclosed):
 
     # what follows at the root
 
-    def starts_at_two(self):
+    def starts_at_two(self) -> bool:
         """Tell whether equations `start K` give zeta(o) = 0 (6.3)."""
         if self.r == 1:
             return True
@@ -114,7 +119,7 @@ class Sweep(Enclosed):
         values = [i for kind, i, t in self.equations if kind == "start" and t == LEAF]
         return len(basis) == 1 and any(k and bool(basis[0][k - 1]) for k in values)
 
-    def abscissae(self):
+    def abscissae(self) -> list | None:
         """Return the abscissae that the file fixes exactly, or None."""
         c = {}
         for kind, i, value in self.equations:
@@ -129,7 +134,7 @@ class Sweep(Enclosed):
                 c.setdefault(self.s // 2, Fraction(1, 2))
         return [c[i] for i in range(self.s)] if len(c) == self.s else None
 
-    def quadrature(self, power):
+    def quadrature(self, power: int) -> bool:
         """Tell whether sum d_i c_i^power = 1 / (power + 1) for all values of the unknowns."""
         c = self.abscissae()
         if c is None:
@@ -137,7 +142,7 @@ class Sweep(Enclosed):
         return is_nil(total(d * x**power for d, x in zip(self.D, c, strict=True))
                       - Fraction(1, power + 1))  # fmt: skip
 
-    def given_trees(self):
+    def given_trees(self) -> set[Tree]:
         """Return the trees whose conditions the file gives (6.3)."""
         given = {t for kind, _, t in self.equations if kind == "order"}
         third, fifth, bush, path = map(read_tree, ("[oo]", "[oooo]", "[oo[o]]", "[[o][o]]"))
@@ -153,22 +158,22 @@ class Sweep(Enclosed):
             given.add(bush)
         return given
 
-    def is_of_the_theorem(self, identity_mode, nystrom, row):
+    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
         """Tell whether the method is symmetric, and its order is on all trees."""
         return not nystrom and self.signs is not None
 
-    def principal_is_zero(self, p, identity_mode, nystrom):
+    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
         """Tell whether the first value is 0 at all classes below p, where it is the solution."""
-        if not identity_mode or p < 2:
+        if not identity or p < 2:
             return True
         return all(is_nil(x[0]) for x in self.series(self.root, p).eta.values())
 
-    def gives_order(self, p, nystrom, row, method):
+    def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
         """Tell whether the equations give all conditions through order p."""
         given = self.given_trees()
         return all(conditions_follow(n, self.q, given, self.free) for n in range(1, p + 1, 2))
 
-    def implies(self, claim):
+    def implies(self, claim: str) -> bool:
         """Tell whether a claim that is true or false holds at the root."""
         if claim == "consistent":
             return LEAF in self.given_trees()
@@ -178,7 +183,7 @@ class Sweep(Enclosed):
             return self.r == 1
         return claim == "symmetric" and self.signs is not None
 
-    def gives_stage_order(self, q):
+    def gives_stage_order(self, q: int) -> bool:
         """Tell whether every stage has order q."""
         return q <= self.q
 
@@ -186,26 +191,26 @@ class Sweep(Enclosed):
 class ByClasses(Solved):
     """The series of a sweep at values of its unknowns, by classes; zeta_1 by theorem 2 (6.2)."""
 
-    def __init__(self, sweep, values):
+    def __init__(self, sweep: Sweep, values: list) -> None:
         super().__init__(sweep.at(values), False, False)
-        self.sweep, self.q, self.G = sweep, sweep.q, as_real(sweep.G)
-        self.given = {t: at_values(x, values) for t, x in sweep.xi.items()}
+        self.sweep, self.q, self.G = sweep, sweep.q, as_reals(sweep.G)
+        self.given = {t: at_value(x, values) for t, x in sweep.xi.items()}
 
-    def pool(self, order):
+    def pool(self, order: int) -> list[Tree]:
         """Return the classes of an order."""
         return classes(order, self.q)
 
-    def cut_value(self, s):
+    def cut_value(self, s: Tree) -> list:
         """Return eta(s), that of its class times the factor."""
         below, factor = reduced(s, self.q)
         return self.eta[below] if factor == 1 else [x * factor for x in self.eta[below]]
 
-    def condition(self, t):
+    def condition(self, t: Tree) -> list:
         """Return R_1(t), that of its class times the factor."""
         below, factor = reduced(t, self.q)
         return multiples(factor, super().condition(below))
 
-    def settle(self):
+    def settle(self) -> None:
         """Find the principal parts of the last order, 0 where it is odd."""
         if self.order % 2:
             return

@@ -1,5 +1,10 @@
 """What all documents with an enclosure have in common (section 6.1)."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 from .arithmetic import Fraction
 from .document import Method
 from .grammar import published_decimal
@@ -18,26 +23,30 @@ from .linalg import (
     transpose,
 )
 from .numbers import as_real, conj, inverse, real, squared, total, vanishes
-from .refusals import SIZE, as_object, keys, require, whole
+from .refusals import SIZE, Document, as_list, as_object, keys, require, shown, whole
 from .trees import read_tree
 
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .fields import Numbers
 
-def palindrome(row):
-    """Return 1 or -1 where a row is its own mirror image up to this sign, else None."""
+
+def palindrome(row: list) -> int:
+    """Return 1 or -1 where a row is its own mirror image up to this sign, else 0."""
     for s in (1, -1):
         if all(x == y * s for x, y in zip(row, reversed(row), strict=True)):
             return s
-    return None
+    return 0
 
 
-def eigenvector(M, z):
+def eigenvector(M: list, z: Number) -> list:
     """Return the eigenvector of a simple eigenvalue."""
     basis = kernel(minus(M, diagonal([z] * len(M))))
     require(len(basis) == 1, "an eigenvalue of an equation is not simple")
     return basis[0]
 
 
-def parasitic_form(v, other, seen):
+def parasitic_form(v: list, other: list, seen: list) -> list:
     """Return H, Re(seen seen^*) / v^* other: a growth parameter is sum d_i x_i^T H x_i."""
     norm = dot([conj(x) for x in v], other)
     require(bool(norm) and conj(norm) == norm, "v^* G v is 0 or not real")
@@ -45,12 +54,12 @@ def parasitic_form(v, other, seen):
     return [[as_real(real(a * conj(b)) * unit) for b in seen] for a in seen]
 
 
-def parameter(H, weights, rows):
+def parameter(H: list, weights: list, rows: list) -> Number:
     """Return the growth parameter of weights d_i and columns x_i of the rows."""
     return total(d * dot(x, apply(H, x)) for d, x in zip(weights, transpose(rows), strict=True))
 
 
-def circle_is_named(V, named):
+def circle_is_named(V: list, named: list) -> int | None:
     """Return how many eigenvalues of modulus 1 but 1 are named, where these and 1 are all."""
     found = []
     for z in named:
@@ -65,51 +74,85 @@ def circle_is_named(V, named):
 class Enclosed:
     """What sweeps and pairs have in common: the document, its unknowns, and the root.
 
-    `halves` has by colour the weights and the rows that stand beside them.
+    Each class has its `equations`, read from their texts, and `signs`, the diagonals of E by colour
+    where the method is symmetric; `halves` has by colour the weights and the rows beside them.
     """
 
-    halves, explicit_now = {}, frozenset()
+    halves: Mapping[str, tuple[list, list]] = {}
+    explicit_now: frozenset[int] = frozenset()
+    equations: list[tuple]
+    signs: dict[str, list[int]] | None = None
 
-    def __init__(self, document, numbers, proof):
-        self.document, self.proof = document, proof
+    def __init__(self, document: Document, numbers: Numbers, proof: object) -> None:
         keys(proof, "radius centre inverse", "free trees", "proof of the method")
-        block = document.get("enclosure")
+        self.document, self.proof = document, as_object(proof)
+        block, unknowns = as_object(document.get("enclosure")), document.get("unknowns", {})
         keys(block, "equations", "radius xi", "enclosure")
-        require("starting" not in block, "enclosure")
-        self.unknowns = list(as_object(document.get("unknowns", {})))
+        unknowns = as_object(unknowns)
+        self.unknowns = list(unknowns)
         require(0 < len(self.unknowns) <= SIZE, "the unknowns")
-        require(
-            block.get("radius", "1e-60") == proof["radius"], "the radius is not that of the file"
-        )
+        radius = block.get("radius", "1e-60")
+        require(radius == self.proof["radius"], "the radius is not that of the file")
         self.digits = whole(document.get("digits", 75), 20, 400)
         symbols = {name: Linear({k: Fraction(1)}) for k, name in enumerate(self.unknowns)}
         self.numbers = numbers.changed(unknowns=symbols)
         self.exact = numbers
-        self.texts = block["equations"]
-        require(isinstance(self.texts, list) and len(self.texts) == len(self.unknowns), "equations")
+        self.texts = as_list(block["equations"], "equations")
+        require(len(self.texts) == len(self.unknowns), "equations")
         self.xi = {read_tree(t): self.numbers.entry(x, document)
                    for t, x in as_object(block.get("xi", {})).items()}  # fmt: skip
         self.prepare()
-        published = [published_decimal(document["unknowns"][x], self.digits) for x in self.unknowns]
-        self.root = only_root(self.residuals, published, self.digits, proof)
+        published = [published_decimal(x, self.digits) for x in unknowns.values()]
+        self.root = only_root(self.residuals, published, self.digits, self.proof)
 
-    def matrix(self, key):
+    def prepare(self) -> None:
+        """Read the matrices and equations and check what the theorems suppose."""
+        raise NotImplementedError
+
+    def residuals(self, values: list) -> list:
+        """Return left minus right of every equation."""
+        raise NotImplementedError
+
+    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
+        """Tell whether the theorem about orders is about the method, these trees and this row."""
+        raise NotImplementedError
+
+    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
+        """Tell whether the principal parts below p, where the theorem needs them, are 0."""
+        raise NotImplementedError
+
+    def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
+        """Tell whether the equations give all conditions through order p with the row."""
+        raise NotImplementedError
+
+    def gives_stage_order(self, q: int) -> bool:
+        """Tell whether the equations give the stage order q: of pairs they do not."""
+        return False
+
+    def zero_start_holds(self, q: int, nystrom: bool | str) -> bool:
+        """Tell whether every value but the first is 0 on all trees through order q, of pairs."""
+        return False
+
+    def implies(self, claim: str) -> bool:
+        """Tell whether a claim that is true or false holds at the root."""
+        raise NotImplementedError
+
+    def matrix(self, key: str) -> list:
         """Return a matrix of the document, in the unknowns; a form may be its diagonal."""
         read = self.numbers.form if key == "G" else self.numbers.matrix
         return read(self.document[key], self.document)
 
-    def number(self, text):
+    def number(self, text: object) -> Number:
         """Return an exact number in the text of an equation."""
         return self.exact.entry(text, {})
 
-    def at(self, values):
+    def at(self, values: list) -> Method:
         """Return the method at values of the unknowns."""
-        values = dict(zip(self.unknowns, values, strict=True))
-        return Method(
-            self.document, self.exact.changed(unknowns=values, explicit=self.explicit_now)
-        )
+        named = dict(zip(self.unknowns, values, strict=True))
+        numbers = self.exact.changed(unknowns=named, explicit=self.explicit_now)
+        return Method(self.document, numbers)
 
-    def suppose(self, names):
+    def suppose(self, names: Mapping[str, str]) -> None:
         """Read G and the V of these names, by colour; check what the theorems suppose of them."""
         self.V = {c: self.matrix(name) for c, name in names.items()}
         self.G = self.matrix("G")
@@ -125,33 +168,34 @@ class Enclosed:
             regular = rank(minus(V, identity(len(V)))) == len(V) - 1
             require(regular, "I - V is not regular on the values 2 to r")
 
-    def find_signs(self):
+    def find_signs(self) -> dict[str, list[int]] | None:
         """Return the diagonals of E by colour, after the checks of theorem 3, or None."""
         found = {c: [palindrome(row) for row in X] for c, (_, X) in self.halves.items()}
         mirrored = all(palindrome(weights) == 1 for weights, _ in self.halves.values())
-        if not mirrored or any(None in x for x in found.values()):
+        if not mirrored or any(0 in x for x in found.values()):
             return None
         E = {c: diagonal([Fraction(x) for x in signs]) for c, signs in found.items()}
         pairs = [(times(E[min(E)], self.G, E[max(E)]), self.G)]
         pairs += [(times(E[c], inverse_matrix(V), E[c]), V) for c, V in self.V.items()]
         return found if all(vanishes(minus(M, N)) for M, N in pairs) else None
 
-    def reversal(self):
+    def reversal(self) -> dict[str, list]:
         """Return L = V^-1 E of each component."""
-        require(self.signs is not None, "the method is not symmetric")
-        return {c: times(inverse_matrix(V), diagonal([Fraction(x) for x in self.signs[c]]))
+        signs = shown(self.signs, "the method is not symmetric")
+        return {c: times(inverse_matrix(V), diagonal([Fraction(x) for x in signs[c]]))
                 for c, V in self.V.items()}  # fmt: skip
 
-    def growth_form(self, text, colour):
+    def growth_form(self, text: str, colour: str) -> tuple[str, Number, list]:
         """Return (colour, z, H): the growth parameter of z is sum d_i x_i^T H x_i."""
         z = self.number(text)
         v, w = eigenvector(self.first, z), eigenvector(self.last, z)
         seen = apply(self.G, w) if colour == min(self.V) else apply(transpose(self.G), v)
         return colour, z, parasitic_form(v, apply(self.G, w), seen)
 
-    def zero_growths(self):
+    def zero_growths(self) -> int | None:
         """Return how many growth parameters there are, all 0, or None."""
         named = [e[2] for e in self.equations if e[0] == "growth"]
         counts = {circle_is_named(V, [z for half, z, _ in named if half == c])
                   for c, V in self.V.items()}  # fmt: skip
-        return counts.pop() * len(self.V) if len(counts) == 1 and None not in counts else None
+        count = counts.pop() if len(counts) == 1 else None
+        return None if count is None else count * len(self.V)

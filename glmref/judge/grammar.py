@@ -1,22 +1,35 @@
 """The grammar of entries (section 1)."""
 
+from __future__ import annotations
+
 import ast
 import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction, rational_of
 from .numbers import inverse
-from .refusals import Refused, require
+from .refusals import NotShown, Refused, as_text, matched, require, shown
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 DIGITS = 4000  # characters of an entry
 
 
-def rational(text):
+def rational(text: object) -> Fraction:
     """Return a rational number written as a string."""
-    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(/[0-9]+)?", text)
-    require(found and len(text) <= DIGITS, f"{str(text)[:40]!r} is no rational number")
-    top, _, bottom = text.partition("/")
-    require(int(bottom or 1), "a division by 0")
-    return Fraction(int(top), int(bottom or 1))
+    top, bottom = short(r"(-?[0-9]+)(?:/([0-9]+))?", text, "rational number").groups("1")
+    require(int(bottom), "a division by 0")
+    return Fraction(int(top), int(bottom))
+
+
+def short(pattern: str, text: object, what: str) -> re.Match[str]:
+    """Return the match of a text of no more than DIGITS characters."""
+    found = re.fullmatch(pattern, text) if isinstance(text, str) and len(text) <= DIGITS else None
+    if found is None:
+        raise NotShown(f"{str(text)[:40]!r} is no {what}")
+    return found
 
 
 FUNCTIONS = ("sqrt", "root", "exp")
@@ -34,66 +47,71 @@ OPERATIONS = {
 }  # fmt: skip
 
 
-def plain(text):
+def plain(text: str) -> str:
     """Return an entry without blanks and without zeros that begin a number, as in 01."""
     return re.sub(r"(?<![.\w])0+(?=[0-9])", "", re.sub(BLANK, "", text))
 
 
-def parse(text, name, radical=None, written_out=str, decimal=None):
+def parse(
+    text: object,
+    name: Callable[[str], Number | None],
+    radical: Callable[[str], Number] | None = None,
+    written_out: Callable[[str], str] = str,
+    decimal: Callable[[str], Number] | None = None,
+) -> Number:
     """Return the number that an entry stands for (data contract).
 
     It depends on the number of a name, of the text of a radical with all constants `written_out`,
     and of a decimal.
     """
-    require(isinstance(text, str) and 0 < len(text) <= DIGITS, "an entry is no short string")
-    require(not re.search(rf"[.\w]{BLANK}+[.\w]", text), "a blank stands inside a number or a name")
-    text = plain(text)
-    require(re.fullmatch(CHARACTERS, text), f"{text[:40]!r} is no entry")
+    given = as_text(text, "an entry is no short string")
+    require(0 < len(given) <= DIGITS, "an entry is no short string")
+    require(
+        not re.search(rf"[.\w]{BLANK}+[.\w]", given), "a blank stands inside a number or a name"
+    )
+    plainly = plain(given)
+    require(re.fullmatch(CHARACTERS, plainly), f"{plainly[:40]!r} is no entry")
 
-    def value(node):
-        kind, own = type(node), text[node.col_offset : node.end_col_offset]
-        if kind is ast.Constant and own.isdigit():
+    def value(node: ast.expr) -> Number:
+        own = plainly[node.col_offset : node.end_col_offset]
+        if isinstance(node, ast.Constant) and own.isdigit():
             return Fraction(int(own))
-        if kind is ast.Constant and re.fullmatch(r"[0-9]*\.[0-9]*", own):
-            require(decimal, "a decimal is no exact number")
-            return decimal(own)
-        if own == "i" or (kind is ast.Call and getattr(node.func, "id", "") in FUNCTIONS):
-            require(radical, "a radical stands where none may")
-            return radical(written_out(own))
-        if kind is ast.Name:
+        if isinstance(node, ast.Constant) and re.fullmatch(r"[0-9]*\.[0-9]*", own):
+            return shown(decimal, "a decimal is no exact number")(own)
+        called = isinstance(node, ast.Call) and getattr(node.func, "id", "") in FUNCTIONS
+        if own == "i" or called:
+            return shown(radical, "a radical stands where none may")(written_out(own))
+        if isinstance(node, ast.Name):
             found = name(own)
-            require(found is not None, f"nothing is called {own[:40]!r}")
+            if found is None:
+                raise NotShown(f"nothing is called {own[:40]!r}")
             return found
-        known = kind in (ast.BinOp, ast.UnaryOp) and type(node.op) in OPERATIONS
-        require(known, "an entry breaks the grammar")
-        inner = (node.left, node.right) if kind is ast.BinOp else (node.operand,)
+        if not isinstance(node, ast.BinOp | ast.UnaryOp) or type(node.op) not in OPERATIONS:
+            raise NotShown("an entry breaks the grammar")
+        inner = (node.left, node.right) if isinstance(node, ast.BinOp) else (node.operand,)
         return OPERATIONS[type(node.op)](*map(value, inner))
 
     try:
-        return value(ast.parse(text, mode="eval").body)
+        return value(ast.parse(plainly, mode="eval").body)
     except SyntaxError:
-        raise Refused(f"{text[:40]!r} is no entry") from None
+        raise Refused(f"{plainly[:40]!r} is no entry") from None
 
 
-def decimal_number(text):
+def decimal_number(text: object) -> Fraction:
     """Return the rational of a decimal such as -1.25e-3."""
-    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]{1,3})?", text)
-    require(found and len(text) <= DIGITS, f"{str(text)[:40]!r} is no decimal")
-    return rational_of(text)
+    return rational_of(short(r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]{1,3})?", text, "decimal")[0])
 
 
-def published_decimal(text, digits):
+def published_decimal(text: object, digits: int) -> Fraction:
     """Return the rational of an unknown that is given with this many places."""
-    found = isinstance(text, str) and re.fullmatch(r"-?[0-9]+\.([0-9]+)", text)
-    require(found and len(found[1]) == digits, "an unknown has another number of places")
-    return rational_of(text)
+    why = "an unknown has another number of places"
+    found = matched(r"-?[0-9]+\.([0-9]+)", text, why)
+    require(len(found[1]) == digits, why)
+    return rational_of(found[0])
 
 
-def two_digits(text):
+def two_digits(text: object) -> tuple[Fraction, Fraction]:
     """Return the number of two digits and the one before it."""
-    require(
-        isinstance(text, str) and re.fullmatch(r"[1-9]\.[0-9]e-[1-9][0-9]{0,2}", text), "a size"
-    )
-    digits, _, power = text.partition("e")
-    top, unit = int(digits.replace(".", "")), Fraction(1, 10 ** (1 - int(power)))
+    found = matched(r"([1-9])\.([0-9])e-([1-9][0-9]{0,2})", text, "a size")
+    top, unit = int(found[1] + found[2]), Fraction(1, 10 ** (1 + int(found[3])))
     return top * unit, (top - 1) * unit if top > 10 else Fraction(99, 10) * unit

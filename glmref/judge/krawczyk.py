@@ -1,25 +1,36 @@
 """The operator of Krawczyk, and expressions in unknowns (sections 2 and 6)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, cast
+
 from .arithmetic import Fraction, Gradient, Interval, Ring, newton_sums
 from .grammar import decimal_number
-from .numbers import around, as_interval, as_real, floor, inverse, is_nil
+from .numbers import around, as_interval, as_real, floor, inverse, is_nil, total
 from .polynomials import derivative, horner
-from .refusals import require
+from .refusals import Document, as_list, require
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .numbers import Box
 
 
-def root_in(p, box):
+def root_in(p: list, box: Interval | Box) -> Interval | Box:
     """Return the one root of p in an interval or a rectangle, by the operator of Krawczyk.
 
     It maps the box into its interior: m - Y p(m) + (1 - Y p'(X)) (X - m), Y about 1 / p'(m).
     """
-    slopes = derivative(p)
+    slopes, region = derivative(p), cast("Interval", box)  # a rectangle has the same methods
     for step in range(12):
-        m = box.middle()
+        m = region.middle()
         Y = inverse(horner(slopes, m).middle())
-        image = m - Y * horner(p, m) + (1 - Y * horner(slopes, box)) * (box - m)
-        require(step or image.inside(box), "a box is not shown to hold one root")
-        box = image.meet(box)
-    return box
+        image = m - Y * horner(p, m) + (1 - Y * horner(slopes, region)) * (region - m)
+        require(
+            step or cast("Interval", image).inside(region), "a box is not shown to hold one root"
+        )
+        region = cast("Interval", image).meet(region)
+    return region
 
 
 class Linear(Ring):
@@ -27,46 +38,48 @@ class Linear(Ring):
 
     __slots__ = ("terms",)
 
-    def __init__(self, terms):
+    def __init__(self, terms: dict[int | None, Number]) -> None:
         self.terms = terms
 
     @classmethod
-    def made(cls, terms):
+    def made(cls, terms: dict[int | None, Number]) -> Number:
         """Return the expression, or the number that it is."""
         terms = {k: x for k, x in terms.items() if not is_nil(x)}
         return cls(terms) if set(terms) - {None} else terms.get(None, Fraction(0))
 
-    def __add__(self, other):
+    def __add__(self, other: Number) -> Number:
         terms = dict(self.terms)
         for k, x in other.terms.items() if isinstance(other, Linear) else ((None, other),):
             terms[k] = terms.get(k, Fraction(0)) + x
         return Linear.made(terms)
 
-    def __mul__(self, other):
+    def __mul__(self, other: Number) -> Number:
         require(not isinstance(other, Linear), "a product of two expressions in the unknowns")
         return Linear.made({k: x * other for k, x in self.terms.items()})
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __eq__(self, other):
+    def __eq__(self, other: Number) -> bool:
         return is_nil(self - other)
 
-    __hash__ = None
+    __hash__ = None  # type: ignore[assignment]
 
 
-def at_values(thing, values):
-    """Return expressions, in lists or not, at values of the unknowns."""
-    if isinstance(thing, list):
-        return [at_values(x, values) for x in thing]
-    if not isinstance(thing, Linear):
-        return as_real(thing)
-    value = Fraction(0)
-    for k, x in thing.terms.items():
-        value = value + (as_real(x) if k is None else values[k] * as_real(x))
-    return value
+def at_value(x: Number, values: list) -> Number:
+    """Return an expression at values of the unknowns."""
+    if not isinstance(x, Linear):
+        return as_real(x)
+    return total(as_real(y) if k is None else values[k] * as_real(y) for k, y in x.terms.items())
 
 
-def only_root(function, published, digits, proof):
+def at_values(thing: list, values: list) -> list:
+    """Return expressions in a vector or matrix at values of the unknowns."""
+    return [at_values(x, values) if isinstance(x, list) else at_value(x, values) for x in thing]
+
+
+def only_root(
+    function: Callable[[list], list], published: list[Fraction], digits: int, proof: Document
+) -> list[Interval]:
     """Return intervals around the one root of `function` near the published numbers (Krawczyk).
 
     The box X has the half-width `radius` around the published numbers, the centre lies in it, Y
@@ -74,16 +87,13 @@ def only_root(function, published, digits, proof):
     """
     n, radius = len(published), decimal_number(proof["radius"])
     require(n and 0 < radius <= Fraction(1, 10**60), "the radius")
-    centre, rows = proof["centre"], proof["inverse"]
-    require(isinstance(centre, list) and len(centre) == n, "the centre")
-    require(isinstance(rows, list) and len(rows) == n, "the inverse")
-    centre = [decimal_number(x) for x in centre]
+    centre = [decimal_number(x) for x in as_list(proof["centre"], "the centre")]
+    rows = [as_list(row, "the inverse") for row in as_list(proof["inverse"], "the inverse")]
+    require(len(centre) == n, "the centre")
+    require(len(rows) == n and all(len(row) == n for row in rows), "the inverse")
     away = [abs(x - y) for x, y in zip(centre, published, strict=True)]
     require(max(away) < radius, "the centre lies outside the box")
-    Y = []
-    for row in rows:
-        require(isinstance(row, list) and len(row) == n, "the inverse")
-        Y.append([floor(decimal_number(x) * 2**80) for x in row])
+    Y = [[floor(decimal_number(x) * 2**80) for x in row] for row in rows]
     unit = around(Fraction(1))
     box = [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
            for k, x in enumerate(published)]  # fmt: skip

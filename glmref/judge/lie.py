@@ -1,16 +1,22 @@
 """The Lie algebra of splittings, and its images at trees (section 6.4)."""
 
+from __future__ import annotations
+
 from functools import cache
 from itertools import product
 from math import factorial
+from typing import TypeAlias
 
 from .arithmetic import Fraction
 from .classes import Span
-from .trees import size
+from .trees import Tree, size
+
+#: An element of the free algebra: coefficients by word.
+Words: TypeAlias = dict[str, Fraction | int]
 
 
 @cache
-def colour_words(t):
+def colour_words(t: Tree) -> dict[str, int]:
     """Return {colours of the vertices, children before parents: number of ways}."""
     found = {"": 1}
     for child in t[1]:
@@ -23,7 +29,7 @@ def colour_words(t):
 
 
 @cache
-def shuffles(x, y):
+def shuffles(x: str, y: str) -> dict[str, int]:
     """Return the shuffles of two words, counted."""
     if not x or not y:
         return {x + y: 1}
@@ -34,7 +40,7 @@ def shuffles(x, y):
     return found
 
 
-def word_product(x, y, degree):
+def word_product(x: Words, y: Words, degree: int) -> Words:
     """Return x y in the free algebra, through a degree."""
     found = {}
     for (u, a), (v, b) in product(x.items(), y.items()):
@@ -43,7 +49,7 @@ def word_product(x, y, degree):
     return {w: a for w, a in found.items() if a}
 
 
-def word_sum(x, y, factor=1):
+def word_sum(x: Words, y: Words, factor: Fraction | int = 1) -> Words:
     """Return x + factor y."""
     found = dict(x)
     for w, a in y.items():
@@ -52,17 +58,18 @@ def word_sum(x, y, factor=1):
 
 
 @cache
-def verlet_logarithm(degree, outer):
+def verlet_logarithm(degree: int, outer: str) -> Words:
     """Return log(exp(X/2) exp(Y) exp(X/2)) through a degree, X the letter `outer`."""
 
-    def exponential(letter, scale_):
+    def exponential(letter: str, scale_: Fraction) -> Words:
         return {letter * n: scale_**n / factorial(n) for n in range(degree + 1)}
 
     half = exponential(outer, Fraction(1, 2))
     whole_ = exponential("k" if outer == "f" else "f", Fraction(1))
     step_ = word_product(word_product(half, whole_, degree), half, degree)
     step_.pop("")
-    value, power = {}, {"": Fraction(1)}
+    value: Words = {}
+    power: Words = {"": Fraction(1)}
     for n in range(1, degree + 1):
         power = word_product(power, step_, degree)
         value = word_sum(value, power, Fraction((-1) ** (n + 1), n))
@@ -70,13 +77,13 @@ def verlet_logarithm(degree, outer):
 
 
 @cache
-def lie_elements(n, kind):
+def lie_elements(n: int, kind: str) -> list[Words]:
     """Return elements that span degree n of the Lie algebra of a kind of method (6.4).
 
     All brackets [letter, element] of smaller degree: the right-nested ones span.
     """
     if kind == "splitting":
-        letters = {1: [{"f": Fraction(1)}, {"k": Fraction(1)}]}
+        letters: dict[int, list[Words]] = {1: [{"f": Fraction(1)}, {"k": Fraction(1)}]}
     else:
         log = verlet_logarithm(n, kind)
         letters = {m: [{w: a for w, a in log.items() if len(w) == m}] for m in range(1, n + 1, 2)}
@@ -93,7 +100,7 @@ def lie_elements(n, kind):
 
 
 @cache
-def lie_images(t, kind):
+def lie_images(t: Tree, kind: str) -> list[Fraction | int]:
     """Return the residual of a tree for each element of the Lie algebra."""
     words = colour_words(t)
     return [sum((n * x.get(w, 0) for w, n in words.items()), Fraction(0))

@@ -1,5 +1,10 @@
 """Linear algebra over any of the numbers."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 from .arithmetic import (
     RATIONAL,
     Fraction,
@@ -24,18 +29,21 @@ from .numbers import (
 )
 from .refusals import Undecided, require
 
+if TYPE_CHECKING:
+    from .arithmetic import Number
+
 RATIONALS = {*RATIONAL}
 INTERVALS = RATIONALS | {Interval}
 ELEMENTS = RATIONALS | {Element}
 GRADIENTS = INTERVALS | {Gradient}
 
 
-def multiples(factor, values):
+def multiples(factor: Number, values: Iterable) -> list:
     """Return factor x for every x; an exact zero stays one where the factor is an interval."""
     return [x if is_nil(x) else factor * x for x in values]
 
 
-def dot(x, y):
+def dot(x: list, y: list) -> Number:
     """Return sum x_i y_i; an exact zero stays one whatever it is multiplied by."""
     require(len(x) == len(y), "shapes do not fit")
     kinds = {*map(type, x), *map(type, y)}
@@ -51,13 +59,13 @@ def dot(x, y):
     return total(a * b for a, b in pairs)
 
 
-def less(x, y):
+def less(x: list, y: list) -> list:
     """Return x - y."""
     require(len(x) == len(y), "two vectors have other lengths")
     return [a - b for a, b in zip(x, y, strict=True)]
 
 
-def placewise(n, vectors):
+def placewise(n: int, vectors: Iterable) -> list:
     """Return the product of vectors place by place, n ones if there are none; zeros stay exact."""
     found = None
     for x in vectors:
@@ -67,22 +75,22 @@ def placewise(n, vectors):
     return ones(n) if found is None else found
 
 
-def transpose(M):
+def transpose(M: list) -> list:
     """Return the transpose."""
     return [list(column) for column in zip(*M, strict=True)]
 
 
-def star(M):
+def star(M: list) -> list:
     """Return the conjugate transpose."""
     return [[conj(x) for x in column] for column in transpose(M)]
 
 
-def apply(M, x):
+def apply(M: list, x: list) -> list:
     """Return M x."""
     return [dot(row, x) for row in M]
 
 
-def times(first, *others):
+def times(first: list, *others: list) -> list:
     """Return a product of matrices."""
     for M in others:
         require(len(first[0]) == len(M), "shapes do not fit")
@@ -91,40 +99,40 @@ def times(first, *others):
     return first
 
 
-def combine(M, N, factor=1):
+def combine(M: list, N: list, factor: int = 1) -> list:
     """Return M + factor N."""
     require(len(M) == len(N) and len(M[0]) == len(N[0]), "shapes do not fit")
     return [[a + factor * b for a, b in zip(p, q, strict=True)] for p, q in zip(M, N, strict=True)]
 
 
-def minus(M, N):
+def minus(M: list, N: list) -> list:
     """Return M - N."""
     return combine(M, N, -1)
 
 
-def scale(factor, M):
+def scale(factor: Number, M: list) -> list:
     """Return factor M."""
     return [multiples(factor, row) for row in M]
 
 
-def diagonal(values):
+def diagonal(values: list) -> list:
     """Return the diagonal matrix of `values`."""
     return [
         [x if i == j else Fraction(0) for j in range(len(values))] for i, x in enumerate(values)
     ]
 
 
-def identity(n):
+def identity(n: int) -> list:
     """Return the unit matrix."""
     return diagonal([Fraction(1)] * n)
 
 
-def ones(n):
+def ones(n: int) -> list:
     """Return a vector of ones."""
     return [Fraction(1)] * n
 
 
-def equal(x, y, why):
+def equal(x: list, y: list, why: str) -> None:
     """Refuse two vectors or matrices that differ."""
     same = len(x) == len(y) and (not isinstance(x[0], list) or len(x[0]) == len(y[0]))
     require(same, f"{why}: shapes do not fit")
@@ -134,7 +142,7 @@ def equal(x, y, why):
     require(vanishes(difference), f"{why} does not hold")
 
 
-def echelon(M):
+def echelon(M: list) -> tuple[list, list[int]]:
     """Return the reduced rows and the pivot columns of M; pivots are not 0 in any interval."""
     rows, pivots = [list(row) for row in M], []
     for column in range(len(rows[0]) if rows else 0):
@@ -159,12 +167,12 @@ def echelon(M):
     return rows[: len(pivots)], pivots
 
 
-def rank(M):
+def rank(M: list) -> int:
     """Return the rank of M."""
     return len(echelon(M)[1])
 
 
-def solve(M, y):
+def solve(M: list, y: list) -> tuple[list | None, bool]:
     """Return (x, unique) with M x = y, or (None, False) where the equations contradict."""
     n = len(M[0])
     rows, pivots = echelon([[*row, b] for row, b in zip(M, y, strict=True)])
@@ -176,7 +184,7 @@ def solve(M, y):
     return x, len(pivots) == n
 
 
-def kernel(M):
+def kernel(M: list) -> list:
     """Return a basis of the vectors x with M x = 0."""
     rows, pivots = echelon(M)
     basis = []
@@ -188,7 +196,7 @@ def kernel(M):
     return basis
 
 
-def inverse_matrix(M):
+def inverse_matrix(M: list) -> list:
     """Return the inverse of M."""
     n = len(M)
     rows, pivots = echelon([[*row, *unit] for row, unit in zip(M, identity(n), strict=True)])
@@ -196,7 +204,7 @@ def inverse_matrix(M):
     return [row[n:] for row in rows]
 
 
-def at_matrix(p, V):
+def at_matrix(p: list, V: list) -> list:
     """Return p(V)."""
     value = scale(p[-1], identity(len(V)))
     for c in reversed(p[:-1]):
@@ -204,11 +212,12 @@ def at_matrix(p, V):
     return value
 
 
-def characteristic(M):
+def characteristic(M: list) -> list:
     """Return det(x I - M), constant first (Faddeev, LeVerrier)."""
     n = len(M)
     require(n <= 40, "beyond the limits of this checker")
-    coefficients, N = [Fraction(1)], [[Fraction(0)] * n for _ in range(n)]
+    coefficients: list[Number] = [Fraction(1)]
+    N = [[Fraction(0)] * n for _ in range(n)]
     for k in range(1, n + 1):
         N = combine(times(M, N), scale(coefficients[-1], identity(n)))
         product_ = times(M, N)
@@ -216,12 +225,12 @@ def characteristic(M):
     return coefficients[::-1]
 
 
-def is_exact(M):
+def is_exact(M: list) -> bool:
     """Tell whether no entry is an interval or a rectangle."""
     return not any(is_enclosure(x) for row in M for x in row)
 
 
-def blocks_of(V):
+def blocks_of(V: list) -> list:
     """Return the diagonal blocks of V: exact zeros say in which order it is block triangular."""
     reach = [{j for j, x in enumerate(row) if not is_nil(x)} | {i} for i, row in enumerate(V)]
     for _ in V:
@@ -230,6 +239,6 @@ def blocks_of(V):
     return [[[V[i][j] for j in group] for i in group] for group in sorted(groups)]
 
 
-def entries(matrices):
+def entries(matrices: Iterable) -> list:
     """Return the entries of matrices."""
     return [x for M in matrices for row in M for x in row]

@@ -1,6 +1,10 @@
 """Starts and finishes in decimals, whose values have a parity (section 6.7)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from functools import cache
+from typing import TYPE_CHECKING, TypeAlias
 
 from .arithmetic import Fraction
 from .classes import classes
@@ -8,53 +12,77 @@ from .document import Component
 from .enclosed_pair import ALTERNATING
 from .grammar import published_decimal
 from .krawczyk import Linear, at_values, only_root
-from .linalg import apply, diagonal, dot, equal, kernel, less, minus, transpose
-from .numbers import as_real, is_nil, total, vanishes
-from .refusals import SIZE, keys, require, whole
+from .linalg import apply, diagonal, dot, equal, identity, kernel, less, minus, transpose
+from .numbers import as_reals, is_nil, total, vanishes
+from .refusals import SIZE, Document, as_list, as_object, keys, require, whole
 from .series import Series
-from .trees import is_nystrom, read_tree, trees
+from .trees import Tree, is_nystrom, read_tree, trees
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .enclosed_pair import Pair
+    from .fields import Numbers
+
+
+#: The row and the tree of a condition, and the function that gives how far conditions fail.
+Label: TypeAlias = tuple[int, Tree]
+Gaps: TypeAlias = Callable[[list[Label], list], list]
 
 
 class Block:
     """A start or finish whose decimals are unknowns, equal decimals one unknown, with its proof."""
 
-    def __init__(self, numbers, document, proof=None, more=""):
+    def __init__(
+        self, numbers: Numbers, document: Document, proof: object = None, more: str = ""
+    ) -> None:
         self.unknowns, self.numbers = {}, numbers.changed(decimal=self.unknown, unknowns={})
         self.digits, self.proof = document.get("digits", 75), proof
         if proof is not None:
             keys(proof, "radius centre inverse conditions" + more, where="proof")
 
-    def unknown(self, text, digits):
+    def unknown(self, text: str, digits: int) -> Linear:
         """Return the unknown that a decimal stands for."""
         require(len(text.partition(".")[2]) >= 20, "a decimal of a start has few places")
         return Linear({self.unknowns.setdefault(text, len(self.unknowns)): Fraction(1)})
 
-    def matrix(self, rows):
+    def matrix(self, rows: object) -> list:
         """Return the entries, expressions in the unknowns."""
         return self.numbers.matrix(rows, {"digits": 75})
 
-    def root(self, gaps, wanted, may_lack=lambda label: False):
+    def finish(self, table: Document) -> tuple[list, list]:
+        """Return A and b of a finish."""
+        A, b = self.matrix(table["A"]), self.matrix([table["b"]])[0]
+        require(len(A) == len(A[0]) == len(b), "shapes of the finish")
+        return A, b
+
+    def root(
+        self,
+        gaps: Gaps,
+        wanted: list[Label],
+        may_lack: Callable[[Label], bool] = lambda label: False,
+    ) -> list:
         """Return intervals around the one root of the conditions, in the order of the proof.
 
         They are all that are `wanted`, less some that hold exactly, where these may be missing.
         """
-        labels = [(whole(k, 0, SIZE), read_tree(t)) for k, t in self.proof["conditions"]]
+        proof = as_object(self.proof)
+        labels = [(whole(k, 0, SIZE), read_tree(t)) for k, t in as_list(proof["conditions"])]
         left = [x for x in wanted if x not in set(labels)]
         fine = len(set(labels)) == len(labels) == len(wanted) - len(left)
         require(fine and all(map(may_lack, left)), "the conditions are other ones")
         digits = whole(self.digits, 20, 400)
         published = [published_decimal(text, digits) for text in self.unknowns]
-        root = only_root(lambda values: gaps(labels, values), published, digits, self.proof)
+        root = only_root(lambda values: gaps(labels, values), published, digits, proof)
         require(all(map(is_nil, gaps(left, root))), "a condition is missing")
         return root
 
 
-def partner(i):
+def partner(i: int) -> int:
     """Return the stage that h -> -h exchanges with stage i: 0 alone, then (1, 2), (3, 4), .."""
     return 0 if i == 0 else i + 1 if i % 2 else i - 1
 
 
-def opposite(rows, images):
+def opposite(rows: list, images: list) -> None:
     """Refuse unless entry [i][partner j] of rows is minus entry [i][j] of images."""
     for row, image in zip(rows, images, strict=True):
         require(len(row) % 2 == 1, "a start with parity has an odd number of stages")
@@ -62,16 +90,16 @@ def opposite(rows, images):
         require(fine, "the stages have no parity")
 
 
-def stage_series(A, q, base=None):
+def stage_series(A: list, q: int, base: Callable[[Tree], Number] | None = None) -> Series:
     """Return the series of Y_i = S + h sum A_ij f(Y_j) by classes, S with the series `base`."""
     U = [[Fraction(1)] if base else []] * len(A)
-    found = Series({"o": Component(A, U, None, None)}.__getitem__, None,
+    found = Series({"o": Component(A, U, [], [])}.__getitem__, {},
                    lambda t: [base(t)] if base else [])  # fmt: skip
     found.q = q
     return found
 
 
-def simplifies(A, most):
+def simplifies(A: list, most: int) -> int:
     """Return the largest q <= most with A c^(k-1) = c^k / k for k = 2..q, c = A 1."""
     c, q = [total(row) for row in A], 1
     while q < most and vanishes([x - y**(q + 1) * Fraction(1, q + 1) for x, y in
@@ -80,7 +108,7 @@ def simplifies(A, most):
     return q
 
 
-def parts_of(L):
+def parts_of(L: list) -> list[tuple[list, int]]:
     """Return the rows f with f L = f or f L = -f, with the sign; e_1 comes first."""
     found = []
     for s in (1, -1):
@@ -91,14 +119,22 @@ def parts_of(L):
     return first + [x for x in found if x is not first[0]]
 
 
-def first_is_solution(numbers, texts, r):
+def first_is_solution(numbers: Numbers, texts: object, r: int) -> None:
     """Refuse a start whose multiples of y are not 1, 0, .., 0."""
     require(numbers.vector(texts) == [Fraction(int(k == 0)) for k in range(r)], "u of the start")
 
 
-def start_with_parity(proof, numbers, document, series, L, order, q_most):
+def start_with_parity(
+    proof: Document,
+    numbers: Numbers,
+    document: Document,
+    series: Callable[[Tree], list],
+    L: list,
+    order: int,
+    q_most: int,
+) -> tuple[Block, list, list]:
     """Return (block, root, rows) of the start; `series` gives zeta(t) for any tree (6.7)."""
-    table, block, r = document["starting"], Block(numbers, document, proof), len(L)
+    table, block, r = as_object(document["starting"]), Block(numbers, document, proof), len(L)
     keys(table, "A B u", "name kind order", "start")
     first_is_solution(numbers, table["u"], r)
     A, B = block.matrix(table["A"]), block.matrix(table["B"])
@@ -109,12 +145,12 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     opposite(B, images)
     known = not any(isinstance(x, Linear) for row in A for x in row)
     q = simplifies(A, q_most) if known else 1
-    rows = [(as_real(f), s) for f, s in parts_of(L)]
+    rows = [(as_reals(f), s) for f, s in parts_of(L)]
     wanted = [(k, t) for k, (_, s) in enumerate(rows) for m in range(1, order + (k > 0))
               if (m % 2 == 0) == (s > 0) for t in classes(m, q)]  # fmt: skip
-    fixed = stage_series(as_real(A), q) if known else None
+    fixed = stage_series(as_reals(A), q) if known else None
 
-    def gaps(labels, values):
+    def gaps(labels: list[Label], values: list) -> list:
         stages = fixed or stage_series(at_values(A, values), q)
         weights = at_values(B, values)
         return [dot(rows[k][0], less(apply(weights, stages.derivative(t)), series(t)))
@@ -124,13 +160,12 @@ def start_with_parity(proof, numbers, document, series, L, order, q_most):
     return block, at_values(A, root), at_values(B, root)
 
 
-def undoes(numbers, opening, closing):
+def undoes(numbers: Numbers, opening: Document, closing: Document) -> bool:
     """Tell whether the finish undoes the first value of the start for all values of the digits."""
     block = Block(numbers, {})
     A, b = block.matrix(opening["A"]), block.matrix(opening["B"])[0]
-    C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
+    C, d = block.finish(closing)
     require(len(A) == len(A[0]) == len(b), "shapes of the start")
-    require(len(C) == len(C[0]) == len(d), "shapes of the finish")
     needed = {j for j, x in enumerate(b) if not is_nil(x)}
     while True:
         more = {j for i in needed for j, x in enumerate(A[i]) if not is_nil(x)} | needed
@@ -145,33 +180,32 @@ def undoes(numbers, opening, closing):
         for k, i in enumerate(stages) for m, j in enumerate(stages))  # fmt: skip
 
 
-def finish_with_parity(proof, numbers, document, A, b, order):
+def finish_with_parity(
+    proof: Document, numbers: Numbers, document: Document, A: list, b: list, order: int
+) -> None:
     """Refuse unless the finish has the order, after the start with stages A and weights b."""
-    closing, first = document["finishing"], stage_series(A, 1)
-    block = Block(numbers, document, proof)
-    C, d = block.matrix(closing["A"]), block.matrix([closing["b"]])[0]
-    require(len(C) == len(C[0]) == len(d), "shapes of the finish")
+    first, block = stage_series(A, 1), Block(numbers, document, proof)
+    C, d = block.finish(as_object(document["finishing"]))
     opposite(C, [C[partner(i)] for i in range(len(C))])
     opposite([d], [d])
     wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
     base = cache(lambda t: dot(b, first.derivative(t)))
 
-    def gaps(labels, values):
+    def gaps(labels: list[Label], values: list) -> list:
         stages, weights = stage_series(at_values(C, values), 1, base), at_values(d, values)
         return [dot(weights, stages.derivative(t)) + base(t) for _, t in labels]
 
     block.root(gaps, wanted)
 
 
-def even_start(proof, pair, numbers, document):
+def even_start(
+    proof: Document, pair: Pair, numbers: Numbers, document: Document
+) -> tuple[int, int]:
     """Return the orders (all trees, second-order systems) of the start of a pair (6.7)."""
-    table, block = document["starting"], Block(numbers, document, proof, " orders")
-    orders = proof["orders"]
-    require(isinstance(orders, list) and len(orders) == 2, "orders")
-    most, nystrom = (whole(x, 0, 12) for x in orders)
-    require(pair.signs is not None, "the pair is not symmetric")
-    for c, V in pair.V.items():
-        equal(V, diagonal([Fraction(x) for x in pair.signs[c]]), "L = I")
+    table, block = as_object(document["starting"]), Block(numbers, document, proof, " orders")
+    most, nystrom = (whole(x, 0, 12) for x in as_list(proof["orders"], "orders"))
+    for L in pair.reversal().values():
+        equal(L, identity(len(L)), "L = I")
     zeta = {}
     for order, kind in ((most, False), (nystrom, True)):
         if order:
@@ -191,12 +225,13 @@ def even_start(proof, pair, numbers, document):
         require(all(map(is_nil, A[0] + B[0])), "the first stage and value are the solution")
         opposite(A, [A[partner(i)] for i in range(len(A))])
         opposite(B, B)
-    wanted = [(k, t) for n in range(2, max(orders) + 1, 2) for t in trees(ALTERNATING, n)
+    wanted = [(k, t) for n in range(2, max(most, nystrom) + 1, 2) for t in trees(ALTERNATING, n)
               if n <= most or (n <= nystrom and is_nystrom(t))
               for k in range(1, len(pair.V[t[0]]))]  # fmt: skip
 
-    def gaps(labels, values):
-        start = Series.of_tables({c: at_values(list(x), values) for c, x in tables.items()})
+    def gaps(labels: list[Label], values: list) -> list:
+        start = Series.of_tables({c: (at_values(A, values), at_values(B, values))
+                                  for c, (A, B) in tables.items()})  # fmt: skip
         return [start.value(t)[k] - zeta[t][k] for k, t in labels]
 
     block.root(gaps, wanted)

@@ -1,14 +1,22 @@
 """Polynomials and where their roots lie: Schur, Cohn, Sturm, Yun (section 5)."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction, Ring
 from .linalg import at_matrix, characteristic, times
 from .numbers import conj, inverse, is_enclosure, is_nil, live, sign, squared, vanishes
 from .refusals import require
 
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .refusals import T
 
-def horner(coefficients, x):
+
+def horner(coefficients: list, x: T) -> T:
     """Return the value of a polynomial, constant first."""
     value = coefficients[-1]
     for c in reversed(coefficients[:-1]):
@@ -16,12 +24,12 @@ def horner(coefficients, x):
     return value
 
 
-def derivative(p):
+def derivative(p: list) -> list:
     """Return p' of a list of coefficients, constant first."""
     return [k * c for k, c in enumerate(p)][1:] or [Fraction(0)]
 
 
-def trim(p):
+def trim(p: Iterable) -> list:
     """Return p without leading zeros; constant first."""
     p = list(p)
     while p and not p[-1]:
@@ -29,7 +37,7 @@ def trim(p):
     return p
 
 
-def multiply(p, q):
+def multiply(p: list, q: list) -> list:
     """Return p q."""
     out = [Fraction(0)] * (len(p) + len(q) - 1) if p and q else []
     for i, a in enumerate(p):
@@ -39,14 +47,14 @@ def multiply(p, q):
     return trim(out)
 
 
-def plus(p, q, factor=1):
+def plus(p: list, q: list, factor: Number = 1) -> list:
     """Return p + factor q."""
     n = max(len(p), len(q))
     p, q = (list(x) + [Fraction(0)] * (n - len(x)) for x in (p, q))
     return trim([a + factor * b for a, b in zip(p, q, strict=True)])
 
 
-def divide(p, q):
+def divide(p: list, q: list) -> tuple[list, list]:
     """Return quotient and remainder."""
     p, q, unit, out = trim(p), trim(q), inverse(trim(q)[-1]), []
     out = [Fraction(0)] * max(len(p) - len(q) + 1, 0)
@@ -57,7 +65,7 @@ def divide(p, q):
     return out, p
 
 
-def gcd(p, q):
+def gcd(p: list, q: list) -> list:
     """Return a monic greatest common divisor."""
     p, q = trim(p), trim(q)
     while q:
@@ -65,12 +73,12 @@ def gcd(p, q):
     return [inverse(p[-1]) * x for x in p]
 
 
-def mirror(p):
+def mirror(p: list) -> list:
     """Return p~, the coefficients conjugated and reversed."""
     return [conj(x) for x in reversed(p)]
 
 
-def margins(p):
+def margins(p: Iterable) -> Iterator:
     """Yield |p_n|^2 - |p_0|^2 along the steps of Schur and Cohn, None where Cohn's step fails."""
     p = trim(p)
     require(p, "a polynomial is 0")
@@ -90,17 +98,17 @@ def margins(p):
             return
 
 
-def is_schur(p):
+def is_schur(p: list) -> bool:
     """Tell whether all roots lie inside the circle (Schur, Cohn)."""
     return all(sign(x) > 0 for x in margins(p))
 
 
-def in_disc(p):
+def in_disc(p: list) -> bool:
     """Tell whether all roots lie in the closed disc (Schur, Cohn)."""
     return all(x is not None and sign(x) >= 0 for x in margins(p))
 
 
-def is_unbounded(M):
+def is_unbounded(M: list) -> bool:
     """Tell whether the powers of M are not bounded: a root outside, or a defective one on it.
 
     What the characteristic polynomial shares with its mirror image is q, the rest is h.
@@ -122,7 +130,7 @@ def is_unbounded(M):
     return not vanishes(left)
 
 
-def from_roots(numbers):
+def from_roots(numbers: Iterable) -> list:
     """Return the product of (x - mu)."""
     p = [Fraction(1)]
     for mu in numbers:
@@ -130,7 +138,7 @@ def from_roots(numbers):
     return p
 
 
-def interpolate(nodes, values):
+def interpolate(nodes: list, values: list) -> list:
     """Return the polynomial with these values at the nodes (Newton)."""
     p, basis, rest = [], [Fraction(1)], list(values)
     for k, node in enumerate(nodes):
@@ -146,26 +154,26 @@ class OnAxis(Ring):
 
     __slots__ = ("p",)
 
-    def __init__(self, p):
+    def __init__(self, p: Iterable) -> None:
         self.p = trim(p)
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return bool(self.p)
 
-    def __add__(self, other):
+    def __add__(self, other: OnAxis) -> OnAxis:
         return OnAxis(plus(self.p, other.p))
 
-    def __mul__(self, other):
+    def __mul__(self, other: Number) -> OnAxis:
         return OnAxis(multiply(self.p, other.p if isinstance(other, OnAxis) else [other]))
 
     __rmul__ = __mul__
 
-    def conj(self):
+    def conj(self) -> OnAxis:
         """Return the conjugate."""
         return OnAxis([-c if k % 2 else c for k, c in enumerate(self.p)])
 
 
-def real_roots(p):
+def real_roots(p: list) -> int:
     """Return the number of different real roots of p (Sturm)."""
     chain = [trim(p), derivative(trim(p))]
     while trim(chain[-1]):
@@ -177,7 +185,7 @@ def real_roots(p):
     return ends[0] - ends[1]
 
 
-def nowhere_negative(p):
+def nowhere_negative(p: list) -> bool:
     """Tell whether p(y) >= 0 for all real y: no real root of odd multiplicity, a positive end."""
     p = trim(p)
     if sign(p[-1]) < 0 or len(p) % 2 == 0:
@@ -193,7 +201,7 @@ def nowhere_negative(p):
     return True
 
 
-def no_root_but_zero(p):
+def no_root_but_zero(p: list) -> bool:
     """Tell whether p has no real root other than 0."""
     while p and not p[0]:
         p = p[1:]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from copy import copy
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import TypeVar
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction, Interval, rational_of
 from .claims import LOOKS_AT
@@ -14,22 +15,38 @@ from .document import Method, class_of
 from .enclosed_pair import Pair
 from .enclosed_rk import RungeKutta
 from .enclosed_sweep import Sweep
+from .enclosures import Enclosed
 from .fields import Numbers
 from .grammar import published_decimal
 from .krawczyk import at_values
 from .linalg import apply, equal, is_exact
-from .numbers import apart, as_real
+from .numbers import apart, as_reals
 from .parity import even_start, start_with_parity
-from .refusals import Malformed, NoCertificate, as_object, keys, require, whole
+from .refusals import (
+    Document,
+    Malformed,
+    NoCertificate,
+    NotShown,
+    as_list,
+    as_object,
+    as_text,
+    keys,
+    require,
+    shown,
+    whole,
+)
 from .rule import Bound, Conclusion, Replaced, Reversal
 from .series import Solved
-from .trees import PATHS, size, through
+from .trees import PATHS, Tree, size, through
 
-T = TypeVar("T")
+if TYPE_CHECKING:
+    from .refusals import T
+    from .rule import Rule
+
 FORMAT = "glmref-certificate-1"
 
 
-def around_decimal(text, digits):
+def around_decimal(text: str | Fraction, digits: int) -> Interval:
     """Return an interval around a decimal of a document with this number of places.
 
     A decimal with fewer places says less than `digits` does.
@@ -44,9 +61,11 @@ def around_decimal(text, digits):
 class Record:
     """The root of an enclosure and what was found from it, kept for the next certificate."""
 
-    def __init__(self, document, field, block, numbers):
-        self.exact, self.numbers, self.root, self.memory = numbers, numbers, None, {}
-        self.document = document
+    def __init__(
+        self, document: Document, field: Document, block: object, numbers: Numbers
+    ) -> None:
+        self.exact, self.numbers, self.memory, self.document = numbers, numbers, {}, document
+        self.root: Enclosed | None = None
         unknowns = as_object(document.get("unknowns", {}))
         if field["kind"] == "balls":
             values = {}
@@ -55,25 +74,25 @@ class Record:
                 values[name] = around_decimal(published_decimal(text, digits), digits)
             self.numbers = numbers.changed(decimal=around_decimal, unknowns=values)
         elif block is not None:
-            kinds = {"sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
-                     "rosenbrock": RungeKutta}  # fmt: skip
-            kind = class_of(document)
-            require(kind in kinds, "an enclosure of another class")
-            self.root = kinds[kind](document, numbers, block)
-            weights = [row for row, _ in self.root.halves.values()]
-            fine = all(apart(x) for row in weights for x in at_values(row, self.root.root))
+            kinds: dict[str, type[Enclosed]] = {
+                "sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
+                "rosenbrock": RungeKutta}  # fmt: skip
+            kind = shown(kinds.get(class_of(document)), "an enclosure of another class")
+            self.root = root = kind(document, numbers, block)
+            weights = [row for row, _ in root.halves.values()]
+            fine = all(apart(x) for row in weights for x in at_values(row, root.root))
             require(fine, "a weight may be 0")
-            values = dict(zip(self.root.unknowns, self.root.root, strict=True))
+            values = dict(zip(root.unknowns, root.root, strict=True))
             self.numbers = numbers.changed(unknowns=values)
-            if isinstance(self.root, Sweep):
-                self.root.explicit_now = self.numbers.explicit = frozenset(self.root.explicit)
+            if isinstance(root, Sweep):
+                root.explicit_now = self.numbers.explicit = frozenset(root.explicit)
 
-    def read(self, base):
+    def read(self, base: Document | None) -> None:
         """Read the matrices of the document, at the root of an enclosure."""
         self.method = Method(self.document, self.numbers, base)
         self.method.check_shapes()
 
-    def known(self, key, make):
+    def known(self, key: tuple | None, make: Callable[[], T]) -> T:
         """Return what was made before under this key; None keeps nothing."""
         if key is None:
             return make()
@@ -83,13 +102,13 @@ class Record:
 
 
 @lru_cache(maxsize=1)
-def numbers_of(field):
+def numbers_of(field: str) -> Numbers:
     """Return the numbers of the text of a field."""
     return Numbers(json.loads(field))
 
 
 @lru_cache(maxsize=1)
-def record_of(text):
+def record_of(text: str) -> Record:
     """Return the record of the text of a document, a base, a field and the proof of the method."""
     document, base, field, block = json.loads(text)
     record = Record(document, field, block, numbers_of(json.dumps(field)).changed())
@@ -97,8 +116,30 @@ def record_of(text):
     return record
 
 
-def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]:
-    """Return (document, statement) of a value that has the members of a certificate.
+@dataclass(frozen=True)
+class Part:
+    """A rule by its name, and its witness, which the rule reads."""
+
+    rule: str
+    witness: Document
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The members of a certificate; section 7 says what they mean."""
+
+    claim: str
+    declared: object
+    holds: bool
+    proof: str
+    document: Document
+    field: Document
+    parts: tuple[Part, ...]
+    base: object
+
+
+def read_certificate(value: object, rules: Container[str]) -> Certificate:
+    """Return the certificate of a value that has the members of one.
 
     Raises
     ------
@@ -107,25 +148,28 @@ def frame(certificate: object, rules: Mapping[str, object]) -> tuple[dict, dict]
         refutes nothing.
     """
     try:
-        check_depth(certificate)
-        keys(certificate, "format statement document field parts identities", "base", "certificate")
-        member(certificate["format"] == FORMAT, "the format is another one")
-        statement, document = certificate["statement"], certificate["document"]
-        keys(statement, "method claim declared verdict proof", where="statement")
-        for key in ("method", "claim", "verdict", "proof"):
-            member(isinstance(statement[key], str), f"the {key} of the statement is no string")
-        member(statement["verdict"] in ("holds", "fails"), "the verdict is not holds or fails")
-        member(isinstance(document, dict), "the document is no object")
-        member(document.get("name") == statement["method"], "the document has another name")
-        field, parts, texts = (certificate[key] for key in ("field", "parts", "identities"))
-        member(isinstance(field, dict), "the field is no object")
+        check_depth(value)
+        keys(value, "format statement document field parts identities", "base", "certificate")
+        given = as_object(value)
+        member(given["format"] == FORMAT, "the format is another one")
+        keys(given["statement"], "method claim declared verdict proof", where="statement")
+        statement = as_object(given["statement"])
+        name, claim, verdict, proof = (
+            as_text(statement[key], f"the {key} of the statement is no string")
+            for key in ("method", "claim", "verdict", "proof")
+        )
+        member(verdict in ("holds", "fails"), "the verdict is not holds or fails")
+        document = as_object(given["document"], "the document is no object")
+        member(document.get("name") == name, "the document has another name")
+        field = as_object(given["field"], "the field is no object")
         member(isinstance(field.get("kind"), str), "the field has no kind")
-        lines = isinstance(texts, list) and all(isinstance(x, str) for x in texts)
-        member(lines, "the identities are no list of strings")
-        check_parts(parts, rules)
+        why = "the identities are no list of strings"
+        for text in as_list(given["identities"], why):
+            as_text(text, why)
+        return Certificate(claim, statement["declared"], verdict == "holds", proof, document, field,
+                           read_parts(given["parts"], rules), given.get("base"))  # fmt: skip
     except Malformed as error:
         raise NoCertificate(str(error)) from None
-    return document, statement
 
 
 def check_depth(value: object) -> None:
@@ -139,15 +183,15 @@ def check_depth(value: object) -> None:
     raise Malformed("lists and objects stand more than 100 deep inside each other")
 
 
-def check_parts(parts: object, rules: Mapping[str, object]) -> None:
-    """Refuse what is no list of rules with their witnesses."""
-    if not isinstance(parts, list) or not 0 < len(parts) <= 20:
-        raise Malformed("the parts are no list of 1 to 20")
+def read_parts(value: object, rules: Container[str]) -> tuple[Part, ...]:
+    """Return the rules with their witnesses of a list of 1 to 20 parts."""
+    parts = as_list(value, "the parts are no list of 1 to 20")
+    member(0 < len(parts) <= 20, "the parts are no list of 1 to 20")
     for part in parts:
         keys(part, "rule witness", "", "part")
-        member(isinstance(part["witness"], dict), "a witness is no object")
         known = isinstance(part["rule"], str) and part["rule"] in rules
         member(known, f"no rule is called {str(part['rule'])[:40]!r}")
+    return tuple(Part(x["rule"], as_object(x["witness"], "a witness is no object")) for x in parts)
 
 
 def member(fine: bool, why: str) -> None:
@@ -159,35 +203,34 @@ def member(fine: bool, why: str) -> None:
 class Proof:
     """One certificate while it is checked: the statement, the method, what is shown so far."""
 
-    def __init__(self, certificate, rules):
-        document, statement = frame(certificate, rules)
-        self.table, self.parts = rules, certificate["parts"]
-        self.claim, self.declared = statement["claim"], statement["declared"]
-        self.holds = statement["verdict"] == "holds"
-        self.rules = [part["rule"] for part in self.parts]
+    def __init__(self, certificate: object, rules: Mapping[str, Rule]) -> None:
+        given = read_certificate(certificate, rules)
+        self.table, self.parts, document = rules, given.parts, given.document
+        self.claim, self.declared, self.holds = given.claim, given.declared, given.holds
+        self.rules = [part.rule for part in self.parts]
         claims = as_object(document.get("claims", {}))
         declared = claims.get(self.claim, self.declared)
         same = type(declared) is type(self.declared) and declared == self.declared
         require(same, "the document declares something else")
-        field = dict(certificate["field"])
+        field = dict(given.field)
         require(("proofs" in field) == (field["kind"] == "enclosure"), "proofs of a method")
-        base, self.blocks = certificate.get("base"), field.pop("proofs", {})
-        self.kind = field["kind"]
-        keys(self.blocks, "", "method starting finishing", "proofs")
+        blocks = field.pop("proofs", {})
+        keys(blocks, "", "method starting finishing", "proofs")
+        self.kind, self.blocks = field["kind"], as_object(blocks)
         kept = {key: value for key, value in document.items() if key != "claims"}
-        self.record = record_of(json.dumps([kept, base, field, self.blocks.get("method")]))
+        self.record = record_of(json.dumps([kept, given.base, field, self.blocks.get("method")]))
         self.method = self.record.method
         if self.rules != ["absent"]:
             self.method = self.method.for_claim(self.claim)
-        require(statement["proof"] in self.proofs(), "the proof is another")
+        require(given.proof in self.proofs(), "the proof is another")
         self.known: dict[str, Bound] = {}
         self.shown: list[Conclusion] = []
-        self.row = None
+        self.row: str | None = None
         self.claim_text = f"{self.claim} = {self.declared}"
 
-    def apply(self, part):
+    def apply(self, part: Part) -> Conclusion:
         """Check one part; keep and return what it shows, if anything."""
-        found = self.table[part["rule"]].apply(self, part["witness"])
+        found = self.table[part.rule].apply(self, part.witness)
         if isinstance(found, Replaced):
             self.method = found.method
         self.shown.append(found)
@@ -200,23 +243,22 @@ class Proof:
         """Return the conclusions of one kind of the parts before."""
         return [x for x in self.shown if isinstance(x, kind)]
 
-    def of_row(self, name, method):
+    def of_row(self, name: str, method: Method) -> Proof:
         """Return the proof of an embedded row, of which nothing is shown."""
         other = copy(self)
         other.method, other.row, other.known, other.shown = method, name, {}, []
         return other
 
-    def proofs(self):
+    def proofs(self) -> list[str]:
         """Return what the proof may be called: exact where only exact entries are looked at."""
         if self.kind in ("rational", "tower"):
             return ["exact"]
         looked = set(self.rules)
         for part in self.parts:
-            witness = as_object(part["witness"])
-            looked |= {"several-values", "singular"} & set(witness)
-            if witness.get("part") == -1:  # a number of eigenvalues
+            looked |= {"several-values", "singular"} & set(part.witness)
+            if part.witness.get("part") == -1:  # a number of eigenvalues
                 looked = looked - {"eigen", "grows"} | {"bounded"}
-            if part["rule"] == "no-order-1":
+            if part.rule == "no-order-1":
                 looked = looked - {"no-order-1"} | {"consistent"}
         looked -= {"not-quadratic", "not-symmetric"} if looked & set(LOOKS_AT) else set()
         exact = looked <= set(LOOKS_AT) and all(
@@ -226,12 +268,17 @@ class Proof:
         )
         return ["exact", "enclosed"] if exact else ["enclosed"]
 
-    def root(self):
-        """Return the sweep or pair at the root of the equations."""
-        require(self.record.root is not None, "the proof of the method is missing")
-        return self.record.root
+    def root(self) -> Enclosed:
+        """Return the method at the root of the equations."""
+        return shown(self.record.root, "the proof of the method is missing")
 
-    def series(self, identity_mode, nystrom, order, filled=False):
+    def block(self, name: str) -> Document:
+        """Return the proof of a start or finish."""
+        return as_object(self.blocks.get(name), f"the proof of the {name} block is missing")
+
+    def series(
+        self, identity_mode: bool, nystrom: bool | str, order: int, filled: bool = False
+    ) -> Solved:
         """Return the series that an order needs, ready for its conditions or `filled` with eta."""
         identity_mode = identity_mode or nystrom in PATHS
         fine = identity_mode and all(m.r == 1 for m in self.method.parts.values())
@@ -246,47 +293,46 @@ class Proof:
             found.fill()
         return found
 
-    def even_orders(self):
+    def even_orders(self) -> tuple[int, int]:
         """Return the orders of the start of a pair."""
-        require("starting" in self.blocks, "the proof of the start is missing")
-        proof = self.blocks["starting"]
+        proof, pair = self.block("starting"), self.root()
+        if not isinstance(pair, Pair):
+            raise NotShown("the proof of a start of a pair")
         return self.record.known(("start", json.dumps(proof)), lambda: even_start(
-            proof, self.root(), self.record.exact, self.method.document))  # fmt: skip
+            proof, pair, self.record.exact, self.method.document))  # fmt: skip
 
-    def odd_start(self, order):
+    def odd_start(self, order: int) -> tuple[list, list]:
         """Return A and B of the start of one method, proved to have the order."""
-        require("starting" in self.blocks, "the proof of the start is missing")
+        proof, numbers = self.block("starting"), self.record.exact
 
-        proof, numbers = self.blocks["starting"], self.record.exact
-
-        def made():
+        def made() -> tuple[list, list]:
             L, series, q = self.target(order)
             return start_with_parity(proof, numbers, self.method.document, series, L, order, q)[1:]
 
         key = ("start", order, json.dumps(proof)) if self.record.root is not None else None
         return self.record.known(key, made)
 
-    def target(self, order):
+    def target(self, order: int) -> tuple[list, Callable[[Tree], list], int]:
         """Return (L, starting series, stage order) that a start has to meet."""
-        if self.record.root is not None:
-            sweep = self.root()
-            series = sweep.series(sweep.root, order + 1).cut_value
-            return sweep.reversal()["o"], series, sweep.q
-        known = self.known.get("order")
+        root = self.record.root
+        if isinstance(root, Sweep):
+            return root.reversal()["o"], root.series(root.root, order + 1).cut_value, root.q
+        require(root is None, "a start with parity of another class")
+        known = shown(self.known.get("order"), "the order is missing")
         reversals = self.all_shown(Reversal)
-        require(reversals and known is not None, "symmetry is missing")
+        require(reversals, "symmetry is missing")
         L, eta = reversals[0].L["o"], self.series(*known.kind, order, filled=True)
         for t in through(self.method, order, False):
             sign_ = -1 if size(t) % 2 else 1
             equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))], "eta(-h) = L eta(h)")
-        return L, lambda t: [as_real(x) for x in eta.eta_of(t)], 1
+        return L, lambda t: as_reals(eta.eta_of(t)), 1
 
-    def claimed(self, texts):
+    def claimed(self, texts: object) -> list:
         """Return declared numbers; claims use no constants."""
-        require(isinstance(texts, list), "a list is declared")
-        return [self.method.numbers.entry(text, {}) for text in texts]
+        given = as_list(texts, "a list is declared")
+        return [self.method.numbers.entry(text, {}) for text in given]
 
-    def mode(self):
+    def mode(self) -> tuple[bool, bool]:
         """Return (identity?, nystrom?) of the orders that a claim is about."""
         single = all(m.r == 1 for m in self.method.parts.values())
         nystrom = self.claim.startswith("nystrom")

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import NoReturn
+from typing import NoReturn, TypeAlias, TypeVar
+
+T = TypeVar("T")
+
+#: An object of a certificate, not read yet.
+Document: TypeAlias = Mapping[str, object]
 
 SIZE = 200  # rows and columns of a matrix of the document
 
@@ -54,6 +60,18 @@ def require(truth: object, why: str) -> None:
         raise NotShown(why)
 
 
+def shown(value: T | None, why: str) -> T:
+    """Return a value that is not None; refuse None."""
+    if value is None:
+        raise NotShown(why)
+    return value
+
+
+def matched(pattern: str | re.Pattern[str], text: object, why: str) -> re.Match[str]:
+    """Return the match of a whole text; refuse another one, and what is no text."""
+    return shown(re.fullmatch(pattern, text) if isinstance(text, str) else None, why)
+
+
 def not_covered(what: str) -> NoReturn:
     """Refuse what the judge does not decide."""
     raise NotCovered(f"not covered: {what}")
@@ -83,15 +101,22 @@ def whole(value: object, low: int = 0, high: int = 20) -> int:
     return value
 
 
-def as_object(value: object) -> Mapping[str, object]:
+def as_object(value: object, why: str = "an object is missing") -> Document:
     """Return an object of the certificate."""
     if not isinstance(value, dict):
-        raise Malformed("an object is missing")
+        raise Malformed(why)
     return value
 
 
-def as_list(value: object) -> list[object]:
+def as_list(value: object, why: str = "a list is missing") -> list:
     """Return a list of the certificate."""
     if not isinstance(value, list):
-        raise Malformed("a list is missing")
+        raise Malformed(why)
+    return value
+
+
+def as_text(value: object, why: str = "a text is missing") -> str:
+    """Return a text of the certificate."""
+    if not isinstance(value, str):
+        raise Malformed(why)
     return value

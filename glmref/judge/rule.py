@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Generic, TypeVar
+from dataclasses import MISSING, dataclass, fields, replace
+from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar, cast
 
-from .refusals import NotShown, keys
+from .refusals import SIZE, Document, NotShown, as_list, as_object, as_text, keys, shown, whole
 from .trees import Tree, show
 
 if TYPE_CHECKING:
+    from .arithmetic import Number
     from .document import Method
     from .proof import Proof
+
+
+W = TypeVar("W")
+C = TypeVar("C", bound="Case")
 
 
 @dataclass(frozen=True)
@@ -94,7 +99,7 @@ class Bounded:
 class Space:
     """One eigenvalue of V: V N = zeta N and W V = zeta W with W N = I."""
 
-    zeta: object
+    zeta: Number
     W: list
     N: list
 
@@ -124,6 +129,39 @@ class Replaced:
 Conclusion = Bound | Truth | RowOrder | Bounded | Spectrum | Reversal | Replaced
 
 
+Order: TypeAlias = int
+Flag: TypeAlias = bool
+#: What the members of witnesses are, and their readers, by the name of the type of the field.
+READERS: dict[str, tuple[str, Callable[[object, str], object]]] = {
+    "Order": ("no order", lambda value, why: whole(value)),
+    "int": ("no number", lambda value, why: whole(value, -1, SIZE)),
+    "Flag": ("not true", lambda value, why: shown(value is True or None, why)),
+    "str": ("no text", as_text),
+    "list": ("no list", as_list),
+    "Document": ("no object", as_object),
+}
+
+
+@dataclass(frozen=True)
+class NoWitness:
+    """The witness of a part that needs none."""
+
+
+def read_witness(kind: type[W], value: object, where: str = "witness") -> W:
+    """Return a witness as a dataclass, each member read by the type of its field.
+
+    A field without a default is needed. Its key is its name, or the `key` of its metadata.
+    """
+    named = {x.metadata.get("key", x.name): x for x in fields(cast("type[NoWitness]", kind))}
+    needed = " ".join(key for key, x in named.items() if x.default is MISSING)
+    keys(value, needed, " ".join(named), where)
+    found = {}
+    for key, member in as_object(value).items():
+        what, read = READERS[str(named[key].type).partition(" ")[0]]
+        found[named[key].name] = read(member, f"{key!r} of the {where} is {what}")
+    return kind(**found)
+
+
 class Case:
     """One part of a certificate while a rule is applied to it.
 
@@ -134,19 +172,18 @@ class Case:
     ----------
     proof : Proof
         The certificate: its statement, its method, what other parts have shown.
-    witness : mapping
-        The witness of the part.
+    witness : dataclass
+        The witness of the part; a family declares of which class it is.
     """
 
-    def __init__(self, proof: Proof, witness: Mapping[str, object]) -> None:
+    witness: object
+
+    def __init__(self, proof: Proof, witness: object) -> None:
         self.proof, self.witness, self.method = proof, witness, proof.method
 
     def known(self, quantity: str) -> Bound:
         """Return the bounds that parts before this one have shown."""
         return self.proof.known.get(quantity, Bound(quantity))
-
-
-C = TypeVar("C", bound=Case)
 
 
 class HypothesisFails(NotShown):
@@ -181,8 +218,8 @@ class Rule(Generic[C]):
         What follows from the hypotheses.
     source : str
         Author, year and number of the theorem, or where it is proved.
-    witness : str
-        Keys of the witness; after a bar those that may be missing.
+    witness : type
+        The dataclass of the witness.
     case : callable
         Makes the case from the proof and the witness.
     hypotheses : tuple of callable
@@ -197,15 +234,14 @@ class Rule(Generic[C]):
     direction: str
     theorem: str
     source: str
-    witness: str
-    case: Callable[[Proof, Mapping[str, object]], C]
+    witness: type
+    case: Callable[[Proof, object], C]
     hypotheses: tuple[Callable[[C], bool | Fails], ...]
     conclusion: Callable[[C], Conclusion]
 
-    def apply(self, proof: Proof, witness: Mapping[str, object]) -> Conclusion:
+    def apply(self, proof: Proof, witness: Document) -> Conclusion:
         """Return what a part shows, or refuse with the first hypothesis that fails."""
-        keys(witness, *self.witness.split("|"))
-        case = self.case(proof, witness)
+        case = self.case(proof, read_witness(self.witness, witness))
         for hypothesis in self.hypotheses:
             outcome = hypothesis(case)
             if not outcome:

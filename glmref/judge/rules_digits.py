@@ -6,14 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from operator import itemgetter, mul
+from typing import cast
 
 from .arithmetic import RATIONAL, Fraction
 from .document import Method
 from .grammar import two_digits
 from .linalg import dot
 from .numbers import floor
-from .refusals import Malformed, as_object, keys, require, whole
-from .rule import Case, Fails, Rule, Truth
+from .refusals import Document, Malformed, as_object, require, whole
+from .rule import Case, Fails, Order, Rule, Truth, read_witness
 from .series import Series
 from .trees import Tree, gamma, is_coloured, is_nystrom, read_tree, size, stands, trees
 
@@ -41,7 +42,7 @@ class Declared:
 class Sizes:
     """Conditions of a method that carries one value, in integers over 2^bits with their errors."""
 
-    def __init__(self, method, bits):
+    def __init__(self, method: Method, bits: int) -> None:
         self.method, self.bits, self.known = method, bits, {}
         self.A = {c: [self.whole(row) for row in m.A] for c, m in method.parts.items()}
         self.sparse = {c: [([x for x in row if x], [j for j, x in enumerate(row) if x])
@@ -49,11 +50,11 @@ class Sizes:
         self.width = {c: len(rows[0]) for c, rows in self.A.items()}
         self.norm = {c: max(sum(map(abs, x)) + len(x) for x in A) for c, A in self.A.items()}
 
-    def whole(self, row):
+    def whole(self, row: list) -> list[int]:
         """Return the integers below 2^bits times rational numbers."""
         return [floor(Fraction(x) * 2**self.bits) for x in row]
 
-    def phi(self, tree, keep=True):
+    def phi(self, tree: Tree, keep: bool = True) -> tuple[list[int], int]:
         """Return (values, error) of the product over the children of A Phi(child)."""
         if tree not in self.known:
             found = [1 << self.bits] * self.width[tree[0]], 0
@@ -64,13 +65,15 @@ class Sizes:
             self.known[tree] = found
         return self.known[tree]
 
-    def product(self, left, right):
+    def product(
+        self, left: tuple[list[int], int], right: tuple[list[int], int]
+    ) -> tuple[list[int], int]:
         """Return the product place by place: |dx y + x dy + dx dy|, and 1 for the shift."""
         (x, dx), (y, dy) = left, right
         top = max(map(abs, x)) * dy + max(map(abs, y)) * dx + dx * dy
         return [a * b >> self.bits for a, b in zip(x, y, strict=True)], (top >> self.bits) + 2
 
-    def below(self, tree):
+    def below(self, tree: Tree) -> tuple[list[int], int]:
         """Return A Phi(tree), A that of the colour of the root."""
         key = (tree, "below")
         if key not in self.known:
@@ -82,7 +85,7 @@ class Sizes:
             self.known[key] = [y >> self.bits for y in rows], (error >> self.bits) + 2
         return self.known[key]
 
-    def residual(self, tree, b, keep=True):
+    def residual(self, tree: Tree, b: list[int], keep: bool = True) -> tuple[Fraction, Fraction]:
         """Return bounds of |b Phi(tree) - 1 / gamma(tree)| for integers b."""
         x, dx = self.phi(tree, keep)
         error = sum(map(abs, b)) * dx + sum(map(abs, x)) + len(x) * dx
@@ -92,11 +95,11 @@ class Sizes:
         unit = Fraction(1, 1 << self.bits)
         return (gap - error) * unit, (gap + error) * unit
 
-    def exactly(self, tree, b):
-        """Return |b Phi(tree) - 1 / gamma(tree)| itself."""
+    def exactly(self, tree: Tree, b: list) -> Fraction:
+        """Return |b Phi(tree) - 1 / gamma(tree)| itself, of rational numbers."""
         parts = {c: (m.A, m.B) for c, m in self.method.parts.items()}
         slopes = Series.of_tables(parts).derivative(tree)
-        return abs(dot(b, slopes) - Fraction(1, gamma(tree)))
+        return abs(cast("Fraction", dot(b, slopes)) - Fraction(1, gamma(tree)))
 
 
 class DigitsCase(Case):
@@ -167,27 +170,52 @@ class DigitsCase(Case):
         return True
 
 
+@dataclass(frozen=True)
+class Residuals:
+    """The trees of a row: with the largest residual, and of the next order."""
+
+    largest: str
+    beyond: str
+
+
+@dataclass(frozen=True)
+class ToDigits:
+    """The trees of each row by its name."""
+
+    rows: Document
+
+
+@dataclass(frozen=True)
+class NotToDigits:
+    """A row, and a tree or an order that refutes what is declared of it."""
+
+    row: str
+    tree: str | None = None
+    order: Order | None = None
+
+
 class ToDigitsCase(DigitsCase):
     """A part that the residuals of every row are those declared."""
+
+    witness: ToDigits
 
     @cached_property
     def named(self) -> dict[str, tuple[Tree, Tree]]:
         """Return by row the trees `largest` and `beyond`."""
-        found = {}
-        for name, shown in as_object(self.witness["rows"]).items():
-            keys(shown, "largest beyond", where="row of the witness")
-            shown = as_object(shown)
-            found[name] = read_tree(shown["largest"]), read_tree(shown["beyond"])
-        return found
+        rows = {name: read_witness(Residuals, x, "row of the witness")
+                for name, x in self.witness.rows.items()}  # fmt: skip
+        return {name: (read_tree(x.largest), read_tree(x.beyond)) for name, x in rows.items()}
 
 
 class NotToDigitsCase(DigitsCase):
     """A part that the residuals of one row are not those declared."""
 
-    @cached_property
+    witness: NotToDigits
+
+    @property
     def name(self) -> str:
         """Return the name of the row."""
-        return str(self.witness["row"])
+        return self.witness.row
 
     @cached_property
     def row(self) -> Declared:
@@ -198,7 +226,7 @@ class NotToDigitsCase(DigitsCase):
     @cached_property
     def tree(self) -> Tree:
         """Return the tree of the witness."""
-        return read_tree(self.witness["tree"])
+        return read_tree(self.witness.tree)
 
 
 def names_are_those_of_the_file(case: DigitsCase) -> bool:
@@ -257,21 +285,21 @@ def next_order_is_beyond(case: ToDigitsCase) -> bool:
 def tree_or_order_refutes(case: NotToDigitsCase) -> bool | Fails:
     """A residual is above the size, or all are below it, or the next order has none beyond."""
     row = case.row
-    if "tree" in case.witness:
+    if case.witness.tree is not None:
         return case.exceeds(case.name, case.tree, row.most)
-    if whole(case.witness["order"], row.order, row.order + 1) == row.order:
+    if whole(case.witness.order, row.order, row.order + 1) == row.order:
         return case.none_above(case.name, 1, row.order, row.least)
     return case.none_above(case.name, row.order + 1, row.order + 1, 1000 * row.most)
 
 
 def a_tree_or_an_order_is_named(case: NotToDigitsCase) -> bool:
     """The witness has a tree or an order, not both."""
-    return ("tree" in case.witness) is not ("order" in case.witness)
+    return (case.witness.tree is None) is not (case.witness.order is None)
 
 
 def tree_is_within_the_order(case: NotToDigitsCase) -> bool:
     """The tree has at most the order of its row, and its condition is meant."""
-    if "tree" not in case.witness:
+    if case.witness.tree is None:
         return True
     return size(case.tree) <= case.row.order and case.counted(case.tree)
 
@@ -280,14 +308,15 @@ WITH_DIGITS = (names_are_those_of_the_file, entries_are_rational, value_carried_
 
 DIGIT_RULES = (
     Rule(
-        "to-digits", "order-to-digits", "holds", "the definition", SECTION_5, "rows", ToDigitsCase,
+        "to-digits", "order-to-digits", "holds", "the definition", SECTION_5,
+        ToDigits, ToDigitsCase,
         (*WITH_DIGITS, every_row_is_shown, trees_are_of_their_orders, residuals_are_within_the_size,
          a_residual_has_the_size, next_order_is_beyond),
         lambda case: Truth("order-to-digits"),
     ),
     Rule(
         "not-to-digits", "order-to-digits", "fails", "the definition", SECTION_5,
-        "row | tree order", NotToDigitsCase,
+        NotToDigits, NotToDigitsCase,
         (*WITH_DIGITS, a_tree_or_an_order_is_named, tree_is_within_the_order,
          tree_or_order_refutes),
         lambda case: Truth("order-to-digits", False),

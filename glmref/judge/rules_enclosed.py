@@ -7,7 +7,7 @@ from functools import cached_property
 from .enclosed_sweep import Sweep
 from .linalg import less
 from .numbers import vanishes
-from .rule import Case, Rule, Truth
+from .rule import Case, NoWitness, Rule, Truth
 
 
 class ImpliedCase(Case):
@@ -52,8 +52,9 @@ def abscissae_are_fixed(case: ImpliedCase) -> bool:
     if case.claim != "abscissae":
         return True
     found = case.abscissae
-    same = found is not None and len(found) == len(case.declared)
-    return same and vanishes(less(found, case.declared))
+    if found is None or len(found) != len(case.declared):
+        return False
+    return vanishes(less(found, case.declared))
 
 
 def claim_follows_from_the_equations(case: ImpliedCase) -> bool:
@@ -67,7 +68,7 @@ ENCLOSED_RULES = (
     Rule(
         "implied", "any", "holds",
         "the equations, the form of the file and its symmetry give what is claimed at the root",
-        "docs/certificates.md, 6.5 and 6.8", "", ImpliedCase,
+        "docs/certificates.md, 6.5 and 6.8", NoWitness, ImpliedCase,
         (growth_parameters_are_0, declared_growth_is_0_where_it_holds, abscissae_are_fixed,
          claim_follows_from_the_equations),
         lambda case: Truth(case.claim, case.proof.holds),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .arithmetic import Fraction
 from .document import Method
@@ -22,8 +23,11 @@ from .linalg import (
     transpose,
 )
 from .numbers import apart, conj, vanishes
-from .refusals import keys
-from .rule import Case, Rule, Truth
+from .refusals import require, shown
+from .rule import Case, Flag, NoWitness, Rule, Truth
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 FORMS = "Butcher, Hewitt, The existence of symplectic general linear methods (2009)"
 QUADRATIC = "Lasagni (1988); Sanz-Serna (1988); Hairer, Lubich, Wanner (2006), section VI.4"
@@ -44,7 +48,9 @@ class Defects(NamedTuple):
         return [x for matrices in self for x in entries(matrices)]
 
 
-def form_defects(method: Method, G: list, D: tuple[list, ...], star_=star) -> Defects:
+def form_defects(
+    method: Method, G: list, D: tuple[list, ...], star_: Callable[[list], list] = star
+) -> Defects:
     """Return the defects of the form G with the diagonal D, for pairs (D_P, D_Q)."""
     if not method.pair:
         m, E = method.parts["o"], diagonal(D[0])
@@ -97,26 +103,38 @@ class FormCase(Case):
         """Return what the file gives of a form."""
         return given(self.method)
 
-    def energy(self, G: list) -> object:
+    def energy(self, G: list) -> Number:
         """Return u^* G u, for pairs u^* G u^."""
         first, last = next(iter(self.method.parts)), list(self.method.parts)[-1]
         return dot([conj(x) for x in self.method.u(first)], apply(G, self.method.u(last)))
 
 
+@dataclass(frozen=True)
+class Form:
+    """G, and D of one method, D_P and D_Q of a pair."""
+
+    G: list
+    D: list | None = None
+    D_P: list | None = None
+    D_Q: list | None = None
+
+
 class WitnessCase(FormCase):
     """A part about the form of a witness."""
+
+    witness: Form
 
     @cached_property
     def G(self) -> list:
         """Return G."""
-        return self.method.numbers.matrix(self.witness["G"])
+        return self.method.numbers.matrix(self.witness.G)
 
     @cached_property
     def D(self) -> dict[str, list]:
         """Return D, of pairs D_P and D_Q."""
-        names = names_of_D(self.method)
-        keys(self.witness, " ".join(("G", *names)))
-        return {name: self.method.numbers.vector(self.witness[name]) for name in names}
+        own = {name: x for name, x in vars(self.witness).items() if name != "G" and x is not None}
+        require(set(own) == set(names_of_D(self.method)), "the witness has another D")
+        return {name: self.method.numbers.vector(own[name]) for name in names_of_D(self.method)}
 
     @cached_property
     def defects(self) -> Defects:
@@ -167,19 +185,23 @@ def form_is_not_0_at_u(case: WitnessCase) -> bool:
 class GivenCase(FormCase):
     """A part that refutes the form of the file."""
 
+    @property
+    def G(self) -> list:
+        """Return G of the file."""
+        return shown(self.given.G, "the file gives no G")
+
     @cached_property
     def D(self) -> tuple[list, ...]:
         """Return D of the file; what is missing is B^* G u, by D U = B^* G V times u."""
-        G, own = self.given
+        G, own = self.G, self.given.D
         m, last = self.method.parts, list(self.method.parts)[-1]
         first, *second = names_of_D(self.method)
-        found = {first: own.get(first)}
-        if first not in own:
-            found[first] = apply(star(next(iter(m.values())).B), apply(G, self.method.u(last)))
+        q = next(iter(m.values()))
+        found = [own.get(first) or apply(star(q.B), apply(G, self.method.u(last)))]
         for name in second:
             value = own.get(name)
-            found[name] = value or apply(star(m["k"].B), apply(star(G), self.method.u("f")))
-        return tuple(found.values())
+            found.append(value or apply(star(m["k"].B), apply(star(G), self.method.u("f"))))
+        return tuple(found)
 
 
 def file_gives_G(case: GivenCase) -> bool:
@@ -189,9 +211,9 @@ def file_gives_G(case: GivenCase) -> bool:
 
 def given_form_is_none(case: GivenCase) -> bool:
     """With G and D of the file an identity does not hold, or u^* G u is 0."""
-    if any(map(apart, form_defects(case.method, case.given.G, case.D).all)):
+    if any(map(apart, form_defects(case.method, case.G, case.D).all)):
         return True
-    return vanishes(case.energy(case.given.G))
+    return vanishes(case.energy(case.G))
 
 
 class NoFormCase(FormCase):
@@ -241,8 +263,17 @@ def filled(rows: int, columns: int, places: Sequence[tuple[int, int]]) -> list:
     return [[Fraction(int((i, j) in places)) for j in range(columns)] for i in range(rows)]
 
 
+@dataclass(frozen=True)
+class Several:
+    """Whether the reason is that a component carries several values."""
+
+    several_values: Flag = field(default=False, metadata={"key": "several-values"})
+
+
 class QuadraticCase(Case):
     """A part about the form G = 1, D = b of methods that carry one value."""
+
+    witness: Several
 
     @cached_property
     def several(self) -> bool:
@@ -272,7 +303,7 @@ def products_of_weights_are_met(case: QuadraticCase) -> bool:
 
 def several_values_are_carried(case: QuadraticCase) -> bool:
     """With `several-values` a component carries several values."""
-    return case.several or "several-values" not in case.witness
+    return case.several or not case.witness.several_values
 
 
 def else_the_solution_is_carried(case: QuadraticCase) -> bool:
@@ -287,7 +318,7 @@ def else_a_product_of_weights_is_not_met(case: QuadraticCase) -> bool:
 
 FORM_RULES = (
     Rule(
-        "form", "g-symplectic", "holds", "the definition", FORMS, "G | D D_P D_Q", WitnessCase,
+        "form", "g-symplectic", "holds", "the definition", FORMS, Form, WitnessCase,
         (G_is_that_of_the_file, D_is_that_of_the_file, V_keeps_G, D_fits_U, D_fits_A, D_is_real,
          G_is_hermitian_or_D_shared, form_is_not_0_at_u),
         lambda case: Truth("g-symplectic"),
@@ -295,24 +326,23 @@ FORM_RULES = (
     Rule(
         "given-form-fails", "g-symplectic", "fails",
         "the form is that of the file; a D that it does not give can only be B^* G u",
-        FORMS, "", GivenCase, (file_gives_G, given_form_is_none),
+        FORMS, NoWitness, GivenCase, (file_gives_G, given_form_is_none),
         lambda case: Truth("g-symplectic", False),
     ),
     Rule(
         "no-form", "g-symplectic", "fails",
         "a form of a real method has a real part, which is one; where u^* G u is a combination of "
         "the identities it is 0 for every form",
-        FORMS, "", NoFormCase,
+        FORMS, NoWitness, NoFormCase,
         (file_gives_no_G, method_is_real, form_at_u_follows_from_the_identities),
         lambda case: Truth("g-symplectic", False),
     ),
     Rule(
-        "quadratic", "symplectic", "holds", "the definition", QUADRATIC, "", QuadraticCase,
+        "quadratic", "symplectic", "holds", "the definition", QUADRATIC, NoWitness, QuadraticCase,
         (the_solution_is_carried, products_of_weights_are_met), lambda case: Truth("symplectic"),
     ),
     Rule(
-        "not-quadratic", "symplectic", "fails", "the definition", QUADRATIC, "| several-values",
-        QuadraticCase,
+        "not-quadratic", "symplectic", "fails", "the definition", QUADRATIC, Several, QuadraticCase,
         (several_values_are_carried, else_the_solution_is_carried,
          else_a_product_of_weights_is_not_met),
         lambda case: Truth("symplectic", False),

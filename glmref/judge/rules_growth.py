@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .linalg import (
@@ -29,8 +30,11 @@ from .polynomials import (
     is_schur,
     is_unbounded,
 )
-from .refusals import as_list, whole
-from .rule import Bounded, Case, Rule, Space, Spectrum, Truth
+from .refusals import whole
+from .rule import Bounded, Case, NoWitness, Rule, Space, Spectrum, Truth
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 POWERS = "Gantmacher, The Theory of Matrices (1959), chapter 5; docs/certificates.md, section 5"
 GROWTH = (
@@ -39,23 +43,48 @@ GROWTH = (
 )
 
 
+@dataclass(frozen=True)
+class Which:
+    """The colour of a component."""
+
+    which: str
+
+
+@dataclass(frozen=True)
+class WhichBlock(Which):
+    """A component, and a diagonal block of its V by its number."""
+
+    block: int | None = None
+
+
+@dataclass(frozen=True)
+class Eigenvalues(Which):
+    """All eigenvalues of modulus 1 of V of a component."""
+
+    zeta: list
+
+
+@dataclass(frozen=True)
+class Place:
+    """The place of an eigenvalue among those of parasitic components, -1 for their number."""
+
+    part: int
+
+
 class PowersCase(Case):
     """A part about the powers of V of one component."""
 
-    @cached_property
+    witness: Which
+
+    @property
     def colour(self) -> str:
         """Return the colour of the component."""
-        self.method.part(self.witness["which"])
-        return str(self.witness["which"])
+        return self.witness.which
 
     @cached_property
     def V(self) -> list:
-        """Return V of the component, or the diagonal block of it that the witness names."""
-        V = self.method.part(self.colour).V
-        if "block" not in self.witness:
-            return V
-        blocks = blocks_of(V)
-        return blocks[whole(self.witness["block"], 0, len(blocks) - 1)]
+        """Return V of the component."""
+        return self.method.part(self.colour).V
 
     @cached_property
     def on_the_circle(self) -> list:
@@ -63,6 +92,21 @@ class PowersCase(Case):
         if is_exact(self.V):
             return [self.V]
         return [block for block in blocks_of(self.V) if not is_schur(characteristic(block))]
+
+
+class BlockCase(PowersCase):
+    """A part about the powers of V, or of a diagonal block of it that the witness names."""
+
+    witness: WhichBlock
+
+    @cached_property
+    def V(self) -> list:
+        """Return V of the component, or the block."""
+        V, block = self.method.part(self.colour).V, self.witness.block
+        if block is None:
+            return V
+        blocks = blocks_of(V)
+        return blocks[whole(block, 0, len(blocks) - 1)]
 
 
 def one_block_is_on_the_circle(case: PowersCase) -> bool:
@@ -86,10 +130,12 @@ def powers_are_not_bounded(case: PowersCase) -> bool:
 class SpectrumCase(PowersCase):
     """A part about all eigenvalues of modulus 1 of one V."""
 
+    witness: Eigenvalues
+
     @cached_property
     def zeta(self) -> list:
         """Return the numbers of the witness."""
-        return [self.method.numbers.number(x) for x in as_list(self.witness["zeta"])]
+        return [self.method.numbers.number(x) for x in self.witness.zeta]
 
     @cached_property
     def vectors(self) -> list:
@@ -125,14 +171,14 @@ def eigenvalues_have_modulus_1(case: SpectrumCase) -> bool:
     return all(squared(z) == 1 for z in case.zeta)
 
 
-def half_turn(z):
+def half_turn(z: Number) -> int:
     """Return 0 for arguments in [0, pi), 1 for [pi, 2 pi)."""
     if conj(z) == z:
         return 0 if sign(z) > 0 else 1
     return 0 if upper(z) else 1
 
 
-def comes_before(y, z):
+def comes_before(y: Number, z: Number) -> bool:
     """Tell whether arg y < arg z in [0, 2 pi), for numbers of modulus 1."""
     if half_turn(y) != half_turn(z):
         return half_turn(y) < half_turn(z)
@@ -173,7 +219,7 @@ class Parasitic:
         1 where the solution is one of the components, else 0.
     """
 
-    zeta: object
+    zeta: Number
     matrices: list
     principal: int = 0
 
@@ -255,6 +301,8 @@ class GrowthCase(Case):
 class GrowsCase(GrowthCase):
     """A part that refutes the growth declared of one place."""
 
+    witness: Place
+
     @property
     def one_matrix_is_enough(self) -> bool:
         """Tell whether one matrix other than 0 refutes the claim, whatever the others are."""
@@ -263,12 +311,12 @@ class GrowsCase(GrowthCase):
     @property
     def only_counts(self) -> bool:
         """Tell whether the part is about the number of parameters."""
-        return self.witness["part"] == -1
+        return self.witness.part == -1
 
     @property
     def place(self) -> int:
         """Return the place that the part is about."""
-        return whole(self.witness["part"], 0, 200)
+        return self.witness.part
 
 
 def eigenvalues_of_every_component_are_shown(case: GrowthCase) -> bool:
@@ -366,18 +414,18 @@ GROWTH_RULES = (
     Rule(
         "bounded", "zero-stable", "holds",
         "a block triangular V is power-bounded where all blocks but one are Schur and that one is",
-        POWERS, "which", PowersCase, (one_block_is_on_the_circle, powers_are_bounded),
+        POWERS, Which, PowersCase, (one_block_is_on_the_circle, powers_are_bounded),
         lambda case: Bounded(case.colour),
     ),
     Rule(
         "unbounded", "zero-stable", "fails", "the powers of V hold those of its blocks",
-        POWERS, "which | block", PowersCase, (powers_are_not_bounded,),
+        POWERS, WhichBlock, BlockCase, (powers_are_not_bounded,),
         lambda case: Truth("zero-stable", False),
     ),
     Rule(
         "eigen", "growth", "holds",
         "the eigenvectors span all eigenspaces of modulus 1: the rest of det(x I - V) is Schur",
-        POWERS, "which zeta", SpectrumCase,
+        POWERS, Eigenvalues, SpectrumCase,
         (V_is_exact, eigenvalues_have_modulus_1, arguments_increase, all_are_eigenvalues,
          other_eigenvalues_are_inside),
         lambda case: case.spectrum(),
@@ -386,7 +434,7 @@ GROWTH_RULES = (
         "growth", "growth", "holds",
         "the components at zeta grow as exp(t M), M = (1/zeta) W B U N; of a pair those feed each "
         "other whose eigenvalues are the same",
-        GROWTH, "", GrowthCase,
+        GROWTH, NoWitness, GrowthCase,
         (eigenvalues_of_every_component_are_shown, one_is_not_multiple_in_pairs,
          eigenvalues_meet_where_stages_do, parameters_of_pairs_are_numbers, growth_matrices_are_0,
          the_one_is_the_solution, as_many_are_declared, declared_of_pairs_are_0,
@@ -397,7 +445,7 @@ GROWTH_RULES = (
         "grows", "growth", "fails",
         "one parameter that is another, or one too many, refutes the list; one matrix other than "
         "0 refutes that nothing grows",
-        GROWTH, "part", GrowsCase,
+        GROWTH, Place, GrowsCase,
         (eigenvalues_of_every_component_are_shown, one_is_not_multiple_in_pairs,
          eigenvalues_meet_where_stages_do, parameters_of_pairs_are_numbers,
          another_number_is_declared, place_is_parasitic, declared_have_places,

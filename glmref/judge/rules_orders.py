@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 from .arithmetic import Fraction
 from .document import Method
 from .linalg import apply, is_exact, kernel, less, ones
 from .numbers import apart, total, vanishes
-from .refusals import not_covered, require, whole
-from .rule import Bound, Case, Fails, Rule, Truth
-from .series import Series, Solved, path_orders
+from .refusals import not_covered, require
+from .rule import Bound, Case, Fails, NoWitness, Order, Rule, Truth
+from .series import Solved, path_orders
 from .trees import (
     PATHS,
     Tree,
@@ -43,40 +44,73 @@ def counts(method: Method, tree: Tree, order: int, which: bool | str) -> bool:
     )
 
 
+@dataclass(frozen=True)
+class OrderWitness:
+    """An order, its principal part, `free` or `identity`, and the trees that count."""
+
+    order: Order
+    principal: str
+    trees: str
+
+
+@dataclass(frozen=True)
+class OrderAtMost(OrderWitness):
+    """The order and a tree of the next one."""
+
+    tree: str | None = None
+
+
 class OrderCase(Case):
     """A part about the order p of a method: principal part, trees, series."""
+
+    witness: OrderWitness
 
     @cached_property
     def kind(self) -> tuple[bool, bool | str]:
         """Return the principal part and the trees that the witness names."""
-        return mode(self.witness)
+        return mode(self.witness.principal, self.witness.trees)
 
     @property
     def along_paths(self) -> bool:
         """Tell whether trees without branches stand for all."""
         return self.kind[1] in PATHS
 
-    @cached_property
+    @property
     def order(self) -> int:
         """Return p."""
-        return whole(self.witness["order"], 0, 20)
+        return self.witness.order
 
     def series(self, order: int) -> Solved:
         """Return the starting series, ready for the conditions of an order."""
         return self.proof.series(*self.kind, order)
-
-    @cached_property
-    def tree(self) -> Tree:
-        """Return the tree of the witness."""
-        return read_tree(self.witness.get("tree"))
 
     def bound(self, **ends: int) -> Bound:
         """Return bounds of the order, of this kind."""
         return Bound("order", identity=self.kind[0], trees=self.kind[1], **ends)
 
 
+class AtMostCase(OrderCase):
+    """A part that the order is at most p."""
+
+    witness: OrderAtMost
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Return the tree of the witness."""
+        return read_tree(self.witness.tree)
+
+
+@dataclass(frozen=True)
+class OfColour:
+    """The colour of a component."""
+
+    colour: str
+
+
 class ComponentCase(Case):
     """A part about u and v of every component, or of one colour."""
+
+    witness: OfColour
 
     def exists(self, colour: str, consistent: bool) -> bool:
         """Tell whether the vectors of a component exist."""
@@ -95,12 +129,12 @@ def u_and_v_exist(case: ComponentCase) -> bool:
 
 def no_u_exists(case: ComponentCase) -> bool:
     """No u has V u = u and U u = 1."""
-    return not case.exists(case.witness["colour"], False)
+    return not case.exists(case.witness.colour, False)
 
 
 def no_u_and_v_exist(case: ComponentCase) -> bool:
     """No u and v have V u = u, U u = 1 and B 1 + V v = u + v."""
-    return not case.exists(case.witness["colour"], True)
+    return not case.exists(case.witness.colour, True)
 
 
 # ---------------------------------------------------------------------------- order
@@ -157,14 +191,14 @@ def lower_bound_is_shown_along_paths(case: OrderCase) -> bool:
     return not case.along_paths or (known.low == case.order and known.kind == case.kind)
 
 
-def tree_is_of_the_next_order(case: OrderCase) -> bool:
+def tree_is_of_the_next_order(case: AtMostCase) -> bool:
     """The tree of the witness is one of the next order that counts."""
     if case.along_paths or (case.order and not case.series(case.order + 1).simple):
         return True  # all conditions of the next order are looked at
     return counts(case.method, case.tree, case.order + 1, case.kind[1])
 
 
-def next_order_fails(case: OrderCase) -> bool:
+def next_order_fails(case: AtMostCase) -> bool:
     """A condition of the next order is not 0 whatever the principal parts are."""
     p = case.order
     series = case.series(p + 1)
@@ -197,13 +231,29 @@ def equations_give_the_order(case: OrderCase) -> bool:
 # ---------------------------------------------------------------------------- stage order
 
 
+@dataclass(frozen=True)
+class AtLeast:
+    """A lower bound."""
+
+    q: Order
+
+
+@dataclass(frozen=True)
+class AtMost(AtLeast):
+    """An upper bound, and a tree of the order after it; the empty text stands for u."""
+
+    tree: str | None = None
+
+
 class BoundCase(Case):
     """A part about a bound q of an order that rests on the order of the method."""
 
-    @cached_property
+    witness: AtMost  # those of lower bounds have no tree
+
+    @property
     def q(self) -> int:
         """Return the bound."""
-        return whole(self.witness["q"])
+        return self.witness.q
 
     @cached_property
     def order(self) -> Bound:
@@ -229,7 +279,7 @@ class BoundCase(Case):
     @cached_property
     def tree(self) -> Tree:
         """Return the tree of the witness, which must be one of order q + 1."""
-        tree = read_tree(self.witness.get("tree"))
+        tree = read_tree(self.witness.tree)
         fine = counts(self.method, tree, self.q + 1, self.kind[1])
         require(fine, "the tree has another order")
         return tree
@@ -265,7 +315,7 @@ def principal_parts_are_unique(case: BoundCase) -> bool:
     return case.is_the_order or not case.proof.series(*case.kind, case.q + 1, filled=True).loose
 
 
-def stage_defect(series: Series, tree: Tree, last: bool) -> list:
+def stage_defect(series: Solved, tree: Tree, last: bool) -> list:
     """Return xi(t) - c^|t| / gamma(t), z times it at the `last` order: U N beta may be added there.
 
     z are the rows with z U N = 0; c is what the stages are at the single vertex.
@@ -316,29 +366,29 @@ def equations_give_the_stage_order(case: BoundCase) -> bool:
 
 ORDER_RULES = (
     Rule(
-        "preconsistent", "preconsistent", "holds", "the definition", BUTCHER, "", ComponentCase,
+        "preconsistent", "preconsistent", "holds", "the definition", BUTCHER,
+        NoWitness, ComponentCase,
         (u_exists,), lambda case: Truth("preconsistent"),
     ),
     Rule(
-        "consistent", "consistent", "holds", "the definition", BUTCHER, "", ComponentCase,
+        "consistent", "consistent", "holds", "the definition", BUTCHER, NoWitness, ComponentCase,
         (u_and_v_exist,), lambda case: Truth("consistent"),
     ),
     Rule(
         "not-preconsistent", "preconsistent", "fails",
         "without u no start makes a stage the solution: the order is 0",
-        BUTCHER, "colour", ComponentCase, (no_u_exists,), lambda case: Truth("consistent", False),
+        BUTCHER, OfColour, ComponentCase, (no_u_exists,), lambda case: Truth("consistent", False),
     ),
     Rule(
         "no-order-1", "consistent", "fails", "order 1 is that u and v exist: the order is 0",
-        BUTCHER, "colour", ComponentCase,
+        BUTCHER, OfColour, ComponentCase,
         (no_u_and_v_exist,), lambda case: Truth("consistent", False),
     ),
     Rule(
         "order-at-least", "order", "at least",
         "a starting method S has M S = S E + O(h^(p+1)), E the flow: B-series with any "
         "coefficients are those of Runge-Kutta methods up to a given order",
-        "Butcher (1972), An algebraic theory of integration methods", "order principal trees",
-        OrderCase,
+        "Butcher (1972), An algebraic theory of integration methods", OrderWitness, OrderCase,
         (stages_begin_at_the_solution, conditions_hold, paths_stand_for_trees,
          shared_stages_have_one_time, stages_are_right_along_paths),
         lambda case: case.bound(low=case.order),
@@ -347,19 +397,20 @@ ORDER_RULES = (
         "order-at-most", "order", "at most",
         "two starting series of order p agree below p up to the flow, so that one condition of "
         "order p + 1 that fails excludes the order",
-        UNIQUE, "order principal trees | tree", OrderCase,
+        UNIQUE, OrderAtMost, AtMostCase,
         (lower_bound_is_shown_along_paths, tree_is_of_the_next_order, next_order_fails),
         lambda case: case.bound(high=case.order),
     ),
     Rule(
         "implied-order", "order", "at least",
         "the equations and symmetry give the conditions of every order through p",
-        "docs/certificates.md, 6.2 to 6.4 and 6.8", "order principal trees", OrderCase,
+        "docs/certificates.md, 6.2 to 6.4 and 6.8", OrderWitness, OrderCase,
         (theorem_is_about_the_method, equations_give_the_order, principal_parts_are_0),
         lambda case: case.bound(low=case.order),
     ),
     Rule(
-        "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE, "q", BoundCase,
+        "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE,
+        AtLeast, BoundCase,
         (bound_is_below_the_order, series_is_that_of_the_order,
          a_stage_has_one_abscissa, stages_are_the_solution),
         lambda case: Bound("stage-order", case.q, None, *case.kind),
@@ -367,7 +418,7 @@ ORDER_RULES = (
     Rule(
         "stage-order-at-most", "stage-order", "at most",
         "the starting series is unique up to the flow and, at the order itself, up to N beta",
-        UNIQUE, "q | tree", BoundCase,
+        UNIQUE, AtMost, BoundCase,
         (order_is_enclosed_or_open, bound_is_at_most_the_order, principal_parts_are_unique,
          a_stage_is_wrong),
         lambda case: Bound("stage-order", None, case.q, *case.kind),
@@ -375,7 +426,7 @@ ORDER_RULES = (
     Rule(
         "implied-stage-order", "stage-order", "at least",
         "the equations `defect`, mirrored, are those of every stage",
-        "docs/certificates.md, 6.3", "q", BoundCase,
+        "docs/certificates.md, 6.3", AtLeast, BoundCase,
         (bound_is_below_the_order, equations_give_the_stage_order),
         lambda case: Bound("stage-order", case.q, None, *case.kind),
     ),

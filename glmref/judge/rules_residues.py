@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -22,9 +23,16 @@ from .polynomials import (
     multiply,
     plus,
 )
-from .refusals import as_list, as_object, require
-from .rule import Bounded, Case, Rule, Truth
+from .refusals import Document, as_list, require
+from .rule import Bounded, Case, NoWitness, Rule, Truth
 from .rules_growth import GROWTH
+
+
+@dataclass(frozen=True)
+class Cosines:
+    """The real parts of the eigenvalues of each half by its colour."""
+
+    cosines: Document
 
 
 class UnsharedCase(Case):
@@ -73,10 +81,12 @@ class ResiduesCase(UnsharedCase):
     chi = det(x I - V) and sigma = chi tr(U (x I - V)^-1 B).
     """
 
+    witness: Cosines
+
     @cached_property
     def cosines(self) -> dict[str, list]:
         """Return the real parts of the eigenvalues of each half but 1, -1 for the eigenvalue -1."""
-        given = as_object(self.witness["cosines"])
+        given = self.witness.cosines
         require(set(given) == set(self.method.parts), "cosines are given of both halves")
         return {c: [rational(x) for x in as_list(given[c])] for c in self.method.parts}
 
@@ -162,7 +172,7 @@ RESIDUE_RULES = (
         "unshared", "growth", "holds",
         "components of a separable pair feed each other only where their eigenvalues are the same, "
         "and the simple eigenvalue 1 belongs to the solution",
-        GROWTH, "", UnsharedCase,
+        GROWTH, NoWitness, UnsharedCase,
         (pair_is_separable, powers_of_all_are_bounded, one_is_all_that_is_shared,
          one_is_simple_in_both, the_empty_list_is_judged),
         lambda case: Truth(case.proof.claim),
@@ -171,7 +181,7 @@ RESIDUE_RULES = (
         "residues", "growth", "holds",
         "a component of one half at an eigenvalue that the other has not grows by its own "
         "derivative only: a' = mu f_q a, mu = sigma(zeta) / (zeta chi'(zeta))",
-        GROWTH, "cosines", ResiduesCase,
+        GROWTH, Cosines, ResiduesCase,
         (stages_are_shared, entries_are_exact, one_is_all_that_is_shared, cosines_decrease,
          cosines_give_all_eigenvalues, residues_decide),
         lambda case: Truth(case.proof.claim, case.proof.holds),

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
 
 from .arithmetic import Fraction
 from .claims import ABSENT
 from .document import Component, Method, gaps_of_rows
 from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, transpose
 from .numbers import apart, inverse, total, vanishes
-from .proof import check_parts
+from .proof import Part, read_parts
 from .refusals import as_object, require, whole
-from .rule import Bound, Case, Fails, RowOrder, Rule, Truth
+from .rule import Bound, Case, Fails, NoWitness, Order, RowOrder, Rule, Truth
 from .series import Series
 from .trees import Tree, gamma, read_tree, size, trees
 
@@ -21,7 +21,7 @@ PAGE = "docs/certificates.md, section 4"
 DENSE = "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.6"
 
 
-def differences_of(method):
+def differences_of(method: Method) -> list:
     """Return the sum of the weights of each estimate; of a Nystrom method those of q' left out.
 
     Of class glm return what each estimate is for y' = 0 and y' = 1, for all values that are exact.
@@ -73,36 +73,52 @@ def fixed_output(m: Component, constants: list) -> list:
     return [inverse(u) if j == k else Fraction(0) for j in range(m.r)]
 
 
-def gaps_of_end(method):
+def gaps_of_end(method: Method) -> list:
     """Return b(1) - b."""
     ends = [total(x) for x in method.matrix("dense")]
     return less(ends, method.single().B[0])
 
 
+@dataclass(frozen=True)
+class Row:
+    """The name of a row and the parts about it."""
+
+    row: str
+    parts: list
+
+
+@dataclass(frozen=True)
+class DenseWitness:
+    """An order and a tree of the next one."""
+
+    order: Order
+    tree: str
+
+
 class RowCase(Case):
     """A part about the order of the method with the weights of an embedded row."""
+
+    witness: Row
 
     @cached_property
     def rows(self) -> dict:
         """Return the weights of the rows of the file by name."""
         return self.method.rows()
 
-    @cached_property
+    @property
     def name(self) -> str:
         """Return the name of the row."""
-        return str(self.witness["row"])
+        return self.witness.row
 
     @cached_property
-    def parts(self) -> list[Mapping[str, object]]:
+    def parts(self) -> tuple[Part, ...]:
         """Return the parts about the row."""
-        parts = self.witness["parts"]
-        check_parts(parts, self.proof.table)
-        return cast("list[Mapping[str, object]]", parts)
+        return read_parts(self.witness.parts, self.proof.table)
 
     @cached_property
-    def names(self) -> list[object]:
+    def names(self) -> list[str]:
         """Return the rules of the parts."""
-        return [part["rule"] for part in self.parts]
+        return [part.rule for part in self.parts]
 
     @cached_property
     def bound(self) -> Bound:
@@ -232,10 +248,12 @@ def value_is_that_without_it(case: AbsentCase) -> bool:
 class DenseCase(Case):
     """A part about the order of b(theta), power by power of theta."""
 
-    @cached_property
+    witness: DenseWitness
+
+    @property
     def order(self) -> int:
         """Return the order."""
-        return whole(self.witness["order"])
+        return self.witness.order
 
     @cached_property
     def columns(self) -> list:
@@ -253,7 +271,7 @@ class DenseCase(Case):
     @cached_property
     def tree(self) -> Tree:
         """Return the tree of the witness."""
-        return read_tree(self.witness["tree"])
+        return read_tree(self.witness.tree)
 
     def gaps(self, tree: Tree) -> list:
         """Return the coefficients of b(theta) Phi(t) - theta^|t| / gamma(t)."""
@@ -292,16 +310,18 @@ def a_power_is_wrong(case: DenseCase) -> bool:
 
 def all_or_not(name: str, other: str, claim: str, case: type[RowsCase]) -> tuple[Rule, Rule]:
     """Return the rules that the numbers of a case are all 0, and that one is not."""
-    holds = Rule(name, claim, "holds", "the definition", PAGE, "", case, (all_numbers_are_0,),
+    holds = Rule(name, claim, "holds", "the definition", PAGE,
+    NoWitness, case, (all_numbers_are_0,),
                  lambda case: Truth(claim))  # fmt: skip
-    fails = Rule(other, claim, "fails", "the definition", PAGE, "", case, (a_number_is_not_0,),
+    fails = Rule(other, claim, "fails", "the definition", PAGE,
+    NoWitness, case, (a_number_is_not_0,),
                  lambda case: Truth(claim, False))  # fmt: skip
     return holds, fails
 
 
 ROW_RULES = (
     Rule(
-        "row", "embedded-order", "holds", "the definition", PAGE, "row parts", RowCase,
+        "row", "embedded-order", "holds", "the definition", PAGE, Row, RowCase,
         (row_is_one_of_the_file, parts_bound_the_order, order_is_that_of_the_solution),
         lambda case: RowOrder(
             case.name, case.bound.low or 0, 20 if case.bound.high is None else case.bound.high
@@ -311,20 +331,20 @@ ROW_RULES = (
     *all_or_not("row-sums", "no-row-sums", "row-sums", RowSumsCase),
     *all_or_not("dense-end", "no-dense-end", "dense-end", DenseEndCase),
     Rule(
-        "absent", "embedded-order", "holds", "the definition", PAGE, "", AbsentCase,
+        "absent", "embedded-order", "holds", "the definition", PAGE, NoWitness, AbsentCase,
         (claim_is_about_a_part_of_the_file, file_has_it_not,
          pairs_without_a_start_have_one, value_is_that_without_it),
         lambda case: Truth(case.proof.claim, case.proof.holds),
     ),
     Rule(
         "dense", "dense-order", "at least", "the conditions of order for b(theta)",
-        DENSE, "order tree", DenseCase,
+        DENSE, DenseWitness, DenseCase,
         (c_is_A_1, every_power_is_right, dense_tree_is_of_the_next_order, a_power_is_wrong),
         lambda case: Bound("dense-order", case.order, case.order, True),
     ),
     Rule(
         "not-dense", "dense-order", "at most", "one condition that fails excludes the order",
-        DENSE, "order tree", DenseCase, (dense_tree_is_of_the_next_order, a_power_is_wrong),
+        DENSE, DenseWitness, DenseCase, (dense_tree_is_of_the_next_order, a_power_is_wrong),
         lambda case: Bound("dense-order", None, case.order, True),
     ),
 )  # fmt: skip

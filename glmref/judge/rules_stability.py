@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from .arithmetic import Fraction
 from .document import Component
@@ -39,7 +39,10 @@ from .polynomials import (
     plus,
     trim,
 )
-from .rule import Bounded, Case, Rule, Truth
+from .rule import Bounded, Case, Flag, NoWitness, Rule, Truth
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 STABILITY = (
     "Hairer, Wanner, Solving Ordinary Differential Equations II (1996), V.1 and V.9; "
@@ -47,7 +50,7 @@ STABILITY = (
 )
 
 
-def stability(m):
+def stability(m: Component) -> tuple[list, list, list]:
     """Return det(I - z A), nodes z where it is not 0, and its values and M(z) there."""
     below, nodes, found, z = characteristic(m.A)[::-1], [], [], Fraction(0)
     while len(nodes) <= len(m.A):
@@ -60,14 +63,14 @@ def stability(m):
     return below, nodes, found
 
 
-def stability_polynomial(m):
+def stability_polynomial(m: Component) -> list:
     """Return P(w, z) = det(w I - M(z)) det(I - z A): for each power of w a polynomial in z."""
     _, nodes, found = stability(m)
     columns = transpose([multiples(value, characteristic(M)) for value, M in found])
     return [interpolate(nodes, column) for column in columns]
 
 
-def poles(m):
+def poles(m: Component) -> list:
     """Return det(I - z A) without what it shares with all entries of M(z) det(I - z A)."""
     below, nodes, found = stability(m)
     common = below = trim(below)
@@ -77,7 +80,7 @@ def poles(m):
     return divide(below, common)[0]
 
 
-def poles_lie_right(m):
+def poles_lie_right(m: Component) -> bool:
     """Rule a-stable (2): all poles have Re z > 0."""
     d = poles(m)
     n, q = len(d) - 1, []
@@ -90,7 +93,7 @@ def poles_lie_right(m):
     return bool(backwards[-1]) and is_schur(backwards)  # a pole at z = -1 makes the last one 0
 
 
-def discriminant(P):
+def discriminant(P: list) -> list:
     """Return the resultant of P(w, z) and its derivative by w, a polynomial in z."""
     n = len(P) - 1
     degree = (2 * n - 1) * max(len(p) - 1 for p in P)
@@ -106,7 +109,7 @@ def discriminant(P):
     return trim(interpolate(nodes, values))
 
 
-def never_meet(P):
+def never_meet(P: list) -> bool:
     """Tell whether the eigenvalues other than fixed zeros are different at all y but 0 (5).
 
     The real and the imaginary part of the discriminant at i y have no common root but 0.
@@ -211,55 +214,62 @@ def eigenvalues_on_the_circle_do_not_meet(case: StabilityCase) -> bool:
 # ---------------------------------------------------------------------------- not stable
 
 
+@dataclass(frozen=True)
+class Reason:
+    """One reason why a method is not A-stable: a rational y, or which condition does not hold."""
+
+    y: str | None = None
+    infinity: Flag = False
+    pole: Flag = False
+    axis: Flag = False
+    start: Flag = False
+
+
 class NotStableCase(StabilityCase):
     """A part that names one reason why a method is not A-stable."""
 
-    def unless(self, reason: str, fails: Callable[[], bool]) -> bool:
-        """Tell whether another reason is given, or this one is right."""
-        return reason not in self.witness or fails()
+    witness: Reason
 
 
 def one_reason_is_given(case: NotStableCase) -> bool:
     """One reason is given, with true as its value but for `y`."""
-    return len(case.witness) == 1 and all(k == "y" or x is True for k, x in case.witness.items())
+    return sum(x is not None and x is not False for x in vars(case.witness).values()) == 1
 
 
 def powers_grow_at_y(case: NotStableCase) -> bool:
     """For `y` the powers of M(i y) of a real method are not bounded."""
-
-    def fails():
-        y = rational(case.witness["y"])
-        return method_has_real_entries(case) and is_unbounded(at_imaginary(case.m, y))
-
-    return case.unless("y", fails)
+    y = case.witness.y
+    return y is None or (
+        method_has_real_entries(case) and is_unbounded(at_imaginary(case.m, rational(y)))
+    )
 
 
 def a_limit_is_outside(case: NotStableCase) -> bool:
     """For `infinity` (3) does not hold."""
-    return case.unless("infinity", lambda: not limits_are_in_the_disc(case))
+    return not (case.witness.infinity and limits_are_in_the_disc(case))
 
 
 def a_pole_is_on_the_left(case: NotStableCase) -> bool:
     """For `pole` (2) does not hold."""
-    return case.unless("pole", lambda: not poles_are_on_the_right(case))
+    return not (case.witness.pole and poles_are_on_the_right(case))
 
 
 def an_eigenvalue_on_the_axis_is_outside(case: NotStableCase) -> bool:
     """For `axis` (4) does not hold, of a real method."""
-    return case.unless(
-        "axis", lambda: method_has_real_entries(case) and (case.axis.outside or case.is_negative)
-    )
+    if not case.witness.axis:
+        return True
+    return method_has_real_entries(case) and (case.axis.outside or case.is_negative)
 
 
 def powers_of_V_grow(case: NotStableCase) -> bool:
     """For `start` the powers of V are shown by `unbounded` not to be bounded."""
-    return case.unless("start", lambda: Truth("zero-stable", False) in case.proof.shown)
+    return not case.witness.start or Truth("zero-stable", False) in case.proof.shown
 
 
-def at_imaginary(m: Component, y: object) -> list:
+def at_imaginary(m: Component, y: Number) -> list:
     """Return M(i y) of a real method as a real matrix of twice the size, i as [[0, -1], [1, 0]]."""
 
-    def twice(M, real_part):
+    def twice(M: list, real_part: bool) -> list:
         zero = [[Fraction(0)] * len(M[0]) for _ in M]
         first, second = (M, zero) if real_part else (zero, scale(y, M))
         above = [[*a, *(-x for x in b)] for a, b in zip(first, second, strict=True)]
@@ -289,7 +299,7 @@ STABILITY_RULES = (
         "by the maximum principle the eigenvalues are in the disc for Re z <= 0 when there is no "
         "pole and they are on the axis and at infinity; those on the circle are semisimple when "
         "they are different",
-        STABILITY, "", StabilityCase,
+        STABILITY, NoWitness, StabilityCase,
         (V_is_power_bounded, method_has_real_entries, poles_are_on_the_right,
          no_step_of_Cohn_fails, no_difference_is_negative,
          eigenvalues_on_the_circle_do_not_meet),
@@ -298,17 +308,17 @@ STABILITY_RULES = (
     Rule(
         "not-a-stable", "a-stable", "fails",
         "each of (1) to (4) is necessary, and so are bounded powers at every point of the axis",
-        STABILITY, "| y infinity pole axis start", NotStableCase,
+        STABILITY, Reason, NotStableCase,
         (one_reason_is_given, powers_grow_at_y, a_limit_is_outside, a_pole_is_on_the_left,
          an_eigenvalue_on_the_axis_is_outside, powers_of_V_grow),
         lambda case: Truth("a-stable", False),
     ),
     Rule(
-        "l-limit", "l-stable", "holds", "the definition", STABILITY, "", StabilityCase,
+        "l-limit", "l-stable", "holds", "the definition", STABILITY, NoWitness, StabilityCase,
         (limits_are_0,), lambda case: Truth("l-stable"),
     ),
     Rule(
-        "not-l-limit", "l-stable", "fails", "the definition", STABILITY, "", StabilityCase,
+        "not-l-limit", "l-stable", "fails", "the definition", STABILITY, NoWitness, StabilityCase,
         (a_limit_is_not_0,), lambda case: Truth("l-stable", False),
     ),
 )  # fmt: skip

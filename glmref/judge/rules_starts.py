@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
 from .parity import finish_with_parity, undoes
-from .refusals import as_object, keys, require
+from .refusals import as_list, as_object, keys, require
 from .rule import Bound, Fails, Rule
 from .rules_orders import (
     UNIQUE,
+    AtLeast,
+    AtMost,
     BoundCase,
     bound_is_at_most_the_order,
     bound_is_below_the_order,
@@ -20,6 +23,9 @@ from .rules_orders import (
 )
 from .series import Series, external, path_orders
 from .trees import LEAF, PATHS, Tree, cuts, size, through
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 
 class StartCase(BoundCase):
@@ -40,8 +46,7 @@ class StartCase(BoundCase):
         keys(table, " ".join(f"A{h} B{h} u{h}" for h in hats.values()), "name kind order", "start")
         found = {c: method.list("u" + h, table) for c, h in hats.items()}
         for c, h in hats.items():
-            rows = table["B" + h]
-            require(isinstance(rows, list), "B of the start is no matrix")
+            rows = as_list(table["B" + h], "B of the start is no matrix")
             fits = len(rows) == len(found[c]) == method.part(c).r
             require(fits, "the start has another number of values")
         return found
@@ -60,7 +65,7 @@ class StartCase(BoundCase):
             zero = [[Fraction(0)]]
             tables = {c: (zero, zero * m.r) for c, m in method.parts.items()}
             return Series.of_tables(tables, self.u)
-        table = method.document["starting"]
+        table = as_object(method.document["starting"])
         tables = {c: (method.matrix("A" + h, table), method.matrix("B" + h, table))
                   for c, h in self.hats.items()}  # fmt: skip
         return Series.of_tables(tables, self.u)
@@ -163,7 +168,7 @@ def series_is_known(case: StartCase) -> bool:
     That is so of pairs and of the bound 0 where 1 is a simple eigenvalue of each V, and of u. An
     upper bound is shown only where no other principal parts satisfy the conditions.
     """
-    if case.is_the_order or case.order.enclosed or case.witness.get("tree") == "":
+    if case.is_the_order or case.order.enclosed or case.witness.tree == "":
         return True
     series = case.proof.series(case.method.pair, case.kind[1], 1)
     return series.simple and (case.q == 0 or case.method.pair)
@@ -174,7 +179,7 @@ def start_is_wrong(case: StartCase) -> bool:
     if case.is_the_order:
         return True
     order, p = case.past_the_bound
-    if case.witness.get("tree") == "":
+    if case.witness.tree == "":
         series = case.proof.series(bool(case.method.pair), case.kind[1], order, filled=True)
         gaps = [x for c, u in series.u.items() for x in less(case.u[c], u)]
         return case.q == 0 and any(map(apart, gaps))
@@ -210,16 +215,16 @@ class FinishCase(StartCase):
     @cached_property
     def finish(self) -> Series:
         """Return the series of the finish."""
-        table = self.method.document.get("finishing")
+        table = as_object(self.method.document["finishing"])
         keys(table, "A b", "name kind order", "finish")
         A, b = self.method.matrix("A", table), [self.method.list("b", table)]
         return Series.of_tables({"o": (A, b)})
 
-    def defect(self, tree: Tree) -> object:
+    def defect(self, tree: Tree) -> Number:
         """Return (a b)(t), a the output of the start and b the finish."""
         start, (_, w) = self.start, self.external
 
-        def output(t: Tree) -> object:
+        def output(t: Tree) -> Number:
             return dot(w, start.value(t))
 
         pieces = cuts(tree, output).items()
@@ -241,7 +246,7 @@ def finish_undoes_the_start(case: FinishCase) -> bool | Fails:
 
 def finish_is_wrong_or_the_order_is_reached(case: FinishCase) -> bool:
     """The finish does not give y back at the tree; or, without a tree, q is the order."""
-    if "tree" not in case.witness:
+    if case.witness.tree is None:
         return case.order.high is not None and case.is_the_order
     return apart(case.defect(case.tree))
 
@@ -278,12 +283,12 @@ def finish_follows_from_the_digits(case: FinishCase) -> bool:
     proof, document = case.proof, case.method.document
     closing = as_object(document["finishing"])
     keys(closing, "A b", "name kind order", "finish")
-    if undoes(case.method.numbers, document["starting"], closing):
+    if undoes(case.method.numbers, as_object(document["starting"]), closing):
         return True
-    block = proof.blocks.get("finishing")
-    if block is None:
+    if "finishing" not in proof.blocks:
         return False
     A, B = proof.odd_start(case.q)
+    block = proof.block("finishing")
     finish_with_parity(block, case.method.numbers, document, A, B[0], case.q)
     return True
 
@@ -292,7 +297,7 @@ START_RULES = (
     Rule(
         "start-at-least", "start", "at least",
         "the start is a starting series of the order: principal parts and the flow are free",
-        UNIQUE, "q", StartCase,
+        UNIQUE, AtLeast, StartCase,
         (order_is_enclosed, bound_is_below_the_order, start_has_the_u,
          start_uses_right_stages_along_paths, start_agrees),
         lambda case: Bound("start", case.q, None, *case.kind),
@@ -300,14 +305,14 @@ START_RULES = (
     Rule(
         "start-at-most", "start", "at most",
         "the starting series is unique up to the flow, and at the order itself up to N beta",
-        UNIQUE, "q | tree", StartCase,
+        UNIQUE, AtMost, StartCase,
         (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known, start_is_wrong),
         lambda case: Bound("start", None, case.q, *case.kind),
     ),
     Rule(
         "implied-start", "start", "at least",
         "a start with parity whose conditions have one root within the digits",
-        "docs/certificates.md, 6.7", "q", StartCase,
+        "docs/certificates.md, 6.7", AtLeast, StartCase,
         (bound_is_below_the_order, start_has_the_u,
          start_follows_from_the_equations),
         lambda case: Bound("start", case.q, None, *case.kind),
@@ -315,14 +320,14 @@ START_RULES = (
     Rule(
         "finish-at-least", "finish", "at least",
         "the product of the series of the output of the start and of the finish is y",
-        "Butcher (2016), section 38 (composition of B-series)", "q", FinishCase,
+        "Butcher (2016), section 38 (composition of B-series)", AtLeast, FinishCase,
         (bound_is_below_the_order, file_has_start_and_finish, output_of_the_start_is_y,
          finish_undoes_the_start),
         lambda case: Bound("finish", case.q, None, *case.kind),
     ),
     Rule(
         "finish-at-most", "finish", "at most", "the same; no finish is above the order",
-        "Butcher (2016), section 38", "q | tree", FinishCase,
+        "Butcher (2016), section 38", AtMost, FinishCase,
         (finish_has_trees, order_is_enclosed_or_open, file_has_start_and_finish,
          output_of_the_start_is_y, finish_is_wrong_or_the_order_is_reached),
         lambda case: Bound("finish", None, case.q, *case.kind),
@@ -331,7 +336,7 @@ START_RULES = (
         "implied-finish", "finish", "at least",
         "a Runge-Kutta method with the stages of the first value, b and A - 1 b, is its inverse; "
         "else a finish with parity whose conditions have one root within the digits",
-        "Butcher (2016), section 383; docs/certificates.md, 6.7", "q", FinishCase,
+        "Butcher (2016), section 383; docs/certificates.md, 6.7", AtLeast, FinishCase,
         (bound_is_the_order, file_has_start_and_finish, solution_is_the_first_value,
          first_value_starts_at_y, finish_follows_from_the_digits),
         lambda case: Bound("finish", case.q, None, *case.kind),

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from copy import copy
+from dataclasses import dataclass
 from functools import cached_property
 from math import factorial
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .document import Component, Method
 from .linalg import apply, dot, kernel, less, minus, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes
 from .refusals import Refused, Undecided
-from .rule import Case, Replaced, Rule, Truth
+from .rule import Case, NoWitness, Replaced, Rule, Truth
 from .rules_orders import BUTCHER, ComponentCase, u_and_v_exist
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
 
 MINIMAL = "Kalman (1963), Mathematical description of linear dynamical systems"
 CONSTANT = "Hairer, Norsett, Wanner (1993), III.2, (2.13)"
@@ -25,7 +30,7 @@ class StageCase(Case):
     def needs(self, surely: bool) -> dict:
         """Return {stage: stages it needs}, exact zeros left out; or those that it surely needs."""
 
-        def counts(x):
+        def counts(x: Number) -> bool:
             return not is_nil(x) and (not surely or apart(x))
 
         method = self.method
@@ -133,12 +138,12 @@ class ConstantCase(Case):
     """A part about the error constant of a multistep method."""
 
     @cached_property
-    def sum_of_beta(self) -> object:
+    def sum_of_beta(self) -> Number:
         """Return sigma(1)."""
         return total(self.method.multistep()[1])
 
     @cached_property
-    def first(self) -> object:
+    def first(self) -> Number:
         """Return the first C_q = (sum alpha_m m^q - q sum beta_m m^(q-1)) / q! other than 0.
 
         No method of k steps has an order above 2 k.
@@ -153,7 +158,7 @@ class ConstantCase(Case):
         return Fraction(0)
 
     @property
-    def gap(self) -> object:
+    def gap(self) -> Number:
         """Return the error constant less the declared one."""
         return self.first * inverse(self.sum_of_beta) - self.proof.claimed([self.proof.declared])[0]
 
@@ -194,13 +199,13 @@ def ranks_are_less(method: Method, colour: str) -> Iterator[bool | None]:
     """Yield whether a value is never seen, and never reached, None where it is left open."""
     m = method.part(colour)
 
-    def seen():
+    def seen() -> list:
         rows = list(m.U)
         for _ in range(m.r - 1):
             rows += times(rows[-len(m.U) :], m.V)
         return rows
 
-    def reached():
+    def reached() -> list:
         u, _ = method.vectors_to_one(colour)  # the difference of two is never seen
         rows = ([u] if u else []) + transpose(m.B)
         for _ in range(m.r - 1):
@@ -224,14 +229,25 @@ def no_value_is_idle(case: ReducibleCase) -> bool:
     return case.found == {False}
 
 
+@dataclass(frozen=True)
+class Blocks:
+    """U, B, V of another method."""
+
+    U: list
+    B: list
+    V: list
+
+
 class EquivalentCase(Case):
     """A part about another method with the same A, which makes the same steps."""
+
+    witness: Blocks
 
     @cached_property
     def other(self) -> Method:
         """Return the other method."""
         read = self.method.numbers
-        U, B, V = (read.matrix(self.witness[key]) for key in "UBV")
+        U, B, V = map(read.matrix, (self.witness.U, self.witness.B, self.witness.V))
         other = copy(self.method)
         other.parts = {"o": Component(self.method.single().A, U, B, V)}
         other.check_shapes()
@@ -257,46 +273,49 @@ def both_are_preconsistent(case: EquivalentCase) -> bool:
 
 STRUCTURE_RULES = (
     Rule(
-        "explicit", "explicit", "holds", "the definition", BUTCHER, "", StageCase,
+        "explicit", "explicit", "holds", "the definition", BUTCHER, NoWitness, StageCase,
         (stages_need_earlier_ones,), lambda case: Truth("explicit"),
     ),
     Rule(
-        "implicit", "explicit", "fails", "the definition", BUTCHER, "", StageCase,
+        "implicit", "explicit", "fails", "the definition", BUTCHER, NoWitness, StageCase,
         (some_stages_need_each_other,), lambda case: Truth("explicit", False),
     ),
     Rule(
-        "abscissae", "abscissae", "holds", "the definition", BUTCHER, "", AbscissaeCase,
+        "abscissae", "abscissae", "holds", "the definition", BUTCHER, NoWitness, AbscissaeCase,
         (method_is_no_pair, u_and_v_exist, v_is_seen_once, abscissae_are_those_declared),
         lambda case: Truth("abscissae"),
     ),
     Rule(
-        "other-abscissae", "abscissae", "fails", "the definition", BUTCHER, "", AbscissaeCase,
+        "other-abscissae", "abscissae", "fails", "the definition", BUTCHER,
+        NoWitness, AbscissaeCase,
         (method_is_no_pair, u_and_v_may_exist, v_is_seen_once, abscissae_are_others),
         lambda case: Truth("abscissae", False),
     ),
     Rule(
-        "error-constant", "error-constant", "holds", "the definition", CONSTANT, "", ConstantCase,
+        "error-constant", "error-constant", "holds", "the definition", CONSTANT,
+        NoWitness, ConstantCase,
         (method_is_multistep, beta_has_a_sum, constant_is_the_declared_one),
         lambda case: Truth("error-constant"),
     ),
     Rule(
-        "other-error-constant", "error-constant", "fails", "the definition", CONSTANT, "",
+        "other-error-constant", "error-constant", "fails", "the definition", CONSTANT, NoWitness,
         ConstantCase, (method_is_multistep, constant_is_none_or_another),
         lambda case: Truth("error-constant", False),
     ),
     Rule(
         "reducible", "reducible", "holds",
         "values outside the span of (u, B, V B, ..), or in the kernel of (U; U V; ..), can go",
-        MINIMAL, "", ReducibleCase, (a_value_is_idle,), lambda case: Truth("reducible"),
+        MINIMAL, NoWitness, ReducibleCase, (a_value_is_idle,), lambda case: Truth("reducible"),
     ),
     Rule(
         "irreducible", "reducible", "fails", "a system that is reached and seen is minimal",
-        MINIMAL, "", ReducibleCase, (no_value_is_idle,), lambda case: Truth("reducible", False),
+        MINIMAL,
+        NoWitness, ReducibleCase, (no_value_is_idle,), lambda case: Truth("reducible", False),
     ),
     Rule(
         "equivalent", "symmetric-reduced", "holds",
         "by Cayley and Hamilton the U V^k B are the same for all k, and so are the stages",
-        MINIMAL, "U B V", EquivalentCase, (responses_agree, both_are_preconsistent),
+        MINIMAL, Blocks, EquivalentCase, (responses_agree, both_are_preconsistent),
         lambda case: Replaced(case.other),
     ),
 )  # fmt: skip

@@ -3,41 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .linalg import combine, identity, inverse_matrix, minus, rank, solve, times
 from .numbers import may_vanish, vanishes
-from .refusals import beyond, keys
+from .refusals import beyond, require
 from .rule import Case, Reversal, Rule, Truth
 
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .document import Component
+
 SYMMETRY = "Butcher, Hill, Norton, Symmetric general linear methods (2016)"
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """L and P of one method; of a pair L, L_hat and the P on the stages Q and P."""
+
+    L: list
+    P: list | None = None
+    L_hat: list | None = None
+    P_Q: list | None = None
+    P_P: list | None = None
 
 
 class SymmetricCase(Case):
     """A part about the involutions L and P that exchange a step with its reversal."""
 
+    witness: Exchange
+
     @cached_property
-    def names(self) -> dict[str, tuple[str, str, str]]:
-        """Return by colour the keys of L, of P on the slopes, of P on the stages."""
-        if self.method.pair:
-            keys(self.witness, "L L_hat P_Q P_P")
-            return {"f": ("L", "P_P", "P_Q"), "k": ("L_hat", "P_Q", "P_P")}
-        keys(self.witness, "L P")
-        self.method.single()
-        return {"o": ("L", "P", "P")}
+    def by_colour(self) -> dict[str, tuple[list, list, list]]:
+        """Return by colour L, P on the slopes and P on the stages, as they are written."""
+        x, pair = self.witness, self.method.pair
+        own = (x.L, x.L_hat, x.P_Q, x.P_P) if pair else (x.L, x.P)
+        given = [y for y in own if y is not None]
+        fine = len(given) == len(own) == sum(y is not None for y in vars(x).values())
+        require(fine, "the witness has other members than L and P of the components")
+        if not pair:
+            self.method.single()
+            return {"o": (given[0], given[1], given[1])}
+        L, L_hat, P_Q, P_P = given
+        return {"f": (L, P_P, P_Q), "k": (L_hat, P_Q, P_P)}
 
     @cached_property
     def L(self) -> dict[str, list]:
         """Return L by colour."""
         read = self.method.numbers.matrix
-        return {c: read(self.witness[names[0]]) for c, names in self.names.items()}
+        return {c: read(L) for c, (L, _, _) in self.by_colour.items()}
 
     def P(self, colour: str) -> tuple[list, list]:
         """Return the places of the slopes and of the stages of a component."""
-        _, slopes, stages = self.names[colour]
-        return self.witness[slopes], self.witness[stages]
+        return self.by_colour[colour][1:]
 
     @cached_property
     def back(self) -> dict[str, list]:
@@ -49,9 +71,9 @@ class SymmetricCase(Case):
         return all(vanishes(gap(c, m)) for c, m in self.method.parts.items())
 
 
-def is_involution(p: object, n: int) -> bool:
+def is_involution(p: list, n: int) -> bool:
     """Tell whether p is a 0-based list of n places that exchanges them."""
-    fine = isinstance(p, list) and all(type(x) is int for x in p) and sorted(p) == list(range(n))
+    fine = all(type(x) is int for x in p) and sorted(p) == list(range(n))
     return fine and all(p[x] == k for k, x in enumerate(p))
 
 
@@ -96,7 +118,7 @@ def B_is_reversed(case: SymmetricCase) -> bool:
 def U_is_reversed(case: SymmetricCase) -> bool:
     """U = P U L V."""
 
-    def gap(c, m):
+    def gap(c: str, m: Component) -> list:
         mirrored = times(m.U, case.L[c], m.V)
         return minus([mirrored[x] for x in case.P(c)[1]], m.U)
 
@@ -106,7 +128,7 @@ def U_is_reversed(case: SymmetricCase) -> bool:
 def A_is_reversed(case: SymmetricCase) -> bool:
     """A + P A P = U V^-1 B."""
 
-    def gap(c, m):
+    def gap(c: str, m: Component) -> list:
         slopes, stages = case.P(c)
         moved = [[m.A[x][y] for y in slopes] for x in stages]
         return minus(combine(m.A, moved), times(m.U, case.back[c], m.B))
@@ -150,10 +172,10 @@ class Search:
 
     def fits(self, k: int, x: int) -> bool:
         """Tell whether the condition may hold at two places, with all that are placed."""
-        known = [i for i, y in enumerate(self.P) if y is not None]
+        known = {i: y for i, y in enumerate(self.P) if y is not None}
         pairs = [(i, j) for e in (k, x) for o in known for i, j in ((e, o), (o, e))]
         return all(
-            may_vanish(A[i][j] + A[self.P[i]][self.P[j]] - M[i][j])
+            may_vanish(A[i][j] + A[known[i]][known[j]] - M[i][j])
             for A, M in self.blocks for i, j in pairs
         )  # fmt: skip
 
@@ -164,13 +186,17 @@ def corners(M: list, N: list) -> list:
     return [[zero] * len(M) + row for row in M] + [row + [zero] * len(M[0]) for row in N]
 
 
+@dataclass(frozen=True)
+class Singular:
+    """The colour of a component whose V is singular."""
+
+    singular: str | None = None
+
+
 class NotSymmetricCase(Case):
     """A part about all involutions that a method may have."""
 
-    @property
-    def is_singular(self) -> bool:
-        """Tell whether the part names a singular V."""
-        return "singular" in self.witness
+    witness: Singular
 
     def no_reversal(self, colour: str, P: list[int]) -> bool:
         """Tell whether the linear conditions on L contradict or have one solution, no involution.
@@ -188,11 +214,11 @@ class NotSymmetricCase(Case):
         return unique and not vanishes(minus(times(L, L), identity(m.r)))
 
 
-def conditions(m, back: list, stages: list[int], slopes: list[int]) -> tuple[list, list]:
+def conditions(m: Component, back: list, stages: list[int], slopes: list[int]) -> tuple[list, list]:
     """Return rows and right sides of the linear conditions on the entries of L."""
     left, right, r, rows, values = times(m.U, back), times(back, m.B), m.r, [], []
 
-    def add(value, coefficients):
+    def add(value: Number, coefficients: list) -> None:
         row = [Fraction(0)] * (r * r)
         for (i, j), x in coefficients:
             row[i * r + j] = row[i * r + j] + x
@@ -211,30 +237,27 @@ def conditions(m, back: list, stages: list[int], slopes: list[int]) -> tuple[lis
 
 def the_V_named_is_singular(case: NotSymmetricCase) -> bool:
     """With `singular` V of the component named is singular."""
-    if not case.is_singular:
-        return True
-    V = case.method.part(case.witness["singular"]).V
-    return rank(V) < len(V)
+    colour = case.witness.singular
+    return colour is None or rank(case.method.part(colour).V) < case.method.part(colour).r
 
 
 def no_P_has_an_L(case: NotSymmetricCase) -> bool:
     """Else for every P that the stages allow a component has no L."""
-    return case.is_singular or all(
+    return case.witness.singular is not None or all(
         any(case.no_reversal(c, P) for c in case.method.parts) for P in Search(case).found()
     )
 
 
 SYMMETRY_RULES = (
     Rule(
-        "symmetric", "symmetric", "holds", "the definition", SYMMETRY, "L | P L_hat P_Q P_P",
-        SymmetricCase,
+        "symmetric", "symmetric", "holds", "the definition", SYMMETRY, Exchange, SymmetricCase,
         (P_are_involutions, P_agree_where_stages_are_shared, L_are_involutions, V_are_regular,
          L_reverses_V, B_is_reversed, U_is_reversed, A_is_reversed),
         lambda case: Reversal(case.L),
     ),
     Rule(
         "not-symmetric", "symmetric", "fails", "no L and P satisfy the definition", SYMMETRY,
-        "| singular", NotSymmetricCase, (the_V_named_is_singular, no_P_has_an_L),
+        Singular, NotSymmetricCase, (the_V_named_is_singular, no_P_has_an_L),
         lambda case: Truth("symmetric", False),
     ),
 )  # fmt: skip

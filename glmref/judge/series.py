@@ -1,5 +1,10 @@
 """Starting series and what follows from them (sections 3 and 4)."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
 from .arithmetic import Fraction
 from .classes import reduced
 from .document import Component, first_place, reading
@@ -20,9 +25,13 @@ from .linalg import (
     times,
     transpose,
 )
-from .numbers import apart, as_real, inverse, is_enclosure, is_nil, vanishes
-from .refusals import require
-from .trees import cut, gamma, paths, pool_of, residual_weights, size, trees
+from .numbers import apart, as_reals, inverse, is_enclosure, is_nil, vanishes
+from .refusals import require, shown
+from .trees import Tree, cut, gamma, paths, pool_of, residual_weights, size, trees
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .document import Method
 
 
 class Series:
@@ -33,21 +42,25 @@ class Series:
 
     q = 1
 
-    def __init__(self, part, u, eta):
+    def __init__(
+        self, part: Callable[[str], Component], u: dict[str, list], eta: Callable[[Tree], list]
+    ) -> None:
         self.part, self.u, self.eta_of = part, u, eta
         self.known = {}
 
     @classmethod
-    def of_tables(cls, tables, u=None):
+    def of_tables(
+        cls, tables: Mapping[str, tuple[list, list]], u: dict[str, list] | None = None
+    ) -> Series:
         """Return the series of a starting or finishing method, {colour: (A, B)}."""
-        parts = {c: Component(A, [[]] * len(A), B, None) for c, (A, B) in tables.items()}
-        return cls(parts.__getitem__, u, lambda tree: [])
+        parts = {c: Component(A, [[]] * len(A), B, []) for c, (A, B) in tables.items()}
+        return cls(parts.__getitem__, u or {}, lambda tree: [])
 
-    def derivative(self, tree):
+    def derivative(self, tree: Tree) -> list:
         """Return xiD(t), the product of the xi of the children."""
         return placewise(len(self.part(tree[0]).A[0]), map(self.stages, tree[1]))
 
-    def stages(self, tree):
+    def stages(self, tree: Tree) -> list:
         """Return xi(t) = A xiD(t) + U eta(t), that of its class times the factor."""
         tree, factor = reduced(tree, self.q) if self.q > 1 else (tree, 1)
         if tree not in self.known:
@@ -57,18 +70,18 @@ class Series:
         found = self.known[tree]
         return found if factor == 1 else multiples(factor, found)
 
-    def value(self, tree):
+    def value(self, tree: Tree) -> list:
         """Return B xiD(t)."""
         return apply(self.part(tree[0]).B, self.derivative(tree))
 
-    def residual(self, tree):
+    def residual(self, tree: Tree) -> list:
         """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
         left, weights = residual_weights(tree)
         columns = self.value(tree), self.u[tree[0]], *map(self.eta_of, left)
-        return [dot(weights, values) for values in zip(*columns, strict=True)]
+        return [dot(weights, list(values)) for values in zip(*columns, strict=True)]
 
 
-def path_orders(method, series, colour, most):
+def path_orders(method: Method, series: Series, colour: str, most: int) -> list[int]:
     """Return for each stage through which order, `most` or less, paths t give c^|t| / |t|!."""
     c = series.stages((colour, ()))
     reached = [min(1, most)] * len(c)
@@ -80,7 +93,7 @@ def path_orders(method, series, colour, most):
     return reached
 
 
-def external(method, colour):
+def external(method: Method, colour: str) -> tuple[list, list]:
     """Return (u, w): the values that stand for y0, and the row that reads the solution.
 
     V u = u. Where 1 is a simple eigenvalue of V, u is scaled so that one stage begins at y0 (that
@@ -94,8 +107,8 @@ def external(method, colour):
         require(seen, "U u is 0")
         u = multiples(inverse(seen[0]), N[0])
     else:
-        u, unique = method.vectors_to_one(colour, consistent=True)
-        require(u is not None and unique, "u is not determined")
+        found, unique = method.vectors_to_one(colour, consistent=True)
+        u = shown(found if unique else None, "u is not determined")
     return u, reading(method, colour, u)
 
 
@@ -106,14 +119,14 @@ class Solved(Series):
     with which the conditions W R(t) = 0 of the next order hold.
     """
 
-    def __init__(self, method, identity_mode, nystrom):
+    def __init__(self, method: Method, identity_mode: bool, nystrom: bool | str) -> None:
         self.method, self.nystrom = method, nystrom
         self.free, self.last, self.order, self.filled = not identity_mode, None, 0, 0
         self.loose = False  # whether principal parts of a lower order are not the only ones
         self.W, self.N, self.lift, self.eta, self.k, self.w, parts = {}, {}, {}, {}, {}, {}, {}
         self.gaps = {}
         super().__init__(parts.__getitem__, {}, self.cut_value)
-        plain = as_real if method.numbers.unknowns else lambda x: x
+        plain = as_reals if method.numbers.unknowns else lambda x: x
         for c, m in method.parts.items():
             require(is_exact(m.V), "V holds decimals")
             shift = minus(m.V, identity(m.r))
@@ -126,23 +139,23 @@ class Solved(Series):
             first = None if c in method.declared or len(N) > 1 else first_place(u)
             self.u[c], self.k[c], self.w[c] = plain(u), first, plain(w)
             self.W[c], self.N[c], self.lift[c] = plain(W), plain(N), plain(lift)
-            parts[c] = Component(*map(plain, m[:3]), None)
+            parts[c] = Component(plain(m.A), plain(m.U), plain(m.B), [])
         self.simple = all(len(N) == 1 for N in self.N.values())
         #: whether the values are the solution itself
         self.solved = identity_mode and all(m.r == 1 for m in method.parts.values())
 
-    def cut_value(self, s):
+    def cut_value(self, s: Tree) -> list:
         """Return eta at what is left of a tree, 0 where the one value is the solution."""
         if s not in self.eta and (self.method.system or self.solved):
             return [Fraction(0)]
         return self.eta[s]
 
-    def move(self, s, beta):
+    def move(self, s: Tree, beta: list) -> None:
         """Add N beta to eta(s)."""
         for b, n in zip(beta, self.N[s[0]], strict=True):
             self.eta[s] = [x + b * y for x, y in zip(self.eta[s], n, strict=True)]
 
-    def settle(self):
+    def settle(self) -> None:
         """Find the principal parts of the last order, where 1 is a simple eigenvalue of each V."""
         n, palette = self.order + 1, dict(self.method.palette)
         if n == 2:
@@ -166,7 +179,7 @@ class Solved(Series):
             if not is_nil(beta):
                 self.move(s, [beta])
 
-    def settle_all(self):
+    def settle_all(self) -> None:
         """Find the principal parts of the last order from all conditions of the next one.
 
         They are the only ones, at order 1 up to the flow; `last` is the order where there are none.
@@ -202,7 +215,7 @@ class Solved(Series):
             for j in at:
                 self.move(s, [beta[j] * x for x in units[j]])
 
-    def advance(self, order):
+    def advance(self, order: int) -> None:
         """Go on until the conditions of an order can be evaluated; eta is known below it."""
         while self.order < order and self.last is None:
             if self.order and not self.solved:
@@ -215,7 +228,7 @@ class Solved(Series):
             if self.last is None:
                 self.order += 1
 
-    def fill(self):
+    def fill(self) -> None:
         """Find eta at the trees of the order that was reached, principal parts 0."""
         while self.filled < self.order:
             self.filled += 1
@@ -225,15 +238,15 @@ class Solved(Series):
                 self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
 
-    def condition(self, t):
+    def condition(self, t: Tree) -> list:
         """Return W R(t)."""
         return self.gaps[t] if t in self.gaps else apply(self.W[t[0]], self.residual(t))
 
-    def pool(self, order):
+    def pool(self, order: int) -> list[Tree]:
         """Return the trees of an order that count."""
         return pool_of(self.method, order, self.nystrom)
 
-    def shift(self, t, sigma):
+    def shift(self, t: Tree, sigma: Number) -> list:
         """Return what eta(t) gains by the flow through sigma, for one method."""
         gain = [x * sigma ** size(t) * Fraction(1, gamma(t)) for x in self.u["o"]]
         for s, weight in cut(t):

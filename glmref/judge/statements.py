@@ -63,7 +63,7 @@ def check_declared(proof: Proof) -> None:
             whole(order)
     elif claim in VALUES:  # order-to-digits is read by its rules
         kind = {"error-constant": str, "order-to-digits": dict}.get(claim, list)
-        texts = kind is not list or all(isinstance(x, str) for x in declared)
+        texts = not isinstance(declared, list) or all(isinstance(x, str) for x in declared)
         require(type(declared) is kind and texts, "the declared value is of another type")
     elif type(declared) is not bool:
         raise Malformed("the claim is true or false")
@@ -97,7 +97,7 @@ def fits_order(proof: Proof) -> bool:
 def decide_order(proof: Proof, quantity: str) -> None:
     """Refuse bounds that do not decide the declared order; no order is below 0."""
     bound = proof.known.get(quantity, Bound(quantity))
-    low, high, p = bound.low or 0, bound.high, proof.declared
+    low, high, p = bound.low or 0, bound.high, whole(proof.declared)
     if proof.rules == ["order-at-most"]:  # no order is above that of the method
         high = proof.known["order"].high
     if {"no-order-1", "not-preconsistent"} & set(proof.rules):
@@ -140,7 +140,7 @@ def judged(certificate: object) -> str:
     """
     proof = Proof(certificate, RULES)
     decide(proof)
-    name, claim = proof.method.document["name"][:100], proof.claim_text[:300]
+    name, claim = str(proof.method.document["name"])[:100], proof.claim_text[:300]
     word = "holds" if proof.holds else "fails"
     return f"{name}: {claim} {word} ({', '.join(proof.rules)})"
 

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import product
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from .arithmetic import Fraction
-from .refusals import require
+from .refusals import as_text, require
+
+if TYPE_CHECKING:
+    from .arithmetic import Number
+    from .document import Method
 
 TREES = 40_000  # trees of one order
 
+#: The colours with those that their children may have.
+Palette: TypeAlias = "tuple[tuple[str, str], ...]"
 #: A rooted tree: the colour of the root and the trees of its children, in order.
 Tree: TypeAlias = "tuple[str, tuple[Tree, ...]]"
 
 
 @cache
-def size(tree):
+def size(tree: Tree) -> int:
     """Return |t|; a tree is (colour, children in order)."""
     return 1 + sum(size(child) for child in tree[1])
 
 
 @cache
-def gamma(tree):
+def gamma(tree: Tree) -> int:
     """Return the density gamma(t)."""
     value = size(tree)
     for child in tree[1]:
@@ -31,7 +38,7 @@ def gamma(tree):
 
 
 @cache
-def trees(palette, order):
+def trees(palette: Palette, order: int) -> list[Tree]:
     """Return all trees of an order: each colour of root with all multisets of children."""
     smaller = [t for n in range(1, order) for t in trees(palette, n)]
     found = []
@@ -43,7 +50,7 @@ def trees(palette, order):
     return found
 
 
-def forests(pool, left, start):
+def forests(pool: list[Tree], left: int, start: int) -> Iterator[tuple[Tree, ...]]:
     """Yield the multisets of trees of the pool, which is ordered by size, with `left` vertices."""
     if not left:
         yield ()
@@ -56,13 +63,13 @@ def forests(pool, left, start):
 
 
 @cache
-def is_nystrom(tree):
+def is_nystrom(tree: Tree) -> bool:
     """Tell whether no vertex f has two children or more, or a child f."""
     bad = tree[0] == "f" and (len(tree[1]) > 1 or any(x[0] == "f" for x in tree[1]))
     return not bad and all(map(is_nystrom, tree[1]))
 
 
-def is_coloured(tree, palette):
+def is_coloured(tree: Tree, palette: Palette) -> bool:
     """Tell whether every vertex has a colour of the palette, and children that it may have."""
     below = dict(palette)
     return tree[0] in below and all(
@@ -71,7 +78,7 @@ def is_coloured(tree, palette):
 
 
 @cache
-def stands(tree, system):
+def stands(tree: Tree, system: str) -> bool:
     """Tell whether a tree does not vanish on the systems of a method."""
     colour, n = tree[0], len(tree[1])
     fine = True
@@ -84,39 +91,39 @@ def stands(tree, system):
     return fine and all(stands(x, system) for x in tree[1])
 
 
-def read_tree(text):
+def read_tree(text: object) -> Tree:
     """Return the tree of a text such as f[kk[f]]."""
-    require(isinstance(text, str) and 0 < len(text) <= 200, "a tree is a short text")
-    place = 0
+    given, place = as_text(text, "a tree is a short text"), 0
+    require(0 < len(given) <= 200, "a tree is a short text")
 
-    def vertex():
+    def vertex() -> Tree:
         nonlocal place
-        colour, children = text[place : place + 1], []
-        require(colour and colour in "ofk123456789[", f"{text!r} is no tree")
+        colour, children = given[place : place + 1], []
+        require(colour and colour in "ofk123456789[", f"{given!r} is no tree")
         place += colour != "["
         if colour == "o":  # always a single vertex: with children the colour o is not written
             return "o", ()
         colour = "o" if colour == "[" else colour
-        if text[place : place + 1] == "[":
+        if given[place : place + 1] == "[":
             place += 1
-            while text[place : place + 1] not in ("]", ""):
+            while given[place : place + 1] not in ("]", ""):
                 children.append(vertex())
-            require(children and text[place : place + 1] == "]", f"{text!r} is no tree")
+            require(children and given[place : place + 1] == "]", f"{given!r} is no tree")
             place += 1
         return colour, tuple(sorted(children))
 
     tree = vertex()
-    require(place == len(text), f"{text!r} is no tree")
+    require(place == len(given), f"{given!r} is no tree")
     return tree
 
 
 @cache
-def cut(tree):
+def cut(tree: Tree) -> list[tuple[Tree, Fraction]]:
     """Return pairs (s, N(t, s) / m!): what is left when branches are cut, the root kept."""
     return list(cuts(tree).items())
 
 
-def cuts(tree, weight=None):
+def cuts(tree: Tree, weight: Callable[[Tree], Number] | None = None) -> dict:
     """Return {s: sum over the ways to cut of the product of the weights, else of 1 / gamma}."""
     found = {(): Fraction(1)}
     for child in tree[1]:
@@ -132,7 +139,7 @@ def cuts(tree, weight=None):
 
 
 @cache
-def residual_weights(tree):
+def residual_weights(tree: Tree) -> tuple[list[Tree], list[Fraction]]:
     """Return the trees s left when t is cut, but t itself, and the weights of R(t) (section 3).
 
     They are those of B xiD(t), u and the eta(s): 1, -1 / gamma(t) and -N(t, s) / m!.
@@ -145,19 +152,14 @@ def residual_weights(tree):
 PATHS = {"paths": "fk", "nystrom-paths": "f"}  # trees without branches: which stages are checked
 
 
-def mode(witness):
-    """Return (identity?, nystrom?) of a witness."""
-    require(witness["principal"] in ("free", "identity"), "principal is free or identity")
-    return witness["principal"] == "identity", counted(witness["trees"])
-
-
-def counted(name):
-    """Return which trees a name means: False for all, True for nystrom, else the name itself."""
+def mode(principal: str, name: str) -> tuple[bool, bool | str]:
+    """Return (identity?, trees): False for all, True for nystrom, else the name itself."""
+    require(principal in ("free", "identity"), "principal is free or identity")
     require(name in ("all", "nystrom", *PATHS), "trees are all, nystrom, paths or nystrom-paths")
-    return name if name in PATHS else name == "nystrom"
+    return principal == "identity", name if name in PATHS else name == "nystrom"
 
 
-def paths(palette, order):
+def paths(palette: Palette, order: int) -> list[Tree]:
     """Return the trees of an order without branches, colours alternating where there are two."""
     if order == 1:
         return [(colour, ()) for colour, _ in palette]
@@ -170,7 +172,7 @@ def paths(palette, order):
     ]
 
 
-def pool_of(method, order, nystrom):
+def pool_of(method: Method, order: int, nystrom: bool | str) -> list[Tree]:
     """Return the trees of one order that count."""
     if nystrom in PATHS:
         return paths(method.palette, order)
@@ -178,12 +180,12 @@ def pool_of(method, order, nystrom):
             if stands(t, method.system) and (not nystrom or is_nystrom(t))]  # fmt: skip
 
 
-def through(method, order, nystrom):
+def through(method: Method, order: int, nystrom: bool | str) -> list[Tree]:
     """Return the trees through an order that count."""
     return [t for n in range(1, order + 1) for t in pool_of(method, n, nystrom)]
 
 
-def show(tree):
+def show(tree: Tree) -> str:
     """Return the text of a tree."""
     inner = "".join(map(show, tree[1]))
     return (tree[0] if tree[0] != "o" or not inner else "") + (f"[{inner}]" if inner else "")
@@ -192,13 +194,13 @@ def show(tree):
 LEAF = ("o", ())
 
 
-def attach(t, u):
+def attach(t: Tree, u: Tree) -> Tree:
     """Return t * u: u attached to the root of t."""
     return t[0], tuple(sorted((*t[1], u)))
 
 
 @cache
-def neighbours(t):
+def neighbours(t: Tree) -> list[tuple[Tree, Tree, Tree]]:
     """Return (rest, branch, tree with the root moved into the branch) for each branch."""
     found = []
     for u in dict.fromkeys(t[1]):
@@ -209,7 +211,7 @@ def neighbours(t):
 
 
 @cache
-def versions(t):
+def versions(t: Tree) -> frozenset[Tree]:
     """Return all rooted versions of the free tree under t."""
     found, waiting = {t}, [t]
     while waiting:

@@ -10,6 +10,7 @@ import argparse
 import json
 import random
 import sys
+import time
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
@@ -73,12 +74,18 @@ def compared(
                 yield f"{claim} = {declared}: accepted in both directions: {reason}"
 
 
-def run(count: int, seed: int, tell: bool = True) -> tuple[Counter[str], list[str]]:
-    """Draw documents until so many statements were compared; return counts and contradictions."""
+def run(
+    count: int, seed: int, tell: bool = True, seconds: float = float("inf")
+) -> tuple[Counter[str], list[str]]:
+    """Draw documents until so many statements were compared; return counts and contradictions.
+
+    The last document is drawn before `seconds` of processor time have passed.
+    """
     totals: Counter[str] = Counter()
     against: list[str] = []
     number = 0
-    while totals["statements"] < count and number < count:
+    end = time.process_time() + seconds
+    while totals["statements"] < count and number < count and time.process_time() < end:
         rng = random.Random(f"{seed} {number}")
         document = Draw(rng).document()
         for text in compared(document, claims_of(document, rng), totals):
@@ -97,8 +104,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.oracle", description=__doc__)
     parser.add_argument("--count", type=int, default=30_000, help="statements")
     parser.add_argument("--seed", type=int, default=1, help="seed of the documents")
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="processor time")
     given = parser.parse_args(arguments)
-    totals, against = run(given.count, given.seed)
+    totals, against = run(given.count, given.seed, seconds=given.seconds)
     for key, n in totals.most_common():
         sys.stdout.write(f"{n:8} {key}\n")
     sys.stdout.write(f"{len(against):8} contradictions\n")
