@@ -189,8 +189,10 @@ def test_the_top_folder_holds_packages_and_four_modules() -> None:
     assert modules == {"__init__", "__main__", "errors", "findings"}
 
 
-#: Imports for annotations that point back, in rooms whose parts are still classes of one chain.
+#: Imports for annotations that point back, in rooms whose parts are still classes of one chain,
+#: and of an element to its tower.
 POINTING_BACK = [
+    ("glmref.judge.numbers", "glmref.judge.towers"),
     ("glmref.judge.rule", "glmref.judge.proof"),
     ("glmref.prove.digits", "glmref.prove.kernel"),
     ("glmref.prove.rows", "glmref.prove.kernel"),
