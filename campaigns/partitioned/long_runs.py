@@ -34,6 +34,7 @@ from campaigns.driver import arguments, carried_out, complete
 from campaigns.order6.compare import METHODS
 from campaigns.order6.long_runs import parasitic_part
 from glmref.catalogue.lookup import document, load, names
+from glmref.derive.recipes.record import LOST, in_words
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
@@ -94,8 +95,6 @@ RESTARTED = (
 )
 #: Methods that are run ten times as long besides: all their shorter runs are bounded.
 FURTHER = ("pair-6-10", "blanes-moan-rkn-6-14", "gauss-3")
-#: An orbit is lost when the relative error of its energy passes this.
-LOST = 0.1
 #: The parasitic part of a general linear method is formed at the first four samples and then at one
 #: of LOOK, because it takes a start in the interpreter; the second is for those of many stages.
 LOOK = (10, 100)
@@ -376,27 +375,6 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
     complete(path, record)
 
 
-def grown(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Say of each method with a run that is not bounded at which eccentricities that is so."""
-    grows: dict[str, list[str]] = {}
-    lost: dict[str, list[str]] = {}
-    for run in runs:
-        if not run["bounded"]:
-            last = run["energy"][-1]
-            grows.setdefault(run["method"], []).append(run["eccentricity"])
-            if run["outcome"] != "completed" or last is None or last > LOST:
-                lost.setdefault(run["method"], []).append(run["eccentricity"])
-    return {
-        name: _listed(where)
-        + (f" (the orbit is lost at {_listed(lost[name])})" if name in lost else "")
-        for name, where in grows.items()
-    }
-
-
-def _listed(texts: Sequence[str]) -> str:
-    return " and ".join([", ".join(texts[:-1]), texts[-1]] if texts[1:] else texts)
-
-
 def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
     """Energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown."""
     orbits = list(dict.fromkeys(run["eccentricity"] for run in runs))
@@ -409,7 +387,7 @@ def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> s
         mine = [rows[name, e] for e in orbits]
         cells = [", ".join(_shown(x) for x in run["energy"][-len(marks) :]) for run in mine]
         where = [run["eccentricity"] for run in mine if run["bounded"]]
-        verdict = "yes" if len(where) == len(orbits) else f"at {_listed(where)}" if where else "no"
+        verdict = "yes" if len(where) == len(orbits) else f"at {in_words(where)}" if where else "no"
         lines.append(f"| `{name}` | {' | '.join(cells)} | {verdict} |")
     return "\n".join(lines) + "\n"
 

@@ -16,10 +16,8 @@ from campaigns.pages import measured
 from campaigns.partitioned.long_runs import (
     FURTHER,
     KEPLER,
-    LOST,
     RESTARTED,
     follow_method,
-    grown,
     kepler,
     kepler_methods,
     labels,
@@ -31,6 +29,8 @@ from glmref.catalogue.lookup import data_root, load
 from glmref.derive.recipes.record import (
     GROWS_LATER_ON_KEPLER,
     GROWS_ON_KEPLER,
+    LOST,
+    grown,
     kepler_notes,
 )
 

@@ -23,253 +23,22 @@ from glmref.catalogue.lookup import document
 from glmref.cli import main
 from glmref.exact.expression import parse
 
-SUNDIALS = """
-ARK_BUTCHER_TABLE(ARKODE_HEUN_EULER_2_1_2, { /* Heun-Euler-ERK */
-    ARKodeButcherTable B = ARKodeButcherTable_Alloc(2, SUNTRUE);
-    B->q = 2;
-    B->p = 1;
-    B->A[1][0] = SUN_RCONST(1.0);
-    B->b[0] = SUN_RCONST(1.0)/SUN_RCONST(2.0);
-    B->b[1] = SUN_RCONST(1.0)/SUN_RCONST(2.0);
-    B->d[0] = SUN_RCONST(1.0);
-    B->c[1] = SUN_RCONST(1.0);
-    return B;
- })
-ARK_BUTCHER_TABLE(ARKODE_MADE_UP, {
-    ARKodeButcherTable B = ARKodeButcherTable_Alloc(1, SUNFALSE);
-    B->q = 1;
-    B->b[0] = magic(3);
-    return B;
- })
-"""
-PETSC = """
-PetscErrorCode TSRegisterAll(void)
-{
-#define RC PetscRealConstant
-#define g  (1.0 - 0.5 * PetscSqrtReal((PetscReal)2.0)) /* a comment */
-  {
-    const PetscReal A[2][2] = {
-      {0, 0},
-      {RC(2.0) / RC(3.0), 0}
-    };
-    const PetscReal b[2] = {0.25, 0.75}, bembed[2] = {1.0, 0};
-    PetscCall(TSRKRegister(TSRK2R, 2, 2, &A[0][0], b, NULL, NULL, 0, NULL));
-  }
-  {
-    const PetscReal A[3][3] = {{0, 0, 0}, {g, 0, 0}, {-(PetscReal)1.0, 3.0, 0}};
-    const PetscReal At[3][3] = {{0, 0, 0}, {0, g, 0}, {0, 1 - g, g}};
-    const PetscReal b[3] = {0, 1 - g, g};
-    PetscCall(TSARKIMEXRegister(TSARKIMEXX, 2, 3, &At[0][0], b, NULL, &A[0][0], b, NULL, NULL, NULL, 0, NULL, NULL));
-  }
-  PetscCall(TSRosWRegisterRos4(TSROSWY, 0.25, PETSC_CURRENT, PETSC_CURRENT, 0, 1.0));
-  {
-    const PetscReal A[2][2] = {{0, 0}, {1., 0}};
-    const PetscReal Gamma[2][2] = {{0.25, 0}, {-0.5, 0.25}};
-    const PetscReal b[2] = {0.5, 0.5}, b1[2] = {1.0, 0.0};
-    PetscCall(TSRosWRegister(TSROSW2Z, 2, 2, &A[0][0], &Gamma[0][0], b, NULL, 1, NULL));
-  }
-}
-"""
-GLEE = """
-static const char citation[] = "url = {http://example.org/1}\\n";
-PetscErrorCode TSGLEERegisterAll(void)
-{
-  {
-#define GAMMA 0.0
-    const PetscInt  p = 2, s = 4, r = 2;
-    const PetscReal A[4][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 1, 0}},
-                    B[2][4] = {{0.5, 0.5, 0, 0}, {-0.5, -0.5, 0.5, 0.5}},
-                    U[4][2] = {{1, 0}, {1, 0}, {1, 1}, {1, 1}}, V[2][2] = {{1, 0}, {0, 1}},
-                    S[2] = {1, 0}, F[2] = {1, 0}, Fembed[2] = {1, 1 - GAMMA};
-    PetscCall(TSGLEERegister(TSGLEEMADE, p, s, r, GAMMA, &A[0][0], &B[0][0], &U[0][0], &V[0][0], S, F, NULL, Fembed, F, S, 0, NULL));
-  }
-}
-"""
-JULIA = '''
-"""
-    Kutta3()
 
-Kutta's method; `A[1, 2] = 7` in a text means nothing.
-"""
-function Kutta3(::Type{T} = Float64, ::Type{T_time} = T) where {T, T_time}
-    t = 2 * big"0.25"
-    A = [
-        0 0 0
-        1 // 2 0 0
-        -1 4t 0
-    ]
-    c = [0; 1 // 2; 1]
-    α = [1 // 6; 2 // 3; 1 // 6]
-    αEEst = [0, 1, 0]
-    A = map(T, A)
-    return (
-        DiffEqBase.ExplicitRKTableau(
-            A, c, α, 3; αEEst, adaptiveorder = 2,
-            stability_size = 2.5127453266183286
-        )
-    )
-end
+def source(name: str) -> str:
+    """Return a piece of the source of a code, in its language."""
+    return Path(__file__).with_name("sources").joinpath(name).read_text(encoding="utf-8")
 
-struct Nothing{T}
-    x::T
-end
 
-"""
-    Cooper2()
+SUNDIALS = source("sundials.c")
+PETSC = source("petsc.c")
+GLEE = source("glee.c")
+JULIA = source("julia.jl")
+PYTHON = source("python.txt")
+OPENMODELICA = source("openmodelica.c")
+EIGEN = source("eigen.cpp")
+FORTRAN = source("fortran.f90")
 
-A second-order method whose entry 1/2 is misprinted.
-"""
-struct Cooper2 <: DIRK{2} end
-function RKTableau(alg::Cooper2, RealT)
-    n = 2
-    a = zeros(RealT, n, n)
-    a[2, 1] = 2 // 3
-    b = a[2, :]
-    b[1] = 0
-    b[2] = 1
-    return DIRKButcher(a, b, zeros(RealT, n))
-end
-
-function TableauX(::Type{T}=Float64) where {T}
-    a = @big [[ 0     0    ]
-              [ 1//2  0    ]]
-    b = @big  [ 0,    1    ]
-    c = @big  [ 0,    1//3 ]
-    o = 2
-    Tableau{T}(:Midpoint, o, a, b, c)
-end
-
-function IMEXTableau(::ARS222)
-    γ = 1 - √2 / 2
-    δ = 1 - 1 / 2γ  # which is 1 / (2γ)
-    IMEXTableau(;
-        a_exp = @SArray([
-            0 0 0
-            γ 0 0
-            δ (1-δ) 0
-        ]),
-        b_exp = @SArray([0, 1 - γ, γ]),
-        a_imp = @SArray([
-            0 0 0
-            0 γ 0
-            0 (1-γ) γ
-        ])
-    )
-end
-
-function HeunConstantCache(T, T2)
-    a21 = convert(T, 1)
-    b1 = convert(T, 1 // 2)
-    b2 = convert(T, 1 // 2)
-    btilde1 = convert(T, -1 // 2)
-    btilde2 = convert(T, 1 // 4)
-    c2 = convert(T2, 1)
-    return HeunConstantCache(a21, b1, b2, btilde1, btilde2, c2)
-end
-
-function LeapfrogConstantCache(T, T2)
-    a1 = convert(T, 1 // 2)
-    a2 = convert(T, 1 // 2)
-    b1 = convert(T, 1)
-    b2 = convert(T, 0)
-    return SymplecticTableau((a1, a2), (b1, b2))
-end
-'''
-PYTHON = """
-import numpy as np
-_tableau = ButcherTableau(
-    a_lower=(np.array([2 / 3]),),  # don't stop here
-    b_sol=np.array([1 / 4, 3 / 4]),
-    b_error=np.array([-3 / 4, 3 / 4]),
-    c=np.array([2 / 3]),
-)
-class Ralston(Solver):
-    tableau = _tableau
-    def order(self, terms):
-        return 2
-
-class RK3(RungeKutta):
-    order = 3
-    C = np.array([0, 1/2, 3/4])
-    A = np.array([[0, 0, 0], [1/2, 0, 0], [0, 3/4, 0]])
-    B = np.array([2/9, 1/3, 4/9])
-
-class RadauIIA3(Integrator):
-    __order__ = 3.0
-    tableau_intermediate = np.array([[1/3, 5/12, -1/12], [1, 3/4, 1/3]])
-    tableau_final = np.array([[0, 3/4, 1/4]])
-
-A = np.array([[0, 0], [1, 0]])
-b = np.array([1, 1]) / 2
-RK['Heun22'] = ExplicitRungeKuttaMethod(A, b, name='Heun')
-RK['Odd33'] = ExplicitRungeKuttaMethod(A, b[::-1], name='Odd')
-"""
-OPENMODELICA = """
-void getButcherTableau_SWAPPED(BUTCHER_TABLEAU* tableau)
-{
-  tableau->nStages = 2;
-  tableau->order_b = 2;
-  tableau->order_bt = 1;
-  const double c[] = {0.0, 1.0};
-  const double A[] = {0.0, 0.0,
-                      1.0, 0.0};
-  const double b[] = {1., 0.};
-  const double bt[] = {.5, 0.5};
-  setButcherTableau(tableau, c, A, b, bt);
-}
-"""
-EIGEN = """
-namespace space
-{
-void initializeHeunCoefficients( Coefficients& h )
-{
-    h.lowerOrder = 1;
-    h.higherOrder = 2;
-    h.aCoefficients = Eigen::MatrixXd::Zero( 2, 2 );
-    h.aCoefficients( 1, 0 ) = 1.0;
-    h.cCoefficients = Eigen::VectorXd::Zero( 2 );
-    h.cCoefficients( 1 ) = 1.0;
-    h.bCoefficients = Eigen::MatrixXd::Zero( 2, 2 );
-    h.bCoefficients( 0, 0 ) = 1.0;
-    h.bCoefficients( 1, 0 ) = 1.0 / 2.0;
-    h.bCoefficients( 1, 1 ) = 1.0 / 2.0;
-}
-}
-"""
-FORTRAN = """
-    module procedure heun
-    real(wp),parameter :: half = 1.0_wp / 2.0_wp
-    associate (f1 => me%funcs(:,1), &
-               f2 => me%funcs(:,2))
-        call me%f(t,x,f1)          ! the first
-        call me%f(t+h, x+h*f1, f2)
-        xf = x + h*half*(f1 + &
-             f2)
-        xerr = h*(half*f2 - half*f1)
-    end associate
-    end procedure heun
-    module procedure heun_properties
-        p%order = 2
-    end procedure heun_properties
-"""
-
-KPP = """
-  SUBROUTINE Ros2
-! L-STABLE METHOD, 2 STAGES, ORDER 2
-    DOUBLE PRECISION g
-    g = 1.0_dp + 1.0_dp/SQRT(2.0_dp)
-    ros_S = 2
-    ros_A(1) = (1.0_dp)/g
-    ros_C(1) = (-2.0_dp)/g
-    ros_M(1)= (3.0_dp)/(2.0_dp*g)
-    ros_M(2)= (1.0_dp)/(2.0_dp*g)
-    ros_E(1) = 1.0_dp/(2.0_dp*g)
-    ros_E(2) = ros_M(2)
-    ros_Alpha(2) = 1.0_dp
-    ros_Gamma(1) = g
-    ros_Gamma(2) =-g
-  END SUBROUTINE Ros2
-"""
+KPP = source("kpp.f90")
 
 
 def judged(text: str, form: str) -> dict[str, dict[str, Any]]:
@@ -416,17 +185,7 @@ def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, cap
     assert "holds no file" in capsys.readouterr().err
 
 
-PLAIN_JSON = """[
- {"name": "Heun", "A": [[0, 0], [1, 0]], "b": ["1/2", 0.5], "order": 2, "embedded": [[[1, 0], 1]]},
- {"name": "lost", "A": [[0, 0, 0], ["1/2", 0, 0], [-1, 1, 0]], "b": ["1/6", "2/3", "1/6"],
-  "c": [0, "1/2", 1], "order": 3},
- {"name": "Stormer", "A": [[0, 0], [0.5, 0]], "b": ["1/2", 0], "b_prime": ["1/2", "1/2"],
-  "c": [0, 1], "order": 2},
- {"name": "Euler", "parts": [{"A": [[0]], "b": [1]}, {"A": [[1]], "b": [1]}], "order": 1},
- {"name": "odd", "A": [[0]], "b": ["open('x')"], "order": 1},
- {"name": "short", "A": [[0, 0]], "b": [1], "order": 1},
- 7]
-"""
+PLAIN_JSON = source("plain-json.json")
 PLAIN_CSV = """name,A,b,order,embedded
 Heun,0 0; 1 0,1/2 0.5,2,"[{""error"": [""1/2"", ""-1/2""]}]"
 wrong,0 0; 1 0,1/4 3/4,2,
@@ -505,92 +264,10 @@ def test_the_command_offers_every_reader() -> None:
     assert set(READ) == set(FORMATS) == set(SUFFIXES) == set(_MARKS)
 
 
-PRINCIPIA = """
-struct Leapfrog : SymplecticPartitionedRungeKutta {
-  static constexpr int order = 2;  // a comment
-  static constexpr FixedVector<double, stages> a{{{1.0, 0.0}}};
-  static constexpr FixedVector<double, stages> b{{{+0.5,
-                                                   +0.5}}};
-};
-struct Heun : EmbeddedExplicitRungeKutta {
-  static constexpr int higher_order = 2;
-  static constexpr int lower_order = 1;
-  static constexpr FixedVector<double, stages> c{{{0.0, 1.0}}};
-  static constexpr FixedStrictlyLowerTriangularMatrix<double, stages> a{{{1'000.0 / 1'000.0}}};
-  static constexpr FixedVector<double, stages> b̂{{{0.5, 0.5}}};
-  static constexpr auto b = b̂ - FixedVector<double, stages>{{{-0.5, 0.5}}};
-};
-struct Adams : ExplicitLinearMultistep {
-  static constexpr int order = 2;
-};
-struct Stormer : EmbeddedExplicitRungeKuttaNyström {
-  static constexpr int higher_order = 2;
-  static constexpr int lower_order = 1;
-  static constexpr FixedVector<double, stages> c{{{0.0, 1.0}}};
-  static constexpr FixedStrictlyLowerTriangularMatrix<double, stages> a{{{0.5}}};
-  static constexpr FixedVector<double, stages> b̂{{{0.5, 0.0}}};
-  static constexpr FixedVector<double, stages> b̂ʹ{{{0.5, 0.5}}};
-  static constexpr FixedVector<double, stages> b{{{0.5, 0.0}}};
-  static constexpr FixedVector<double, stages> bʹ{{{1.0, 1.0}}};
-};
-"""
-GSL = """
-static const double ah[] = { 0.5, 1.0 };
-static const double b3[] = { -1.0, 2.0 };  /* b21 is ah[0] */
-static const double c1 = 1.0 / 6.0;
-static const double c2 = 2.0 / 3.0;
-static const double c3 = 1.0 / 6.0;
-static const double ec[] = { 0.0, 1.0 / 6.0, -1.0 / 3.0, 1.0 / 6.0 };
-static unsigned int
-kutta_order (void *vstate)
-{
-  return 3;
-}
-"""
-ODEINT = """
-template< class Value = double >
-struct mid_coefficients_a1 : std::array< Value , 1 >
-{
-    mid_coefficients_a1( void )
-    {
-        (*this)[0] = static_cast< Value >( 1 ) / static_cast< Value >( 2 );
-    }
-};
-struct mid_coefficients_b : std::array< Value , 2 >
-{
-    mid_coefficients_b( void )
-    {
-        (*this)[0] = static_cast< Value >( 0 );
-        (*this)[1] = static_cast< Value >( 1 );
-    }
-};
-struct mid_coefficients_c : std::array< Value , 2 >
-{
-    mid_coefficients_c( void )
-    {
-        (*this)[0] = static_cast< Value >( 0 );
-        (*this)[1] = static_cast< Value >( 1 ) / static_cast< Value >( 2 );
-    }
-};
-template<
-class State ,
-class Value = double
->
-class midpoint : public explicit_generic_rk< 2 , 2 , State , Value >
-{
-};
-"""
-ODEINT_PAIR = """
-class pair : public explicit_error_stepper_fsal_base< pair< State , Value > , 2 , 2 , 1 , State >
-{
-    const value_type b21 = static_cast<value_type>( 1 );
-    const value_type c1 = static_cast<value_type>( 1 ) / static_cast<value_type>( 2 );
-    const value_type c2 = static_cast<value_type>( 1 ) / static_cast<value_type>( 2 );
-    const value_type dc1 = c1 - static_cast<value_type>( 1 ) / static_cast<value_type>( 4 );
-    const value_type dc2 = static_cast<value_type>( 0 );
-    const value_type dc3 = static_cast<value_type>( -1 ) / static_cast<value_type>( 4 );
-};
-"""
+PRINCIPIA = source("principia.hpp")
+GSL = source("gsl.c")
+ODEINT = source("odeint.hpp")
+ODEINT_PAIR = source("odeint-pair.hpp")
 
 
 def test_members_of_principia() -> None:
@@ -628,125 +305,12 @@ def test_orders_beyond_twelve_are_looked_at_within_a_budget() -> None:
         reach(midpoint, 14, high=True)
 
 
-NAMED = """
-/* a21 = 7; */
-const scalar
-    Heun::c2 = 1.0,
-    Heun::a21 = 1.0,
-    Heun::b1 = 0.5,
-    Heun::b2 = 1.0 - Heun::b1,
-    Heun::e1 = 1.0 - 0.5,
-    Heun::e2 = -0.5;
-}
-"""
-NAMED_B = """
-class Pair : public Stepper
-{
-  public:
-    G4int IntegratorOrder() const override { return 2; }
-};
-void Pair::Step()
-{
-    const double b21 = 1./2., b31 = 0., b32 = 3./4., b41 = 2./9., b42 = 1./3., b43 = 4./9.,
-                 dc1 = b41 - 7./24., dc2 = b42 - 1./4., dc3 = b43 - 1./3., dc4 = -1./8.;
-}
-void Pair::Interpolate()
-{
-    const double b1 = tau, c1 = 7.;
-}
-"""
-JAVA = """
-/** Field version: a[0][0] = 3 in a comment. */
-public class GillFieldIntegrator<T> extends Fixed<T> {
-    private static final double Q = FastMath.sqrt(2);
-    @Override
-    public T[] getC() {
-        final T[] c = MathArrays.buildArray(getField(), 3);
-        c[0] = fraction(1, 2);
-        c[1] = c[0];
-        c[2] = getField().getOne();
-        return c;
-    }
-    @Override
-    public T[][] getA() {
-        final T   two     = getField().getZero().add(2);
-        final T   sqrtTwo = two.sqrt();
-        final T[][] a = MathArrays.buildArray(getField(), 3, -1);
-        for (int i = 0; i < a.length; ++i) {
-            a[i] = MathArrays.buildArray(getField(), i + 1);
-        }
-        a[0][0] = fraction(1, 2);
-        a[ 1][ 0] = sqrtTwo.subtract(1).multiply(0.5);
-        a[1][1] = sqrtTwo.subtract(2).multiply(-0.5);
-        a[2][0] = getField().getZero();
-        a[2][1] = sqrtTwo.multiply(-0.5);
-        a[2][2] = sqrtTwo.multiply(0.5).add(1);
-        return a;
-    }
-    @Override
-    public T[] getB() {
-        final T[] b = MathArrays.buildArray(getField(), 4);
-        b[0] = fraction(1, 6);
-        b[1] = a(0);
-        return b;
-    }
-}
-"""
-JAVA_STATIC = """
-public class KuttaIntegrator {
-    static final double[] STATIC_E = { 1.0, -1.0, 0.5, 0.0 };
-    public double[] getC() {
-        return new double[] { 1.0/2.0, 1.0 };
-    }
-    public double[][] getA() {
-        return new double[][] { {1.0/2.0}, {-1.0, 2.0} };
-    }
-    public double[] getB() {
-        return new double[] { 1.0/6.0, 2.0/3.0, 1.0/6.0, 0.0 };
-    }
-    public int getOrder() { return 3; }
-}
-"""
-RUST = """
-const SQRT_3: f64 = 1.732050808;
-pub(crate) const HEUN_2_A: [[f64; 2]; 2] = [
-    [0.0, 0.0],
-    [1.0, 0.0],
-];
-pub(crate) const HEUN_2_B: [f64; 2] = [1.0 / 2.0, 1.0 / 2.0]; // a comment
-impl<T: Real> ButcherTableau<T, 2> {
-    /// - Primary order: 4
-    pub fn gauss() -> Self {
-        let mut c = [0.0; 2];
-        let mut a = [[0.0; 2]; 2];
-        let sqrt3_6 = SQRT_3 / 6.0;
-        c[0] = 0.5 - sqrt3_6;
-        c[1] = 0.5 + sqrt3_6;
-        a[0][0] = 0.25;
-        a[0][1] = 0.25 - sqrt3_6;
-        a[1][0] = 0.25 + sqrt3_6;
-        a[1][1] = 0.2_5;
-        let b = [0.5, 0.5];
-        let a = a.map(|row| row.map(|x| T::from_f64(x).unwrap()));
-        Self { c, a, b }
-    }
-    pub fn other() -> f64 {
-        let a = 1.0;
-        a
-    }
-}
-"""
-MATLODE = """function [ erkMethod erkS ] = Coefficients_Heun( RK2 )
-% rkA(2,1) = 7;
-    global rkA rkB rkC rkE
-    rkA(2,1) = 1.0d0;
-    rkB(1,1) = 1/2;
-    rkB(1,2) = 1/2;
-    rkC(2) = 1.0;
-    rkE(1) = 1.0;
-    rkE(2) = 0.0;
-return;
-"""
+NAMED = source("named.cpp")
+NAMED_B = source("named-b.cpp")
+JAVA = source("java.java")
+JAVA_STATIC = source("java-static.java")
+RUST = source("rust.rs")
+MATLODE = source("matlode.m")
 
 
 def test_numbers_with_names_of_their_own() -> None:
@@ -861,24 +425,7 @@ def test_ode_jl_tables() -> None:
     assert (pair["name"], pair["declared"], pair["status"]) == ("heun_euler", 2, "right")
 
 
-RODAS = """
-const ROSA = [
-    0 0
-    1.2 0
-]
-const ROSC = [
-    0
-    -1.0
-]
-function Two2Tableau(::Type{T}, ::Type{T2}) where {T, T2}
-    gamma = inv(convert(T2, 2))
-    s = size(ROSA, 1)
-    b = T[ROSA[s, i] for i in 1:(s - 1)]
-    push!(b, one(T))
-    btilde = nothing
-    return RodasTableau{T, T2, Vector{T}}(ROSA, ROSC, gamma, 0, 0, 0, b, btilde)
-end
-"""
+RODAS = source("rodas.jl")
 
 
 def test_the_transformed_form_is_read_from_julia() -> None:
@@ -908,25 +455,7 @@ def test_the_family_of_steyer_is_read_from_julia() -> None:
             assert all((parse(x) - y.value).is_zero() for x, y in zip(row, kept, strict=True))
 
 
-CONSTANTS = """
-function Euler2ConstantCache(T, T1)
-    a0100 = convert(T, 1)
-    b1 = T1(1 // 2)
-    b2 = T1(1 // 2)
-    c1 = T1(1)
-    return Euler2ConstantCache(a0100, b1, b2, c1)
-end
-function IRKN3ConstantCache(T::Type, T2::Type)
-    a21 = convert(T, 1 // 8)
-    bbar1 = convert(T, 1 // 3)
-    return IRKN3ConstantCache(a21, bbar1, 1)
-end
-function SRA2ConstantCache(T::Type, T2::Type)
-    a21 = convert(T, 3 // 4)
-    α1 = convert(T, 1 // 3)
-    return SRA2ConstantCache(a21, α1, 1)
-end
-"""
+CONSTANTS = source("constants.jl")
 
 
 def test_stages_numbered_from_zero_and_weights_that_are_not_read() -> None:
@@ -936,20 +465,7 @@ def test_stages_numbered_from_zero_and_weights_that_are_not_read() -> None:
     assert "two steps" in second.unread and "`α`" in third.unread
 
 
-NYSTROM = """
-function Nystrom4Tableau(::Type{T}, ::Type{T2}) where {T, T2}
-    a = zeros(T, 3, 3)
-    a[2, 1] = convert(T, 1 // 8)
-    a[3, 2] = convert(T, 1 // 2)
-    b = [convert(T, 1 // 6), convert(T, 2 // 6), zero(T)]
-    bp = [convert(T, 1 // 6), convert(T, 4 // 6), convert(T, 1 // 6)]
-    c = [convert(T2, 1 // 2), one(T2)]
-    return NystromVITableau(a, b, bp, T[], T[], c, false, 2)
-end
-function NystromVITableau(a, b, bp)
-    return NystromVITableau(a, b, bp, 1, 1, 1, 1)
-end
-"""
+NYSTROM = source("nystrom.jl")
 
 
 def test_nystrom_tables_of_julia() -> None:
@@ -1181,14 +697,7 @@ def test_one_row_that_is_not_c_is_a_question_though_the_order_holds() -> None:
     assert judge(*read(right, "json", {}))["status"] == "right"
 
 
-SWAPPED = """
-import numpy as np
-
-class Swapped(Integrator):
-    __order__ = 2.0
-    tableau_intermediate = np.array([[0, 0, 0], [1, 1, 0]])
-    tableau_final = np.array([[0, 1, 0], [0, 1/2, 1/2]])
-"""
+SWAPPED = source("swapped.txt")
 
 
 def test_a_pair_that_propagates_the_lower_row_is_wrong_where_the_order_is_declared() -> None:
@@ -1205,16 +714,7 @@ RK['Made2'] = ExplicitRungeKuttaPair(A, np.array([1, 0]), np.array([1, 1]) / 2, 
     assert found["remarks"][-1] == "the order is read from the name"
 
 
-CHAINS = """
-// Suzuki-Yoshida weights
-const double sy_const_3[] = { 0.828981543588751, -0.657963087177502, 0.828981543588751 };
-const double sy_right[] = { 1.3512071919596578, -1.7024143839193153, 1.3512071919596578 };
-std::vector<double> getYoshidaWeights() {
-    return {0.784513610477560, 0.235573213359357, -1.17767998417887, 1.31518632068391,
-            -1.17767998417887, 0.235573213359357, 0.784513610477560};
-}
-double sy_sum[] = { 0.5, 0.5, 0.5 }; double sy_uneven[] = { 0.5, 0.25, 0.25 };
-"""
+CHAINS = source("chains.cpp")
 
 
 def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> None:
@@ -1233,14 +733,7 @@ def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> Non
     assert judged(other, "weights") == {}
 
 
-SYSTEM = """
-import numpy as np
-
-class TestNormalize:
-    A = np.array([[1.0, 2.0], [3.0, 4.0]])
-    B = np.array([-1.0, 5.0])
-    C = np.array([4.0, 5.0])
-"""
+SYSTEM = source("system.txt")
 
 
 def test_matrices_of_a_linear_system_are_no_tableau() -> None:

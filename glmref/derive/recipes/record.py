@@ -30,41 +30,8 @@ GROWS_LATER_ON_KEPLER = (
     "Over a hundred million steps from its default start its energy error or its carried values "
     "grow on Kepler's problem with eccentricity {}, see data/measurements/kepler-long.json."
 )
-#: Eccentricities at which that is so, by method.
-_ON_KEPLER: Mapping[str, str] = {
-    "pair-4-4": "0.1 and 0.3 (the orbit is lost at 0.1)",
-    "pair-4-5": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "pair-4-6": "0.1 and 0.3 (the orbit is lost at 0.1 and 0.3)",
-    "pair-6-8": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "pair-6-9": "0.6",
-    "pair-8-24": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "pair-rkn-6-7": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "pair-rkn-6-7b": "0.1, 0.3 and 0.6",
-    "pair-rkn-6-8": "0.6",
-    "pair-rkn-6-8b": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "pair-rkn-6-9": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "g6245": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "g6245-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "c2-3-10-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "s5t-w3": "0.1 and 0.3 (the orbit is lost at 0.1)",
-    "s5i2-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "s5i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "s5i1-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "s4-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "s3-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "s3i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "t115-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "t115-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "t115a-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "t115a-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "order8-s5-w3": "0.1 and 0.3 (the orbit is lost at 0.1)",
-    "order8-s5a-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "order8-s5q3-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "order8-s5i1-w3": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1, 0.3 and 0.6)",
-    "order8-s3-w3-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-    "order8-s4i2-w3-i": "0.1, 0.3 and 0.6 (the orbit is lost at 0.1 and 0.3)",
-}
-_LATER_ON_KEPLER: Mapping[str, str] = {"pair-6-10": "0.1 and 0.3"}
+#: An orbit is lost when the relative error of its energy passes this.
+LOST = 0.1
 
 #: A note that `campaigns/test_long_survey.py` compares with the data it names.
 GROWS_IN_SURVEY = (
@@ -74,25 +41,23 @@ GROWS_IN_SURVEY = (
 
 
 @cache
-def _in_survey() -> Mapping[str, str]:
-    """Problems of the survey on which a run of ten million steps is not bounded, by method."""
-    path = data_root() / "measurements" / "long-survey.json"
-    where: dict[str, list[str]] = {}
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]:
-        ends = {run["verdict"] for run in row["runs"] if not run["renew"]}
-        if row["steps"] == 10_000_000 and ends & {"grows", "lost"}:
-            said = row["problem"] + " (lost)" * ("lost" in ends)
-            where.setdefault(row["method"], []).append(said)
-    return {name: "; ".join(problems) for name, problems in where.items()}
+def _measured(name: str) -> Any:
+    path = data_root() / "measurements" / f"{name}.json"
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def survey_notes(name: str) -> list[str]:
     """Return the note on ten million steps of eight problems for a method file, or nothing."""
-    return [GROWS_IN_SURVEY.format(_in_survey()[name])] if name in _in_survey() else []
+    said = []
+    for row in _measured("long-survey")["rows"]:
+        ends = {run["verdict"] for run in row["runs"] if not run["renew"]}
+        if (row["method"], row["steps"]) == (name, 10_000_000) and ends & {"grows", "lost"}:
+            said.append(row["problem"] + " (lost)" * ("lost" in ends))
+    return [GROWS_IN_SURVEY.format("; ".join(said))] if said else []
 
 
 def kepler_notes(name: str) -> list[str]:
-    """Return the note on long runs of Kepler's problem for a method file, or nothing.
+    """Return the notes on long runs of Kepler's problem for a method file.
 
     Returns
     -------
@@ -100,8 +65,31 @@ def kepler_notes(name: str) -> list[str]:
         A note where ten million steps of some run are not bounded, and one where a hundred million
         are not.
     """
-    kinds = ((GROWS_ON_KEPLER, _ON_KEPLER), (GROWS_LATER_ON_KEPLER, _LATER_ON_KEPLER))
-    return [text.format(where[name]) for text, where in kinds if name in where]
+    kinds = ((GROWS_ON_KEPLER, "runs"), (GROWS_LATER_ON_KEPLER, "further"))
+    where = ((text, grown(_measured("kepler-long")[key])) for text, key in kinds)
+    return [text.format(found[name]) for text, found in where if name in found]
+
+
+def grown(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Return the eccentricities at which runs of a method are not bounded, as a text, by method."""
+    grows: dict[str, list[str]] = {}
+    lost: dict[str, list[str]] = {}
+    for run in runs:
+        if not run["bounded"]:
+            last = run["energy"][-1]
+            grows.setdefault(run["method"], []).append(run["eccentricity"])
+            if run["outcome"] != "completed" or last is None or last > LOST:
+                lost.setdefault(run["method"], []).append(run["eccentricity"])
+    return {
+        name: in_words(where)
+        + (f" (the orbit is lost at {in_words(lost[name])})" if name in lost else "")
+        for name, where in grows.items()
+    }
+
+
+def in_words(texts: Sequence[str]) -> str:
+    """Join texts as in a sentence: "a, b and c"."""
+    return " and ".join([", ".join(texts[:-1]), texts[-1]] if texts[1:] else texts)
 
 
 #: Called with (what is done, steps done, steps in all).
