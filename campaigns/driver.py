@@ -114,11 +114,6 @@ def complete(path: Path, document: Mapping[str, Any]) -> None:
         kept.unlink()
 
 
-def note(document: dict[str, Any], text: str) -> None:
-    """Say something among the notes of a document, once and at their end."""
-    document["notes"] = [x for x in document["notes"] if x != text] + [text]
-
-
 def _kept(path: Path, what: str) -> Path:
     return path.with_name(f".{path.stem}.{what}.sqlite")
 

@@ -9,7 +9,7 @@ import json
 import pytest
 
 from campaigns.driver import fingerprint
-from campaigns.observed_orders import Case, cases, main, observe
+from campaigns.observed_orders import Case, cases, observe
 from glmref.catalogue.lookup import data_root, load
 from glmref.measure.convergence import isochronous, method_order
 
@@ -58,22 +58,6 @@ def test_the_page_names_the_orders_that_did_not_settle():
     for row in far:
         assert not row["settled"]
         assert f"`{row['method']}`, of order {row['proved']}, shows {row['observed']:.2f}" in page
-
-
-def test_only_what_has_changed_is_measured_again(tmp_path, monkeypatch):
-    import campaigns.observed_orders as module
-
-    wanted = [case for case in cases() if case.method in ("euler", "heun-2")]
-    monkeypatch.setattr(module, "cases", lambda: iter(wanted))
-    rows = [dict(STORED[case.method, case.claim]) for case in wanted]
-    rows[0] |= {"fingerprint": "of another tableau", "observed": 7.0}
-    path = tmp_path / "orders.json"
-    path.write_text(json.dumps({"orders": rows}), encoding="utf-8")
-    assert main(path) == 1
-    assert json.loads(path.read_text("utf-8"))["orders"] == [
-        STORED[c.method, c.claim] for c in wanted
-    ]
-    assert main(path) == 0
 
 
 def test_a_claim_that_is_too_high_is_seen_to_be():

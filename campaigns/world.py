@@ -6,10 +6,6 @@ grid, two to a decade, that reaches the goal; a method the number of steps from 
 stays below it (:mod:`campaigns.partitioned.work`).
 
     python -m campaigns.world data/measurements/world.json
-    python -m campaigns.world data/measurements/world.json METHOD
-
-The second form measures one more method of :data:`METHODS`, timed beside :data:`BESIDE`, and
-multiplies the recorded time of that by their ratio.
 
 Peers: heyoka, IAS15 of rebound (gravitating bodies only), DOP853 of scipy, CVODE of SUNDIALS with
 Adams formulas through scikit-sundae. heyoka and rebound are compiled, DOP853 and CVODE call a
@@ -18,7 +14,6 @@ function of numpy arrays, whose time is most of theirs: compare their evaluation
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections import Counter
@@ -31,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete, note
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import TIME_NOTE, run_seconds
 from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_step, task_of
@@ -45,8 +40,6 @@ METHODS = (
     *("multistep-8", "quinlan-tremaine-12"),
     *("pair-rkn-6-8b", "blanes-moan-rkn-6-14"),
 )
-#: What a method is timed beside that was measured in a later run.
-BESIDE = "multistep-rkn-12"
 #: Peers, and the packages whose versions are recorded.
 PEERS: Mapping[str, str] = {
     "heyoka": "heyoka",
@@ -170,42 +163,6 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
     complete(path, record)
 
 
-def later_row(task: Mapping[str, Any]) -> float | None:
-    """Time of a run of a method over that of :data:`BESIDE`, the least of three of each in turn."""
-    runs = [{**task, "methods": [name], "steps": n} for name, n in task["steps"].items()]
-    found = [[run_seconds(run) for run in runs] for _ in range(3)]
-    least = [min((x for x in row if x), default=None) for row in zip(*found, strict=True)]
-    return least[0] / least[1] if least[0] and least[1] else None
-
-
-def add(path: Path, method: str) -> None:
-    """Measure one more method in the cases of a file and put its rows in their places."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    needed = carried_out(need_row, (task_of(x, method) for x in CASES), beside=path)
-    counts = [need_of(row[0]).needed.get(GOAL) for row in needed]
-    tasks, rows = [], []
-    for case, entry, count in zip(CASES, document["cases"], counts, strict=True):
-        beside = next(x for x in entry["methods"] if x["method"] == BESIDE)
-        row = {"method": method, "evaluations": round(count) if count else None, "seconds": None}
-        kept = [x for x in entry["methods"] if x["method"] != method]
-        names = [*METHODS, *PEERS]
-        entry["methods"] = sorted([*kept, row], key=lambda x: names.index(x["method"]))
-        if count and beside["seconds"]:
-            two = ((method, count), (BESIDE, beside["evaluations"]))
-            steps = {name: n / per_step(name) for name, n in two}
-            tasks.append({**task_of(case), "steps": steps})
-            rows.append((row, beside["seconds"]))
-    found = carried_out(later_row, tasks, beside=path, limits=TIMED)
-    for (row, seconds), ratio in zip(rows, found, strict=True):
-        row["seconds"] = None if ratio is None else three_digits(ratio * seconds)
-    note(
-        document,
-        f"{method} was measured later, beside {BESIDE}; seconds: the ratio of both times the "
-        f"recorded seconds of {BESIDE}.",
-    )
-    complete(path, document)
-
-
 def _best(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """The row of the least time."""
     return min(rows, key=lambda x: math.inf if x["seconds"] is None else x["seconds"])
@@ -236,8 +193,4 @@ def table(document: Mapping[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    file, *words = arguments(sys.argv[1:])
-    if words:
-        add(Path(file), words[0])
-    else:
-        main(Path(file))
+    main(Path(arguments(sys.argv[1:])[0]))

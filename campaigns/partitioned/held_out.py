@@ -6,19 +6,12 @@ as :mod:`.work` does. Times are taken beside them, all methods of a case in turn
 the least of the rounds: the load of the machine meets all of them alike.
 
     python -m campaigns.partitioned.held_out data/measurements/held-out.json
-    python -m campaigns.partitioned.held_out data/measurements/held-out.json NAME
-    python -m campaigns.partitioned.held_out data/measurements/held-out.json NAME times
 
-Rows are kept as they end, so that the same command goes on where it was stopped. The second form
-counts the evaluations of one more method of :data:`GROUPS` and keeps the rest of the file. Times
-mean something only beside those of the same run: the third form times the method beside
-:data:`BESIDE` and multiplies the recorded time of that by their ratio. With the name of a problem
-in place of the method, that problem is measured, with times, and put in its place.
+Rows are kept as they end, so that the same command goes on where it was stopped.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
@@ -26,7 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import TIMED, arguments, carried_out, complete, note
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
@@ -61,8 +54,6 @@ GROUPS: Mapping[bool, Mapping[str, Sequence[str]]] = {
 }
 #: Rounds of the timing, and evaluations of each of its runs.
 ROUNDS, TIMED_EVALUATIONS = 5, 4_000
-#: What a method is timed beside that was counted in a later run, and in how many rounds.
-BESIDE, LATER_ROUNDS = "multistep-rkn-12", 41
 _NEEDED = (
     "needed: evaluations of the steps from which the error stays below the tolerance; "
     "start_evaluations come on top. Multistep methods start from the starting method of their "
@@ -128,11 +119,6 @@ def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict
     return {name: x for name, x in rounded.items() if x is not None}
 
 
-def count_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Count one method in a case, in JSON."""
-    return needs(case_of(task), task["methods"])[0].counted()
-
-
 def case_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Count and time the methods of a case in JSON."""
     case, key = case_of(task), TOLERANCES[-1]
@@ -161,71 +147,6 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
             "where": circumstances(),
         },
     )
-
-
-def add(path: Path, method: str) -> None:
-    """Count one more method in the cases of a file and put its rows in their places."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    entries = {x["case"]: x for x in document["cases"]}
-    cases = [x for x in CASES if x.name in entries and method in methods_for(x.name)]
-    rows = carried_out(count_row, (task_of(x, method) for x in cases), beside=path)
-    for case, row in zip(cases, rows, strict=True):
-        entry = entries[case.name]
-        others = [x for x in entry["methods"] if x["method"] != method]
-        entry["methods"] = sorted(
-            [*others, row], key=lambda x: methods_for(case.name).index(x["method"])
-        )
-    note(document, f"{method} was counted in a later run, without times.")
-    complete(path, document)
-
-
-def time_row(task: Mapping[str, Any]) -> float | None:
-    """Time of a method over that of :data:`BESIDE`, each with the steps it needs in a case."""
-    found = _seconds(case_of(task), task["steps"], LATER_ROUNDS)
-    method, beside = (found.get(x) for x in task["methods"])
-    return method / beside if method and beside else None
-
-
-def time_later(path: Path, method: str) -> None:
-    """Time a method beside :data:`BESIDE` in the cases of a file that have a time of that."""
-    document, key = json.loads(path.read_text(encoding="utf-8")), TOLERANCES[-1]
-    known = {x.name: x for x in CASES}
-    tasks, pairs = [], []
-    for entry in document["cases"]:
-        rows = {x["method"]: x for x in entry["methods"]}
-        two = [rows.get(x, {"needed": {}}) for x in (method, BESIDE)]
-        if all(x["needed"].get(key) for x in two) and "seconds" in two[1]:
-            steps = {
-                x["method"]: max(1, round(x["needed"][key] / per_step(x["method"]))) for x in two
-            }
-            tasks.append({**task_of(known[entry["case"]], method, BESIDE), "steps": steps})
-            pairs.append(two)
-    ratios = carried_out(time_row, tasks, beside=path, limits=TIMED)
-    for (row, beside), share in zip(pairs, ratios, strict=True):
-        if share is not None:
-            row["seconds"] = {key: three_digits(share * beside["seconds"][key])}
-    document["notes"] = [
-        x.replace("later run, without times", "later run") if x.startswith(method) else x
-        for x in document["notes"]
-    ]
-    note(
-        document,
-        f"{method} was timed later, beside {BESIDE}; seconds: the ratio of both times the recorded "
-        f"seconds of {BESIDE}.",
-    )
-    complete(path, document)
-
-
-def renew(path: Path, problem: str) -> None:
-    """Measure a problem over both horizons and put it in its place in a file."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    cases = [x for x in CASES if x.name.removesuffix(", long") == problem]
-    rows = carried_out(case_row, (task_of(x, *methods_for(x.name)) for x in cases), beside=path)
-    entries = {x["case"]: x for x in (*document["cases"], *rows)}
-    document["cases"] = [entries[x.name] for x in CASES if x.name in entries]
-    document["not measured"] = [x.name for x in CASES if x.name not in entries]
-    note(document, f"{problem} was measured in a later run.")
-    complete(path, document)
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -334,10 +255,4 @@ def table(document: Mapping[str, Any], measure: str) -> str:
 
 
 if __name__ == "__main__":
-    given = arguments(sys.argv[1:])
-    if given[2:] == ["times"]:
-        time_later(Path(given[0]), given[1])
-    elif given[1:]:
-        (renew if given[1] in PROBLEMS else add)(Path(given[0]), given[1])
-    else:
-        main(Path(given[0]))
+    main(Path(arguments(sys.argv[1:])[0]))

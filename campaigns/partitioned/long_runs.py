@@ -6,15 +6,11 @@ begin with what the start leaves out: nothing is tuned away. Recorded are the la
 and the largest carried value up to 10^4, 10^5, 10^6 and 10^7 steps.
 
     python -m campaigns.partitioned.long_runs data/measurements/pairs-long.json
-    python -m campaigns.partitioned.long_runs data/measurements/pairs-long.json PAIR
-
-The second form runs one pair and keeps the runs of the others.
-
     python -m campaigns.partitioned.long_runs kepler data/measurements/kepler-long.json
 
-runs Kepler's problem with three eccentricities, each method from its default start: all explicit
-partitioned methods, the general linear methods of order 6 and 8, Gauss methods and splittings.
-Runs that the file has already are kept.
+The second form runs Kepler's problem with three eccentricities, each method from its default start:
+all explicit partitioned methods, the general linear methods of order 6 and 8, Gauss methods and
+splittings. Runs that the file has already are kept.
 """
 
 from __future__ import annotations
@@ -38,7 +34,6 @@ from glmref.derive.recipes.record import LOST, in_words
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
-from glmref.errors import UsageError
 from glmref.measure.longtime import along
 from glmref.measure.timing import circumstances
 from glmref.method import Method, PartitionedGLM
@@ -293,25 +288,6 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
     complete(path, record)
 
 
-def add(path: Path, name: str, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
-    """Measure one pair and put its runs into a file, in the place of those that are there.
-
-    Raises
-    ------
-    UsageError
-        When the catalogue has no such explicit pair.
-    """
-    order = pair_names()
-    if name not in order:
-        raise UsageError(f"the pair must be one of {', '.join(order)}, got {name!r}")
-    record = json.loads(path.read_text(encoding="utf-8"))
-    runs = [x for x in record["runs"] if x["method"] != name]
-    tasks = ({"method": name, "steps": steps, "start": "zero", **asdict(x)} for x in cases)
-    runs += carried_out(pair_row, tasks, beside=path)
-    record["runs"] = sorted(runs, key=lambda x: order.index(x["method"]))
-    complete(path, record)
-
-
 KEPLER_NOTE = (
     "Largest relative energy error up to each mark, sampled every "
     f"{EVERY} steps; carried: largest entry of q_2 and p_2, for general linear methods the norm of "
@@ -400,7 +376,5 @@ if __name__ == "__main__":
     words = arguments(sys.argv[1:])
     if words[0] == "kepler":
         kepler(Path(words[1]))
-    elif len(words) > 1:
-        add(Path(words[0]), words[1])
     else:
         main(Path(words[0]))

@@ -1,13 +1,11 @@
 """Multistep methods in one-step form against pairs and splittings: evaluations, long runs, holes.
 
     python -m campaigns.partitioned.multistep data/measurements/multistep.json
-    python -m campaigns.partitioned.multistep data/measurements/multistep.json METHOD
     python -m campaigns.partitioned.multistep long data/measurements/multistep-long.json
     python -m campaigns.partitioned.multistep resonances data/measurements/multistep-resonances.json
 
-The first counts force evaluations as :mod:`.work` does, each multistep method from its own start,
-the second those of one method more;
-the third follows 10^7 steps as :mod:`.long_runs` does; the last runs 4,000 step sizes up to the
+The first counts force evaluations as :mod:`.work` does, each multistep method from its own start;
+the second follows 10^7 steps as :mod:`.long_runs` does; the last runs 4,000 step sizes up to the
 end of the periodicity interval. Times stand in the records of :mod:`.held_out` and of
 :mod:`campaigns.world`.
 """
@@ -113,21 +111,6 @@ def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
         found = [need_of(x) for _ in methods for x in next(counted)]
         counts = [need.counted() for need in found if need.start != "enhanced"]
         record["cases"].append({"case": case.name, "measure": case.measure, "methods": counts})
-    complete(path, record)
-
-
-def add(path: Path, method: str) -> None:
-    """Count one more method in all cases of a file."""
-    record = json.loads(path.read_text(encoding="utf-8"))
-    record["groups"] = rows()
-    entries = {x["case"]: x for x in record["cases"]}
-    cases = [x for x in COUNTED if x.name in entries]
-    for case, found in zip(
-        cases, carried_out(need_row, (task_of(x, method) for x in cases), beside=path), strict=True
-    ):
-        entry = entries[case.name]
-        others = [x for x in entry["methods"] if x["method"] != method]
-        entry["methods"] = [*others, *(need_of(x).counted() for x in found)]
     complete(path, record)
 
 
@@ -442,7 +425,5 @@ if __name__ == "__main__":
     words = arguments(sys.argv[1:])
     if words[0] in kinds:
         kinds[words[0]](Path(words[1]))
-    elif words[1:]:
-        add(Path(words[0]), words[1])
     else:
         evaluations(Path(words[0]))

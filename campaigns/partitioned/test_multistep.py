@@ -108,57 +108,6 @@ def test_counts_on_a_held_out_problem_are_those_of_the_record():
         assert found["seconds"]["1e-09"] > 0
 
 
-@pytest.mark.slow
-def test_a_method_counted_later_is_put_in_its_place(tmp_path):
-    (stored,) = (x for x in measured("held-out")["cases"] if x["case"] == "double well")
-    rows = [x for x in stored["methods"] if x["method"] != "dormand-prince-rkn-12-10"]
-    path = tmp_path / "few.json"
-    path.write_text(json.dumps({"notes": ["One."], "cases": [stored | {"methods": rows}]}))
-    held_out.add(path, "dormand-prince-rkn-12-10")
-    found = json.loads(path.read_text())
-    assert found["cases"] == [stored]
-    assert found["notes"][1:] == [
-        "dormand-prince-rkn-12-10 was counted in a later run, without times."
-    ]
-
-
-@pytest.mark.slow
-def test_a_method_timed_later_gets_the_ratio_times_the_recorded_time(tmp_path, monkeypatch):
-    (stored,) = (x for x in measured("held-out")["cases"] if x["case"] == "double well")
-    path, name = tmp_path / "few.json", "multivalue-rkn-12"
-    note = f"{name} was counted in a later run, without times."
-    path.write_text(json.dumps({"notes": [note], "cases": [stored]}))
-    monkeypatch.setattr(held_out, "LATER_ROUNDS", 3)
-    held_out.time_later(path, name)
-    found = json.loads(path.read_text())
-    rows = {x["method"]: x for x in found["cases"][0]["methods"]}
-    known = {x["method"]: x for x in stored["methods"]}
-    ratio = rows[name]["seconds"]["1e-09"] / rows[held_out.BESIDE]["seconds"]["1e-09"]
-    assert 0.2 < ratio < 5
-    assert {k: v for k, v in rows.items() if k != name} == {
-        k: v for k, v in known.items() if k != name
-    }
-    assert found["notes"][0] == f"{name} was counted in a later run."
-    assert len(found["notes"]) == 2
-
-
-@pytest.mark.slow
-def test_a_method_of_the_world_measured_later_is_put_in_its_place(tmp_path, monkeypatch):
-    document = measured("world")
-    stored = next(x for x in document["cases"] if x["case"] == "henon-heiles")
-    case = next(x for x in world.CASES if x.name == "henon-heiles")
-    path, name = tmp_path / "few.json", "multivalue-rkn-12"
-    path.write_text(json.dumps({"notes": [], "cases": [stored]}))
-    monkeypatch.setattr(world, "CASES", (case,))
-    world.add(path, name)
-    (found,) = json.loads(path.read_text())["cases"]
-    rows = {x["method"]: x for x in found["methods"]}
-    known = {x["method"]: x for x in stored["methods"]}
-    assert list(rows) == list(known)
-    assert rows[name]["evaluations"] == known[name]["evaluations"]
-    assert 0.2 < rows[name]["seconds"] / rows[world.BESIDE]["seconds"] < 5
-
-
 def test_what_counts_on_held_out_problems_is_the_best_of_each_group_in_each_case():
     def entry(case, **needed):
         rows = [{"method": k, "needed": {"1e-09": v}} for k, v in needed.items()]

@@ -9,7 +9,6 @@ import pytest
 from campaigns.partitioned import work as pair_needs
 from campaigns.partitioned.long_runs import Case as LongCase
 from campaigns.partitioned.long_runs import Long, follow_pair, pair_names
-from campaigns.partitioned.long_runs import add as add_runs
 from campaigns.partitioned.tables import best, needs_table, time_table
 from campaigns.partitioned.work import (
     CASES,
@@ -21,14 +20,12 @@ from campaigns.partitioned.work import (
     Case,
     _crossing,
     _settled,
-    add,
     needs,
     per_step,
     timed,
     write,
 )
 from glmref.catalogue.lookup import document
-from glmref.errors import UsageError
 from glmref.problems import names, problem
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -112,43 +109,6 @@ def test_the_need_of_a_method_of_order_6_is_below_that_of_order_2(tmp_path):
     assert best(record["cases"][0], ["forest-ruth-4"], "1e-09") is not None
     assert "(rkn-6-8b)" in needs_table(record, "1e-09")
     assert "| short |" in time_table(record, "1e-09")
-
-
-def test_one_more_method_is_counted_and_the_rest_of_the_file_is_kept(tmp_path):
-    path = tmp_path / "pairs.json"
-    write(path, {SHORT: timed(SHORT, needs(SHORT, ["forest-ruth-4", "pair-rkn-6-8b"]), rounds=1)})
-    before = json.loads(path.read_text())
-    for _ in range(2):  # the second time its rows are replaced
-        add(path, "mclachlan-4", [SHORT])
-    after = json.loads(path.read_text())
-    rows, old = after["cases"][0]["methods"], before["cases"][0]["methods"]
-    assert [x for x in rows if x["method"] != "mclachlan-4"] == old
-    (new,) = (x for x in rows if x["method"] == "mclachlan-4")
-    assert new == {**new, "needed": {f"{t:.0e}": round(n) for t, n in need_of("mclachlan-4")}}
-    assert new["seconds"] == {}
-    assert rows.index(new) == 1  # as in METHODS, after forest-ruth-4
-    assert after["notes"] == [
-        *before["notes"],
-        "mclachlan-4 was counted in a later run, without times.",
-    ]
-    assert after["where"] == before["where"]
-    with pytest.raises(UsageError, match="must be one of"):
-        add(path, "rk4", [SHORT])
-
-
-def need_of(method):
-    return needs(SHORT, [method])[0].needed.items()
-
-
-def test_one_more_pair_is_run_and_the_rest_of_the_file_is_kept(tmp_path):
-    path, case = tmp_path / "pairs-long.json", LongCase("harmonic-oscillator", 1 / 16)
-    other = {"method": "pair-6-7", "kept": True}
-    path.write_text(json.dumps({"notes": [], "runs": [other, {"method": "pair-4-4"}]}))
-    add_runs(path, "pair-4-4", [case], 10_000)
-    runs = json.loads(path.read_text())["runs"]
-    assert runs == [follow_pair("pair-4-4", case, 10_000).as_json(), other]
-    with pytest.raises(UsageError, match="must be one of"):
-        add_runs(path, "stormer-verlet", [case], 10_000)
 
 
 def test_ten_thousand_steps_are_followed_and_growth_is_seen():

@@ -7,15 +7,10 @@ error at one step size counts for nothing. Times are taken afterwards, at the st
 methods in turn, several rounds.
 
     python -m campaigns.partitioned.work data/measurements/pairs.json
-    python -m campaigns.partitioned.work data/measurements/pairs.json METHOD
-
-The second form counts evaluations of one more method and keeps the rest of the file: counts do not
-depend on the run. It takes no times, which mean something only beside those of the same run.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import statistics
 import sys
@@ -27,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete, note
+from campaigns.driver import TIMED, arguments, carried_out, complete
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
@@ -35,7 +30,6 @@ from glmref.compute.records import finite
 from glmref.engine.outcome import Solution, StartFailed
 from glmref.engine.solve import solve
 from glmref.engine.sweep import step_form
-from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import PartitionedGLM
@@ -392,33 +386,5 @@ def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
     complete(path, document)
 
 
-def add(path: Path, method: str, cases: Sequence[Case] = CASES) -> None:
-    """Count the evaluations of one method, without times, and put its rows into a file.
-
-    Rows of the method that are there are replaced; the order is that of :data:`METHODS`.
-
-    Raises
-    ------
-    UsageError
-        When the method is not one of :data:`METHODS`.
-    """
-    if method not in METHODS:
-        raise UsageError(f"the method must be one of {', '.join(METHODS)}, got {method!r}")
-    document = json.loads(path.read_text(encoding="utf-8"))
-    named = {case.name: case for case in cases}
-    for entry in document["cases"]:
-        case = named[entry["case"]]
-        (found,) = carried_out(need_row, [task_of(case, method)], beside=path)
-        new = _as_json(case, [need_of(x) for x in found])["methods"]
-        rows = [x for x in entry["methods"] if x["method"] != method] + new
-        entry["methods"] = sorted(rows, key=lambda x: METHODS.index(x["method"]))
-    note(document, f"{method} was counted in a later run, without times.")
-    complete(path, document)
-
-
 if __name__ == "__main__":
-    words = arguments(sys.argv[1:])
-    if len(words) > 1:
-        add(Path(words[0]), words[1])
-    else:
-        main(Path(words[0]))
+    main(Path(arguments(sys.argv[1:])[0]))

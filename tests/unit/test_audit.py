@@ -29,25 +29,13 @@ def source(name: str) -> str:
     return Path(__file__).with_name("sources").joinpath(name).read_text(encoding="utf-8")
 
 
-SUNDIALS = source("sundials.c")
-PETSC = source("petsc.c")
-GLEE = source("glee.c")
-JULIA = source("julia.jl")
-PYTHON = source("python.txt")
-OPENMODELICA = source("openmodelica.c")
-EIGEN = source("eigen.cpp")
-FORTRAN = source("fortran.f90")
-
-KPP = source("kpp.f90")
-
-
 def judged(text: str, form: str) -> dict[str, dict[str, Any]]:
     found = [judge(x) for x in read(text, form, declared_orders(text))]
     return {x["name"]: x for x in found}
 
 
 def test_sundials_tables_and_one_that_is_not_understood() -> None:
-    found = judged(SUNDIALS, "sundials")
+    found = judged(source("sundials.c"), "sundials")
     assert found["ARKODE_HEUN_EULER_2_1_2"]["status"] == "right"
     assert found["ARKODE_HEUN_EULER_2_1_2"]["line"] == 2
     unread = found["ARKODE_MADE_UP"]
@@ -55,7 +43,7 @@ def test_sundials_tables_and_one_that_is_not_understood() -> None:
 
 
 def test_petsc_registrations() -> None:
-    found = judged(PETSC, "petsc")
+    found = judged(source("petsc.c"), "petsc")
     assert found["TSRK2R"]["status"] == "right"
     wrong = found["TSARKIMEXX"]
     assert (wrong["kind"], wrong["declared"], wrong["found"]) == ("additive", 2, 1)
@@ -66,19 +54,25 @@ def test_petsc_registrations() -> None:
 
 
 def test_general_linear_methods_of_petsc() -> None:
-    right = judged(GLEE, "petsc")["TSGLEEMADE"]
+    right = judged(source("glee.c"), "petsc")["TSGLEEMADE"]
     assert (right["kind"], right["found"], right["status"]) == ("glm", 2, "right")
-    second = judged(GLEE.replace("-0.5, 0.5, 0.5}}", "-0.5, 0.25, 0.75}}"), "petsc")["TSGLEEMADE"]
+    second = judged(source("glee.c").replace("-0.5, 0.5, 0.5}}", "-0.5, 0.25, 0.75}}"), "petsc")[
+        "TSGLEEMADE"
+    ]
     assert (second["found"], second["order_of_tree"], second["residual"]) == (1, 2, 0.25)
     assert second["status"] == "question"
-    uneven = judged(GLEE.replace("U[4][2] = {{1, 0}", "U[4][2] = {{2, 0}"), "petsc")["TSGLEEMADE"]
+    uneven = judged(source("glee.c").replace("U[4][2] = {{1, 0}", "U[4][2] = {{2, 0}"), "petsc")[
+        "TSGLEEMADE"
+    ]
     assert uneven["status"] == "wrong" and "U S = 1 fails by 1" in uneven["remarks"]
-    cut = judged(GLEE.replace("V[2][2] = {{1, 0}, {0, 1}}", "V[2][2] = {{1, 0}}"), "petsc")
+    cut = judged(
+        source("glee.c").replace("V[2][2] = {{1, 0}, {0, 1}}", "V[2][2] = {{1, 0}}"), "petsc"
+    )
     assert cut["TSGLEEMADE"]["status"] == "unread"
 
 
 def test_julia_tables_in_their_four_styles() -> None:
-    found = judged(JULIA, "julia")
+    found = judged(source("julia.jl"), "julia")
     assert found["Kutta3"]["status"] == "right"
     assert found["Midpoint"]["correction"] == [{"entry": "c[2]", "is": "1/3", "should be": "1/2"}]
     cooper = found["Cooper2"]
@@ -91,7 +85,7 @@ def test_julia_tables_in_their_four_styles() -> None:
 
 
 def test_python_modules() -> None:
-    found = judged(PYTHON, "python")
+    found = judged(source("python.txt"), "python")
     assert found["_tableau"]["status"] == "right"
     assert found["RK3"]["status"] == "right"
     assert found["RadauIIA3"]["correction"][0] == {
@@ -102,7 +96,7 @@ def test_python_modules() -> None:
 
 
 def test_exchanged_rows_are_said_to_be_exchanged() -> None:
-    swapped = judged(OPENMODELICA, "openmodelica")["SWAPPED"]
+    swapped = judged(source("openmodelica.c"), "openmodelica")["SWAPPED"]
     assert swapped["status"] == "wrong" and swapped["found"] == 1
     assert "the rows may be exchanged" in swapped["remarks"][0]
 
@@ -118,22 +112,22 @@ def test_a_row_of_its_own_order_is_not_said_to_be_exchanged() -> None:
 
 
 def test_arrays_of_eigen_and_steps_of_fortran() -> None:
-    found = judged(EIGEN, "eigen")
+    found = judged(source("eigen.cpp"), "eigen")
     assert found["Heun"]["status"] == "right"
-    heun = judged(FORTRAN, "rklib")["heun"]
+    heun = judged(source("fortran.f90"), "rklib")["heun"]
     assert heun["status"] == "right" and heun["declared"] == 2 and heun["stages"] == 2
 
 
 def test_a_quotient_by_zero_leaves_a_step_unread() -> None:
-    heun = judged(FORTRAN.replace("/ 2.0_wp", "/ 0.0_wp"), "rklib")["heun"]
+    heun = judged(source("fortran.f90").replace("/ 2.0_wp", "/ 0.0_wp"), "rklib")["heun"]
     assert heun["status"] == "unread"
     assert "a quotient has the divisor 0" in heun["remarks"][0]
 
 
 def test_rosenbrock_methods_in_the_transformed_form() -> None:
-    ros2 = judged(KPP, "kpp")["Ros2"]
+    ros2 = judged(source("kpp.f90"), "kpp")["Ros2"]
     assert (ros2["kind"], ros2["declared"], ros2["found"]) == ("rosenbrock", 2, 2)
-    broken = judged(KPP.replace("(-2.0_dp)/g", "(-3.0_dp)/g"), "kpp")["Ros2"]
+    broken = judged(source("kpp.f90").replace("(-2.0_dp)/g", "(-3.0_dp)/g"), "kpp")["Ros2"]
     assert broken["found"] == 0 and broken["status"] == "wrong"
 
 
@@ -143,7 +137,7 @@ def test_an_unread_table_has_no_verdict() -> None:
 
 @pytest.mark.slow
 def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
-    (tmp_path / "good.py").write_text(PYTHON)
+    (tmp_path / "good.py").write_text(source("python.txt"))
     (tmp_path / "bad.py").write_text("class A(:\n  ButcherTableau = [")
     assert main(["audit", str(tmp_path), "--format", "python"]) == 1
     out = capsys.readouterr()
@@ -185,7 +179,6 @@ def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, cap
     assert "holds no file" in capsys.readouterr().err
 
 
-PLAIN_JSON = source("plain-json.json")
 PLAIN_CSV = """name,A,b,order,embedded
 Heun,0 0; 1 0,1/2 0.5,2,"[{""error"": [""1/2"", ""-1/2""]}]"
 wrong,0 0; 1 0,1/4 3/4,2,
@@ -194,7 +187,7 @@ odd,0 0; 1,1 0,1,
 
 
 def test_plain_json_holds_one_table_or_many() -> None:
-    found = judged(PLAIN_JSON, "json")
+    found = judged(source("plain-json.json"), "json")
     status = {name: x["status"] for name, x in found.items()}
     assert [status[x] for x in ("Heun", "Stormer", "Euler")] == ["right"] * 3
     assert status["lost"] == "wrong" and found["lost"]["line"] == 3
@@ -264,33 +257,32 @@ def test_the_command_offers_every_reader() -> None:
     assert set(READ) == set(FORMATS) == set(SUFFIXES) == set(_MARKS)
 
 
-PRINCIPIA = source("principia.hpp")
-GSL = source("gsl.c")
-ODEINT = source("odeint.hpp")
-ODEINT_PAIR = source("odeint-pair.hpp")
-
-
 def test_members_of_principia() -> None:
-    found = judged(PRINCIPIA, "principia")
+    found = judged(source("principia.hpp"), "principia")
     assert found["Leapfrog"]["status"] == "right" and found["Leapfrog"]["kind"] == "splitting"
     assert found["Heun"]["status"] == "right" and found["Heun"]["found"] == 2
     assert found["Adams"]["status"] == "unread"
     assert found["Stormer"]["status"] == "right" and found["Stormer"]["kind"] == "nystrom"
     assert found["Stormer, lower order"]["found"] == 0
-    wrong = judged(PRINCIPIA.replace("b̂{{{0.5, 0.5}}}", "b̂{{{0.5, 0.25}}}"), "principia")
+    wrong = judged(
+        source("principia.hpp").replace("b̂{{{0.5, 0.5}}}", "b̂{{{0.5, 0.25}}}"), "principia"
+    )
     assert wrong["Heun"]["found"] == 0
 
 
 def test_arrays_of_gsl_and_odeint() -> None:
-    kutta = judged(GSL, "gsl")["kutta"]
+    kutta = judged(source("gsl.c"), "gsl")["kutta"]
     assert (kutta["status"], kutta["found"], kutta["line"]) == ("right", 3, 2)
-    slip = judged(GSL.replace("-1.0, 2.0", "-1.0, 1.0"), "gsl")["kutta"]
+    slip = judged(source("gsl.c").replace("-1.0, 2.0", "-1.0, 1.0"), "gsl")["kutta"]
     assert slip["correction"][0] == {"entry": "a[3][2]", "is": "1", "should be": "2"}
-    assert judged(GSL.replace("b3[]", "x3[]"), "gsl")["kutta"]["status"] == "unread"
-    assert judged(ODEINT, "odeint")["midpoint"]["status"] == "right"
-    pair = judged(ODEINT_PAIR, "odeint")["pair"]
+    assert judged(source("gsl.c").replace("b3[]", "x3[]"), "gsl")["kutta"]["status"] == "unread"
+    assert judged(source("odeint.hpp"), "odeint")["midpoint"]["status"] == "right"
+    pair = judged(source("odeint-pair.hpp"), "odeint")["pair"]
     assert (pair["status"], pair["declared"], pair["stages"]) == ("right", 2, 3)
-    open_ = judged(ODEINT_PAIR.replace("dc2 = static_cast<value_type>( 0 )", "dc2 = c1"), "odeint")
+    open_ = judged(
+        source("odeint-pair.hpp").replace("dc2 = static_cast<value_type>( 0 )", "dc2 = c1"),
+        "odeint",
+    )
     assert "sum to 0.5" in open_["pair"]["remarks"][0]
 
 
@@ -305,39 +297,31 @@ def test_orders_beyond_twelve_are_looked_at_within_a_budget() -> None:
         reach(midpoint, 14, high=True)
 
 
-NAMED = source("named.cpp")
-NAMED_B = source("named-b.cpp")
-JAVA = source("java.java")
-JAVA_STATIC = source("java-static.java")
-RUST = source("rust.rs")
-MATLODE = source("matlode.m")
-
-
 def test_numbers_with_names_of_their_own() -> None:
-    heun = judged(NAMED, "constants")["Heun"]
+    heun = judged(source("named.cpp"), "constants")["Heun"]
     assert (heun["found"], heun["stages"], heun["status"]) == (2, 2, "found")
-    spoilt = judged(NAMED.replace("e2 = -0.5", "e2 = 0.5"), "constants")["Heun"]
+    spoilt = judged(source("named.cpp").replace("e2 = -0.5", "e2 = 0.5"), "constants")["Heun"]
     assert spoilt["status"] == "wrong" and "sum to 1" in spoilt["remarks"][0]
     for lost in ("b2 = 1.0 - Heun::b1,", "e1 = 1.0 - 0.5,"):  # a statement without its end
-        spoilt = judged(NAMED.replace(lost, lost[:-1]), "constants")["Heun"]
+        spoilt = judged(source("named.cpp").replace(lost, lost[:-1]), "constants")["Heun"]
         assert spoilt["status"] == "unread" and "a `;` is missing" in spoilt["remarks"][0]
-    heavy = judged(NAMED.replace("b1 = 0.5", "b1 = 0.5 + 1./9.").replace("1.0 - Heun::b1", "0.5"),
+    heavy = judged(source("named.cpp").replace("b1 = 0.5", "b1 = 0.5 + 1./9.").replace("1.0 - Heun::b1", "0.5"),
                    "constants")["Heun"]  # fmt: skip
     assert (heavy["found"], heavy["status"]) == (0, "wrong")
     assert "the order is 0: the weights do not sum to 1" in heavy["remarks"]
-    (table,) = read(NAMED_B, "constants", declared_orders(NAMED_B))
+    (table,) = read(source("named-b.cpp"), "constants", declared_orders(source("named-b.cpp")))
     pair = judge(table)
     assert (pair["declared"], pair["found"], pair["stages"]) == (2, 3, 4)
     assert not pair["remarks"]  # the rows sum to c, the error weights to 0
 
 
 def test_java_methods_that_return_arrays() -> None:
-    kutta = judged(JAVA_STATIC, "java")["KuttaIntegrator"]
+    kutta = judged(source("java-static.java"), "java")["KuttaIntegrator"]
     assert (kutta["declared"], kutta["found"], kutta["status"]) == (3, 3, "wrong")
     assert "sum to 0.5" in kutta["remarks"][0]
-    assert judged(JAVA, "java")["GillFieldIntegrator"]["status"] == "unread"
+    assert judged(source("java.java"), "java")["GillFieldIntegrator"]["status"] == "unread"
     rows = "b[1] = getField().getTwo();"
-    whole = JAVA.replace("b[1] = a(0);", (
+    whole = source("java.java").replace("b[1] = a(0);", (
         "b[1] = sqrt2.subtract(2).divide(-6); b[2] = sqrt2.add(2).divide(6); b[3] = fraction(1, 6);"
     )).replace("final T[] b =", "final T sqrt2 = getField().getOne().newInstance(2).sqrt();\n        final T[] b =")  # fmt: skip
     gill = judged(whole, "java")["GillFieldIntegrator"]
@@ -345,14 +329,14 @@ def test_java_methods_that_return_arrays() -> None:
 
 
 def test_rust_functions_and_constants() -> None:
-    found = judged(RUST, "rust")
+    found = judged(source("rust.rs"), "rust")
     assert found["HEUN_2"]["status"] == "right" and found["HEUN_2"]["declared"] == 2
     gauss = found["gauss"]  # the root is given to ten digits
     assert (gauss["declared"], gauss["status"], set(found)) == (4, "digits", {"HEUN_2", "gauss"})
 
 
 def test_an_array_of_a_wrong_size_is_unread_and_the_rest_is_read() -> None:
-    found = judged(RUST.replace("a[1][1] = 0.2_5", "a[1][2] = 0.2_5"), "rust")
+    found = judged(source("rust.rs").replace("a[1][1] = 0.2_5", "a[1][2] = 0.2_5"), "rust")
     assert (found["gauss"]["status"], found["HEUN_2"]["status"]) == ("unread", "right")
     assert (
         found["gauss"]["remarks"] == ["a[1][2] lies outside its array"] and found["gauss"]["line"]
@@ -366,7 +350,7 @@ def test_an_array_of_a_wrong_size_is_unread_and_the_rest_is_read() -> None:
 
 
 def test_methods_of_matlode() -> None:
-    heun = judged(MATLODE, "matlode")["Coefficients_Heun"]
+    heun = judged(source("matlode.m"), "matlode")["Coefficients_Heun"]
     assert (heun["found"], heun["status"]) == (2, "wrong")
     assert "the weights of the error estimate sum to 1, not to 0" in heun["remarks"]
 
@@ -425,11 +409,8 @@ def test_ode_jl_tables() -> None:
     assert (pair["name"], pair["declared"], pair["status"]) == ("heun_euler", 2, "right")
 
 
-RODAS = source("rodas.jl")
-
-
 def test_the_transformed_form_is_read_from_julia() -> None:
-    (table,) = read(RODAS, "julia", {"Two2": 2})
+    (table,) = read(source("rodas.jl"), "julia", {"Two2": 2})
     assert (table.kind, table.order, table.rows) == ("rosenbrock", 2, [])
     gamma = [[x.value.as_fraction() for x in row] for row in table.A[1]]
     # C = diag(1/gamma) - Gamma^-1, so that gamma_21 = gamma c_21 gamma
@@ -455,24 +436,18 @@ def test_the_family_of_steyer_is_read_from_julia() -> None:
             assert all((parse(x) - y.value).is_zero() for x, y in zip(row, kept, strict=True))
 
 
-CONSTANTS = source("constants.jl")
-
-
 def test_stages_numbered_from_zero_and_weights_that_are_not_read() -> None:
-    first, second, third = read(CONSTANTS, "julia", {"Euler2": 2})
+    first, second, third = read(source("constants.jl"), "julia", {"Euler2": 2})
     assert [[x.value.as_fraction() for x in row] for row in first.A[0]] == [[0, 0], [1, 0]]
     assert judge(first, search=False)["status"] == "right"
     assert "two steps" in second.unread and "`α`" in third.unread
 
 
-NYSTROM = source("nystrom.jl")
-
-
 def test_nystrom_tables_of_julia() -> None:
-    (table,) = read(NYSTROM, "julia", {"Nystrom4": 4})
+    (table,) = read(source("nystrom.jl"), "julia", {"Nystrom4": 4})
     assert (table.kind, table.order) == ("nystrom", 4)
     assert judge(table, search=False)["status"] == "right"
-    (wrong,) = read(NYSTROM.replace("2 // 6", "1 // 6"), "julia", {"Nystrom4": 4})
+    (wrong,) = read(source("nystrom.jl").replace("2 // 6", "1 // 6"), "julia", {"Nystrom4": 4})
     assert judge(wrong, search=False)["status"] != "right"
 
 
@@ -564,7 +539,9 @@ end
     ("name", "large"), [("b2", "b2000000"), ("btilde2", "btilde2000000"), ("a21", "a2000001")]
 )
 def test_a_name_does_not_make_a_table_of_millions_of_stages(name: str, large: str) -> None:
-    heun = judged(JULIA.replace(f"{name} =", f"{large} ="), "julia")["HeunConstantCache"]
+    heun = judged(source("julia.jl").replace(f"{name} =", f"{large} ="), "julia")[
+        "HeunConstantCache"
+    ]
     assert heun["status"] == "unread" and "more than 200 stages" in str(heun["remarks"])
 
 
@@ -617,7 +594,7 @@ def test_sources_are_read_in_linear_time(tmp_path: Path, form: str, text: str) -
 
 def test_the_residual_is_that_of_the_tree_that_is_named() -> None:
     """RadauIIA3 with 1/3 for 1/4: [f] misses 1/2 by 1/48, a tree of order 3 misses by 0.043."""
-    found = judged(PYTHON, "python")["RadauIIA3"]
+    found = judged(source("python.txt"), "python")["RadauIIA3"]
     assert (found["status"], found["tree"], found["order_of_tree"]) == ("wrong", "f[f]", 2)
     assert found["residual"] == 0.021
 
@@ -675,7 +652,7 @@ def test_a_table_that_a_step_completes_is_unread(tmp_path: Path) -> None:
 
 def test_an_embedded_row_of_a_rosenbrock_method_has_its_declared_order() -> None:
     """ELO is one more than the lower of the two orders: in Ros2 2, the embedded row has order 1."""
-    elo = KPP.replace("    ros_S = 2\n", "    ros_S = 2\n    ros_ELO = 2.0_dp\n")
+    elo = source("kpp.f90").replace("    ros_S = 2\n", "    ros_S = 2\n    ros_ELO = 2.0_dp\n")
     assert judged(elo, "kpp")["Ros2"]["status"] == "right"
     wrong = judged(elo.replace("ros_ELO = 2", "ros_ELO = 3"), "kpp")["Ros2"]
     assert (wrong["status"], wrong["found"]) == ("wrong", 2)
@@ -697,11 +674,8 @@ def test_one_row_that_is_not_c_is_a_question_though_the_order_holds() -> None:
     assert judge(*read(right, "json", {}))["status"] == "right"
 
 
-SWAPPED = source("swapped.txt")
-
-
 def test_a_pair_that_propagates_the_lower_row_is_wrong_where_the_order_is_declared() -> None:
-    found = judged(SWAPPED, "python")["Swapped"]
+    found = judged(source("swapped.txt"), "python")["Swapped"]
     assert (found["declared"], found["found"], found["status"]) == (2, 1, "wrong")
     assert found["remarks"] == ["the row second row has order 2: the rows may be exchanged"]
     named = """
@@ -714,11 +688,8 @@ RK['Made2'] = ExplicitRungeKuttaPair(A, np.array([1, 0]), np.array([1, 1]) / 2, 
     assert found["remarks"][-1] == "the order is read from the name"
 
 
-CHAINS = source("chains.cpp")
-
-
 def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> None:
-    found = judged(CHAINS, "weights")
+    found = judged(source("chains.cpp"), "weights")
     assert [(x["name"], x["line"], x["found"], x["status"]) for x in found.values()] == [
         ("sy_const_3, 3", 3, 2, "question"), ("sy_right, 3", 4, 4, "found"),
         ("getYoshidaWeights, 7", 6, 6, "found"),
@@ -729,19 +700,23 @@ def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> 
 
 
 def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> None:
-    other = CHAINS.replace("Suzuki-Yoshida", "Gauss").replace("sy_", "q_").replace("Yoshida", "")
+    other = (
+        source("chains.cpp")
+        .replace("Suzuki-Yoshida", "Gauss")
+        .replace("sy_", "q_")
+        .replace("Yoshida", "")
+    )
     assert judged(other, "weights") == {}
-
-
-SYSTEM = source("system.txt")
 
 
 def test_matrices_of_a_linear_system_are_no_tableau() -> None:
     """A, B, C of x' = A x + B u, y = C x: weights of order 0 and c that is not A 1, undeclared."""
-    found = judged(SYSTEM, "python")["TestNormalize"]
+    found = judged(source("system.txt"), "python")["TestNormalize"]
     assert (found["status"], found["found"]) == ("unread", 0)
     assert found["remarks"][-1] == "c is not the sums of the rows either: this may be no tableau"
-    same = judged(SYSTEM.replace("[4.0, 5.0]", "[3.0, 7.0]"), "python")["TestNormalize"]
+    same = judged(source("system.txt").replace("[4.0, 5.0]", "[3.0, 7.0]"), "python")[
+        "TestNormalize"
+    ]
     assert same["status"] == "wrong"
 
 
