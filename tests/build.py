@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
@@ -43,3 +44,8 @@ def conjugated_rk4() -> GLM:
     rows += [[Fraction(-1, 3), *row, 0] for row in rk]
     rows += [[Fraction(-1, 3), *b, 0]]
     return GLM(A=rows, U=[[1]] * 6, B=[[Fraction(-1, 3), *b, Fraction(1, 3)]], V=[[1]])
+
+
+def source(name: str) -> str:
+    """Return a small source of another code, as the audit reads them, from ``tests/sources``."""
+    return (Path(__file__).with_name("sources") / name).read_text(encoding="utf-8")

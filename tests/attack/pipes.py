@@ -13,7 +13,6 @@ import shlex
 import sys
 import tempfile
 import time
-from collections import Counter
 from contextlib import redirect_stderr
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,8 @@ from glmref import problem
 from glmref.conformance import pipe
 from glmref.conformance.subject import AdapterError, NotOffered, Subject
 from glmref.errors import GlmrefError, UsageError
+
+from .tally import Tally
 
 COUNT = 500
 #: Limits while the attack lasts: seconds of silence, of one answer, bytes of a line.
@@ -232,11 +233,10 @@ def attack(deed: str, chance: random.Random) -> tuple[str, str]:
     return told, ""
 
 
-def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
-    """Meet so many peers; return how many of each kind there were, and the violations."""
+def run(count: int, seed: int) -> Tally:
+    """Meet so many peers; count how many of each kind there were."""
     chance = random.Random(seed)
-    counts: Counter[str] = Counter()
-    violations: list[str] = []
+    tally = Tally()
     names = list(DEEDS)
     chance.shuffle(names)
     limits: dict[str, Any] = {"PATIENCE": PATIENCE, "LONGEST": LONGEST, "MAX_LINE": MAX_LINE}
@@ -244,20 +244,15 @@ def run(count: int, seed: int) -> tuple[Counter[str], list[str]]:
         for k in range(count):
             deed = names[k % len(names)]  # every kind before one comes again
             told, wrong = attack(deed, random.Random(f"{seed} {k}"))
-            counts[NOT_BEGUN if told == NOT_BEGUN else deed] += 1
+            tally.outcomes[NOT_BEGUN if told == NOT_BEGUN else deed] += 1
             if wrong:
-                violations.append(f"case {k}, {deed}: {wrong}")
-    return counts, violations
+                tally.violations.append(f"case {k}, {deed}: {wrong}")
+    return tally
 
 
 def main(count: int = COUNT, seed: int = 1) -> int:
-    begun = time.monotonic()
+    """Print counts and violations; 1 where there is a violation."""
     with open(os.devnull, "w") as null, redirect_stderr(null):  # peers flood it
-        counts, violations = run(count, seed)
-    for deed, number in sorted(counts.items()):
-        print(f"{number:5}  {deed}")
-    print(f"{count} peers, seed {seed}, {time.monotonic() - begun:.0f} s")
-    print(f"{len(violations)} violations")
-    for violation in violations:
-        print(f"  {violation}")
-    return 1 if violations else 0
+        tally = run(count, seed)
+    print(f"{count} peers, seed {seed}")
+    return tally.printed()

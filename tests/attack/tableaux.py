@@ -19,7 +19,7 @@ from unittest.mock import patch
 
 from glmref.audit.sources import audit
 from glmref.cli import main as glmref
-from tests.unit import test_audit as pieces
+from tests.build import source
 
 from .files import SENTENCE
 from .texts import mutated
@@ -28,10 +28,10 @@ CASES = "sources and tableaux"
 COUNT = 2000
 SECONDS = 10.0
 SOURCES = {
-    "sundials": pieces.SUNDIALS, "petsc": pieces.PETSC + pieces.GLEE, "julia": pieces.JULIA,
-    "python": pieces.PYTHON, "openmodelica": pieces.OPENMODELICA, "eigen": pieces.EIGEN,
-    "rklib": pieces.FORTRAN, "kpp": pieces.KPP, "principia": pieces.PRINCIPIA, "gsl": pieces.GSL,
-    "odeint": pieces.ODEINT,
+    "sundials": source("sundials.c"), "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
+    "python": source("python.txt"), "openmodelica": source("openmodelica.c"), "eigen": source("eigen.cpp"),
+    "rklib": source("fortran.f90"), "kpp": source("kpp.f90"), "principia": source("principia.hpp"), "gsl": source("gsl.c"),
+    "odeint": source("odeint.hpp"),
 }  # fmt: skip
 #: What stands in a source where it should not.
 SPLINTERS = (

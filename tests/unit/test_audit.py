@@ -22,11 +22,7 @@ from glmref.audit.values import Unread, evaluate
 from glmref.catalogue.lookup import document
 from glmref.cli import main
 from glmref.exact.expression import parse
-
-
-def source(name: str) -> str:
-    """Return a piece of the source of a code, in its language."""
-    return Path(__file__).with_name("sources").joinpath(name).read_text(encoding="utf-8")
+from tests.build import source
 
 
 def judged(text: str, form: str) -> dict[str, dict[str, Any]]:

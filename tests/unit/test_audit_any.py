@@ -18,7 +18,7 @@ from glmref.audit.recognising import size, tables
 from glmref.audit.sources import audit
 from glmref.audit.table import Table
 from glmref.cli import main
-from tests.unit import test_audit as samples
+from tests.build import source
 
 Rows = list[list[Fraction]]
 
@@ -293,14 +293,14 @@ def test_the_command_needs_no_format(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 #: Samples of the formats, with their language and the tables that both readers see.
 SAMPLES = [
-    (samples.SUNDIALS, "sundials", "c", 1),
-    (samples.PETSC, "petsc", "c", 1),
-    (samples.JULIA, "julia", "julia", 3),
-    (samples.PYTHON, "python", "python", 4),
-    (samples.OPENMODELICA, "openmodelica", "c", 1),
-    (samples.NAMED_B, "constants", "c", 1),
-    (samples.RUST, "rust", "rust", 2),
-    (samples.MATLODE, "matlode", "matlab", 1),
+    (source("sundials.c"), "sundials", "c", 1),
+    (source("petsc.c"), "petsc", "c", 1),
+    (source("julia.jl"), "julia", "julia", 3),
+    (source("python.txt"), "python", "python", 4),
+    (source("openmodelica.c"), "openmodelica", "c", 1),
+    (source("named-b.cpp"), "constants", "c", 1),
+    (source("rust.rs"), "rust", "rust", 2),
+    (source("matlode.m"), "matlode", "matlab", 1),
 ]
 
 
