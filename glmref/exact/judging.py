@@ -163,6 +163,14 @@ def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.
     return found
 
 
+def products_of_whole(
+    vectors: list[list[flint.fmpz]], A: list[list[flint.fmpz]]
+) -> list[list[flint.fmpz]]:
+    """Return A x for every vector x, all of integers."""
+    spend()
+    return (flint.fmpz_mat(vectors) * flint.fmpz_mat(A).transpose()).tolist() if vectors else []
+
+
 def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | flint.fmpq:
     """Return sum x_i y_i of intervals and rationals; an exact zero stays one."""
     spend()

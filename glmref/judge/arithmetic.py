@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
+from operator import itemgetter, mul
 from typing import TypeAlias
 
 from .refusals import Refused, Undecided
@@ -209,6 +210,14 @@ def dot_of_rationals(x: Sequence[Fraction], y: Sequence[Fraction]) -> Fraction:
                 top = top * (d // common) + n * (bottom // common)
                 bottom *= d // common
     return Fraction(top, bottom)
+
+
+def products_of_whole(vectors: list[list[int]], A: list[list[int]]) -> list[list[int]]:
+    """Return A x for every vector x, all of integers."""
+    sparse = [([x for x in row if x], [j for j, x in enumerate(row) if x]) for row in A]
+    return [[sum(a * x[j] for a, j in zip(row, places, strict=True)) if len(places) < 2
+             else sum(map(mul, row, itemgetter(*places)(x))) for row, places in sparse]
+            for x in vectors]  # fmt: skip
 
 
 def dot_of_intervals(x: Sequence, y: Sequence) -> Interval | Fraction:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
-from operator import itemgetter, mul
-from typing import cast
+from functools import cached_property, lru_cache
+from operator import mul
+from typing import TypeAlias, cast
 
-from .arithmetic import RATIONAL, Fraction
+from .arithmetic import RATIONAL, Fraction, products_of_whole
 from .document import Method
 from .grammar import two_digits
 from .linalg import dot
@@ -16,8 +15,10 @@ from .numbers import floor
 from .refusals import Document, Malformed, as_object, require, whole
 from .rule import Case, Fails, Order, Rule, Truth, read_witness
 from .series import Series
-from .trees import Tree, gamma, is_coloured, is_nystrom, read_tree, size, stands, trees
+from .trees import Tree, gamma, is_coloured, is_nystrom, pool_of, read_tree, size, stands
 
+#: Pairs of a colour and the rows of A.
+Tables: TypeAlias = "tuple[tuple[str, tuple[tuple[Fraction, ...], ...]], ...]"
 SECTION_5 = "docs/certificates.md, section 5"
 
 
@@ -39,67 +40,133 @@ class Declared:
         return cls(whole(value[0], 1, 14), most, least, int(value[1].partition("e-")[2]))
 
 
+class Fixed:
+    """Numbers in units of 2^-bits with errors of at most `radius`; `size` is the largest."""
+
+    __slots__ = ("radius", "size", "values")
+
+    def __init__(self, values: list[int], radius: int) -> None:
+        self.values, self.radius = values, radius
+        self.size = max(map(abs, values))
+
+
+@dataclass(frozen=True)
+class Weights:
+    """A row of weights, in units b, b A by colour, and bounds of residuals by tree."""
+
+    row: list[Fraction]
+    b: Fixed
+    before: dict[str, Fixed]
+    known: dict[Tree, tuple[int, int]]
+
+
 class Sizes:
-    """Conditions of a method that carries one value, in integers over 2^bits with their errors."""
+    """Conditions of a method that carries one value, in integers over 2^bits with their errors.
 
-    def __init__(self, method: Method, bits: int) -> None:
-        self.method, self.bits, self.known = method, bits, {}
-        self.A = {c: [self.whole(row) for row in m.A] for c, m in method.parts.items()}
-        self.sparse = {c: [([x for x in row if x], [j for j, x in enumerate(row) if x])
-                           for row in rows] for c, rows in self.A.items()}  # fmt: skip
-        self.width = {c: len(rows[0]) for c, rows in self.A.items()}
+    Parameters
+    ----------
+    tables : dict
+        A by colour, rows of rational numbers.
+    bits : int
+        Numbers are integers over 2^bits, below what they stand for by less than 1.
+    """
+
+    def __init__(self, tables: dict[str, list[list[Fraction]]], bits: int) -> None:
+        self.tables, self.bits, self.one = tables, bits, 1 << bits
+        self.A = {c: [self.whole(row) for row in A] for c, A in tables.items()}
         self.norm = {c: max(sum(map(abs, x)) + len(x) for x in A) for c, A in self.A.items()}
+        self.products = {c: Fixed([self.one] * len(A[0]), 0) for c, A in tables.items()}
+        self.phis: dict[Tree, Fixed] = {}
+        self.images: dict[Tree, Fixed] = {}
+        self.rows: dict[tuple[Fraction, ...], Weights] = {}
 
-    def whole(self, row: list) -> list[int]:
+    def whole(self, row: list[Fraction]) -> list[int]:
         """Return the integers below 2^bits times rational numbers."""
-        return [floor(Fraction(x) * 2**self.bits) for x in row]
+        return [floor(Fraction(x) * self.one) for x in row]
 
-    def phi(self, tree: Tree, keep: bool = True) -> tuple[list[int], int]:
-        """Return (values, error) of the product over the children of A Phi(child)."""
-        if tree not in self.known:
-            found = [1 << self.bits] * self.width[tree[0]], 0
-            for n, child in enumerate(tree[1]):
-                found = self.product(found, self.below(child)) if n else self.below(child)
-            if not keep:
-                return found
-            self.known[tree] = found
-        return self.known[tree]
+    def weights(self, row: list[Fraction]) -> Weights:
+        """Return a row of rational weights in units, and what is found with it."""
+        key = tuple(row)
+        if key not in self.rows:
+            self.rows[key] = Weights(row, Fixed(self.whole(row), 1), {}, {})
+        return self.rows[key]
 
-    def product(
-        self, left: tuple[list[int], int], right: tuple[list[int], int]
-    ) -> tuple[list[int], int]:
-        """Return the product place by place: |dx y + x dy + dx dy|, and 1 for the shift."""
-        (x, dx), (y, dy) = left, right
-        top = max(map(abs, x)) * dy + max(map(abs, y)) * dx + dx * dy
-        return [a * b >> self.bits for a, b in zip(x, y, strict=True)], (top >> self.bits) + 2
+    def before(self, weights: Weights, colour: str) -> Fixed:
+        """Return b A in units, A that of a colour."""
+        b, known = weights.b, weights.before
+        if colour not in known:
+            A = self.A[colour]
+            (row,) = products_of_whole([b.values], [list(x) for x in zip(*A, strict=True)])
+            error = len(A) * (b.size + 1 + max(abs(x) for row in A for x in row))
+            known[colour] = Fixed([y >> self.bits for y in row], (error >> self.bits) + 2)
+        return known[colour]
 
-    def below(self, tree: Tree) -> tuple[list[int], int]:
+    def phi(self, tree: Tree, keep: bool = True) -> Fixed:
+        """Return the product over the children of A Phi(child)."""
+        colour, children = tree
+        if not children:
+            return self.products[colour]
+        if len(children) == 1:
+            return self.below(children[0])
+        found = self.phis.get(tree)
+        if found is None:
+            x, y = self.phi((colour, children[:-1])), self.below(children[-1])
+            # |(x + d)(y + e) - x y| <= |x| ry + |y| rx + rx ry; the shift loses less than 1
+            error = x.size * y.radius + y.size * x.radius + x.radius * y.radius
+            values = [a * b >> self.bits for a, b in zip(x.values, y.values, strict=True)]
+            found = Fixed(values, (error >> self.bits) + 2)
+            if keep:
+                self.phis[tree] = found
+        return found
+
+    def below(self, tree: Tree) -> Fixed:
         """Return A Phi(tree), A that of the colour of the root."""
-        key = (tree, "below")
-        if key not in self.known:
-            x, dx = self.phi(tree)
-            error = self.norm[tree[0]] * dx + sum(map(abs, x)) + len(x) * dx
-            rows = [sum(map(mul, row, itemgetter(*places)(x))) if len(places) > 1
-                    else sum(a * x[j] for a, j in zip(row, places, strict=True))
-                    for row, places in self.sparse[tree[0]]]  # fmt: skip
-            self.known[key] = [y >> self.bits for y in rows], (error >> self.bits) + 2
-        return self.known[key]
+        if tree not in self.images:
+            self.prepare([tree])
+        return self.images[tree]
 
-    def residual(self, tree: Tree, b: list[int], keep: bool = True) -> tuple[Fraction, Fraction]:
-        """Return bounds of |b Phi(tree) - 1 / gamma(tree)| for integers b."""
-        x, dx = self.phi(tree, keep)
-        error = sum(map(abs, b)) * dx + sum(map(abs, x)) + len(x) * dx
-        gap = sum(map(mul, b, x)) >> self.bits
-        gap = abs(gap - (1 << self.bits) // gamma(tree))
-        error = (error >> self.bits) + 3
-        unit = Fraction(1, 1 << self.bits)
-        return (gap - error) * unit, (gap + error) * unit
+    def prepare(self, level: list[Tree]) -> None:
+        """Find A Phi(tree) for trees of one order, all in one product of matrices."""
+        for colour, A in self.A.items():
+            new = [t for t in level if t[0] == colour and t not in self.images]
+            phis = [self.phi(t) for t in new]
+            rows = products_of_whole([x.values for x in phis], A)
+            for t, x, row in zip(new, phis, rows, strict=True):
+                # each entry of A is less than 1 too small, which weighs |x|_1 + s r at most
+                error = self.norm[colour] * x.radius + len(x.values) * (x.size + x.radius)
+                image = Fixed([y >> self.bits for y in row], (error >> self.bits) + 2)
+                self.images[t] = image
 
-    def exactly(self, tree: Tree, b: list) -> Fraction:
-        """Return |b Phi(tree) - 1 / gamma(tree)| itself, of rational numbers."""
-        parts = {c: (m.A, m.B) for c, m in self.method.parts.items()}
-        slopes = Series.of_tables(parts).derivative(tree)
-        return abs(cast("Fraction", dot(b, slopes)) - Fraction(1, gamma(tree)))
+    def residual(self, tree: Tree, weights: Weights, keep: bool = True) -> tuple[int, int]:
+        """Return bounds of |b Phi(tree) - 1 / gamma(tree)| in units.
+
+        Of a tree with one branch b Phi(tree) is (b A) Phi(branch).
+        """
+        found = weights.known.get(tree)
+        if found is None:
+            alone = len(tree[1]) == 1
+            b = self.before(weights, tree[1][0][0]) if alone else weights.b
+            x = self.phi(tree[1][0] if alone else tree, keep)
+            error = len(x.values) * (b.size * x.radius + b.radius * (x.size + x.radius))
+            gap = sum(map(mul, b.values, x.values)) >> self.bits
+            gap, error = abs(gap - self.one // gamma(tree)), (error >> self.bits) + 3
+            found = weights.known[tree] = max(gap - error, 0), gap + error
+        return found
+
+    def exactly(self, tree: Tree, weights: Weights) -> Fraction:
+        """Return |b Phi(tree) - 1 / gamma(tree)| itself in units."""
+        tables = {c: (A, [weights.row]) for c, A in self.tables.items()}
+        slopes = Series.of_tables(tables).derivative(tree)
+        gap = cast("Fraction", dot(weights.row, slopes)) - Fraction(1, gamma(tree))
+        return abs(gap) * self.one
+
+
+@lru_cache(maxsize=1)
+def sizes_of(
+    tables: tuple[tuple[str, tuple[tuple[Fraction, ...], ...]], ...], exponent: int
+) -> Sizes:
+    """Return the conditions of tables, pairs of a colour and rows, for sizes near 10^-exponent."""
+    return Sizes({c: [list(row) for row in A] for c, A in tables}, 192 + 4 * exponent)
 
 
 class DigitsCase(Case):
@@ -130,12 +197,14 @@ class DigitsCase(Case):
     @cached_property
     def sizes(self) -> Sizes:
         """Return the conditions in integers with bits for the smallest number declared."""
-        return Sizes(self.base, 256 + 4 * max(x.exponent for x in self.declared.values()))
+        tables = ((c, tuple(tuple(map(Fraction, row)) for row in m.A))
+                  for c, m in self.base.parts.items())  # fmt: skip
+        return sizes_of(tuple(tables), max(x.exponent for x in self.declared.values()))
 
     @cached_property
-    def weights(self) -> dict[str, dict[str, tuple[list, list]]]:
-        """Return by name and colour the weights, and what they are in integers."""
-        return {name: {c: (m.B[0], self.sizes.whole(m.B[0]))
+    def weights(self) -> dict[str, dict[str, Weights]]:
+        """Return the weights by name and colour."""
+        return {name: {c: self.sizes.weights(list(map(Fraction, m.B[0])))
                        for c, m in self.with_weights(name).parts.items()}
                 for name in self.declared}  # fmt: skip
 
@@ -145,28 +214,29 @@ class DigitsCase(Case):
         fine = is_coloured(tree, palette) and stands(tree, self.base.system)
         return fine and (is_nystrom(tree) or not nystrom)
 
-    def trees(self, low: int, high: int) -> Iterator[Tree]:
-        """Return the trees of these orders whose conditions are meant."""
-        level = (t for n in range(low, high + 1) for t in trees(self.base.palette, n))
-        return filter(self.counted, level)
-
-    def residual(self, name: str, tree: Tree, *limits: Fraction, keep: bool = True) -> tuple:
-        """Return bounds of a residual, itself where a limit is between them."""
-        exact, scaled = self.weights[name][tree[0]]
-        low, high = self.sizes.residual(tree, scaled, keep)
-        if any(low <= x < high for x in limits):
-            low = high = self.sizes.exactly(tree, exact)
+    def residual(self, name: str, tree: Tree, limit: Fraction, keep: bool = True) -> tuple:
+        """Return bounds of a residual in units, itself where the limit is between them."""
+        weights = self.weights[name][tree[0]]
+        low, high = self.sizes.residual(tree, weights, keep)
+        if low <= limit < high:
+            low = high = self.sizes.exactly(tree, weights)
         return low, high
 
     def exceeds(self, name: str, tree: Tree, limit: Fraction) -> bool:
         """Tell whether the residual of a tree is above a number."""
+        limit = limit * self.sizes.one
         return self.residual(name, tree, limit, keep=False)[0] > limit
 
     def none_above(self, name: str, low: int, high: int, limit: Fraction) -> bool | Fails:
         """Tell whether no residual of these orders is above a number."""
-        for tree in self.trees(low, high):
-            if self.residual(name, tree, limit, keep=size(tree) < high)[1] > limit:
-                return Fails(tree)
+        limit = limit * self.sizes.one
+        for order in range(1, high + 1):
+            level = pool_of(self.base, order, self.method.kind == "nystrom")
+            if order < high - 1:
+                self.sizes.prepare(level)
+            for tree in level if order >= low else ():
+                if self.residual(name, tree, limit, keep=order < high)[1] > limit:
+                    return Fails(tree)
         return True
 
 

@@ -53,7 +53,7 @@ from .algebra import (
     is_exact,
 )
 from .certificate_enclosed import equation_numbers, method_proof, start_proofs
-from .field import Tower, radicals_of, written_out
+from .field import Tower, radicals_of, tower_of, written_out
 from .finders import proposal_for
 from .kernel import Found, Kernel
 
@@ -171,7 +171,7 @@ class Shared:
         radicals = texts.with_more([[part["witness"] for part in parts], declared])
         key = frozenset(radicals)
         if key not in self._towers:
-            self._towers[key] = Tower(radicals)
+            self._towers[key] = tower_of(tuple(radicals))
         return self._towers[key].as_json()
 
 

@@ -12,13 +12,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING
 from fractions import Fraction
+from functools import cache
 from itertools import islice
-from operator import mul
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import SOLUTION
 from ..errors import ExactnessError
-from ..exact import Exact, linalg, rounded_decimal
+from ..exact import Exact, rounded_decimal
+from ..exact.judging import Fraction as rational
+from ..exact.judging import fast_judge
 from ..exact.linalg import Vector
 from ..method.component import Palette
 from ..system.budget import spend
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
 
 #: A condition of the next order has a residual above so many times the one declared.
 GAP = 1000
-#: Bits beyond four for each digit.
-SPARE = 192
 #: Trees with one branch that are tried before all trees of an order are listed.
 ONE_BRANCH = 100
 #: The last order of which all residuals are computed exactly, to say that they are 0.
@@ -80,218 +80,142 @@ class Sized:
     order: int = 0
 
 
-#: Colour of the root, trees above it, density.
-Shape = tuple[str, Sequence[Tree], int]
+@cache
+def _plain(t: Tree) -> tuple[str, tuple[Any, ...]]:
+    """Return a tree as the judge writes it: the colour and the trees of the children in order."""
+    return t.colour, tuple(sorted(map(_plain, t.children)))
 
 
-class _Vector:
-    """Numbers in units, each with an error of at most ``radius``; ``size`` is the largest."""
+def _rational(values: Sequence[Any]) -> tuple[Any, ...]:
+    """Return rational numbers as the judge's."""
+    found = []
+    for x in values:
+        fraction = x.as_fraction() if isinstance(x, Exact) else None
+        if fraction is None:
+            said = "the coefficients are not all rational numbers"
+            if not isinstance(x, Exact):
+                said = "`digits` makes each decimal an interval, and the claim is about the "
+                said += "decimals themselves: leave `digits` out"
+            raise ExactnessError(said)
+        found.append(rational(fraction.numerator, fraction.denominator))
+    return tuple(found)
 
-    __slots__ = ("radius", "size", "values")
 
-    def __init__(self, values: list[int], radius: int) -> None:
-        self.values, self.radius = values, radius
-        self.size = max(map(abs, values))
-
-
-class _Fixed:
-    """Conditions of coloured stages in fixed point.
+class _Residuals:
+    """Conditions of coloured stages in the fixed point of the judge, which keeps what it finds.
 
     Parameters
     ----------
     kernel : Kernel
         Of a method that carries one value.
-    bits : int
-        Numbers are integers over ``2^bits``.
+    exponent : int
+        The residuals are near ``10^-exponent``.
+    counts : callable
+        Which trees are conditions.
     """
 
-    def __init__(self, kernel: Any, bits: int) -> None:
-        self.bits, self.one = bits, 1 << bits
+    def __init__(self, kernel: Any, exponent: int, counts: Callable[[Tree], bool]) -> None:
         self.palette: Palette = kernel.palette
-        #: by colour the entries (j, a_ij) of each row that are not zero, and |a|_inf
-        self.rows: dict[str, list[list[tuple[int, int]]]] = {}
-        self.norm: dict[str, int] = {}
-        for colour, (A, *_) in kernel.blocks.items():
-            dense = [self.scaled(row) for row in A]
-            self.rows[colour] = [[(j, x) for j, x in enumerate(row) if x] for row in dense]
-            self.norm[colour] = max(sum(map(abs, row)) + len(row) for row in dense)
-        self.matrices = {c: A for c, (A, *_) in kernel.blocks.items()}
-        self.columns = {c: len(A[0]) for c, (A, *_) in kernel.blocks.items()}
-        self._weights: dict[Tree, _Vector] = {}
-        self._below: dict[Tree, _Vector] = {}
+        self.counts = counts
+        tables = ((c, tuple(map(_rational, A))) for c, (A, *_) in kernel.blocks.items())
+        self.found = fast_judge().rules_digits.sizes_of(tuple(tables), exponent)
+        self.one = self.found.one
 
-    def scaled(self, values: Sequence[Any]) -> list[int]:
-        """Rational numbers, each less than one unit too small."""
-        found = []
-        for x in values:
-            fraction = x.as_fraction() if isinstance(x, Exact) else None
-            if fraction is None:
-                said = "the coefficients are not all rational numbers"
-                if not isinstance(x, Exact):
-                    said = "`digits` makes each decimal an interval, and the claim is about the "
-                    said += "decimals themselves: leave `digits` out"
-                raise ExactnessError(said)
-            found.append(fraction.numerator * self.one // fraction.denominator)
-        return found
+    def weights(self, b: Mapping[str, Any]) -> dict[str, Any]:
+        """Return weights by colour, with what is known of their residuals."""
+        return {c: self.found.weights(_rational(row)) for c, row in b.items()}
 
-    def weights(self, t: Tree) -> _Vector:
-        """Phi(t) at the slopes of the colour of its root."""
-        if t not in self._weights:
-            if t.children:
-                self._weights[t] = _Vector(*self.product(t))
-            else:
-                self._weights[t] = _Vector([self.one] * self.columns[t.colour], 0)
-        return self._weights[t]
-
-    def product(self, t: Tree) -> tuple[list[int], int]:
-        """Phi of a tree with children: the product for the tree without the last one, and A Phi."""
-        spend()
-        x = self.weights(tree(t.children[:-1], t.colour))
-        y = self.below(t.children[-1])
-        # |(x + d)(y + e) - x y| <= |x| ry + |y| rx + rx ry; the shift loses less than 1
-        error = x.size * y.radius + y.size * x.radius + x.radius * y.radius
-        bits = self.bits
-        found = [u * v >> bits for u, v in zip(x.values, y.values, strict=True)]
-        return found, (error >> bits) + 2
-
-    def below(self, t: Tree) -> _Vector:
-        """A Phi(t), A that of the colour of its root."""
-        if t not in self._below:
-            colour = t.colour
-            w = self.weights(t)
-            v, bits = w.values, self.bits
-            # each entry of A is less than 1 too small, which weighs |v|_1 + s r at most
-            error = self.norm[colour] * w.radius + len(v) * (w.size + w.radius)
-            rows = [sum([a * v[j] for j, a in row]) >> bits for row in self.rows[colour]]
-            self._below[t] = _Vector(rows, (error >> bits) + 2)
-        return self._below[t]
-
-    def residual(self, t: Tree, b: _Vector) -> tuple[int, int]:
+    def residual(self, t: Tree, b: Mapping[str, Any], *, keep: bool = False) -> tuple[int, int]:
         """Bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
-        if t in self._weights or not t.children:
-            w = self.weights(t)
-            return self.gap(b, w.values, w.radius, t.density)
-        return self.gap(b, *self.product(t), t.density)
+        spend()
+        low, high = self.found.residual(_plain(t), b[t.colour], keep)
+        return int(low), int(high)
 
-    def gap(self, b: _Vector, v: Sequence[int], r: int, density: int) -> tuple[int, int]:
-        """Bounds of ``|b v - 1 / density|``; each entry of b is less than 1 too small."""
-        size = max(map(abs, v))
-        radius = ((len(v) * (b.size * r + size + r)) >> self.bits) + 3
-        found = abs((sum(map(mul, b.values, v)) >> self.bits) - self.one // density)
-        return max(found - radius, 0), found + radius
-
-    def exactly(self, shape: Shape, b: Mapping[str, Any]) -> Fraction:
+    def exactly(self, t: Tree, b: Mapping[str, Any]) -> Fraction:
         """``|b Phi(t) - 1 / gamma(t)|`` itself, in units."""
+        found = self.found.exactly(_plain(t), b[t.colour])
+        return Fraction(int(found.p), int(found.q))
 
-        def phi(colour: str, below: Sequence[Tree]) -> Vector:
-            spend()
-            value: Vector = (Exact(1),) * self.columns[colour]
-            for child in below:
-                inner = phi(child.colour, child.children)
-                inner = linalg.matvec(self.matrices[child.colour], inner)
-                value = tuple(x * y for x, y in zip(value, inner, strict=True))
-            return value
-
-        root, below, density = shape
-        gap = (linalg.dot(tuple(b[root]), phi(root, below)) - Exact(1) / density).as_fraction()
-        return abs(gap) * self.one
-
-    @staticmethod
-    def shape(t: Tree) -> Shape:
-        """Colour of the root, trees above it, and density of a tree."""
-        return t.colour, t.children, t.density
-
-    def level(self, n: int, counts: Callable[[Tree], bool]) -> Iterator[Tree]:
+    def level(self, n: int) -> Iterator[Tree]:
         """Trees of an order that are conditions."""
-        return filter(counts, trees(n, self.palette))
+        return filter(self.counts, trees(n, self.palette))
 
-    def judged(
-        self, b: Mapping[str, Any], order: int, size: str, counts: Callable[[Tree], bool]
-    ) -> Sized:
-        """Compare the residuals of the weights b by colour with what is declared."""
-        scaled = {c: _Vector(self.scaled(row), 1) for c, row in b.items()}
+    def through(self, order: int) -> Iterator[tuple[Tree, bool]]:
+        """Trees through an order, and whether what is found of them serves higher orders."""
+        for n in range(1, order + 1):
+            level = list(self.level(n))
+            if n < order - 1:
+                self.found.prepare([_plain(t) for t in level])
+            yield from ((t, n < order) for t in level)
+
+    def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:
+        """Compare the residuals of the weights by colour with what is declared."""
+        b = self.weights(weights)
         most, least = Fraction(size) * self.one, step_below(size) * self.one
         low, high = Fraction(0), Fraction(0)
         largest = ""
-        for n in range(1, order + 1):
-            for t in self.level(n, counts):
-                if n < order:
-                    self.weights(t)  # kept: of the last order they serve nothing else
-                x, y = self.residual(t, scaled[t.colour])
-                if x <= most < y or x <= least < y:  # it may be that number itself
-                    x = y = self.exactly(self.shape(t), b)
-                if x > most:
-                    if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
-                        y = self.exactly(self.shape(t), b)
-                    found = rounded_up(Fraction(y, self.one))
-                    reason = f"tree {t} of order {n} has residual {found}"
-                    return Sized(False, reason, str(t))
-                if x > low:
-                    low, largest = Fraction(x), str(t)
-                high = max(high, Fraction(y))
+        for t, keep in self.through(order):
+            x, y = self.residual(t, b, keep=keep)
+            if x <= most < y or x <= least < y:  # it may be that number itself
+                x = y = self.exactly(t, b)
+            if x > most:
+                if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
+                    y = self.exactly(t, b)
+                found = rounded_up(Fraction(y, self.one))
+                reason = f"tree {t} of order {t.order} has residual {found}"
+                return Sized(False, reason, str(t))
+            if x > low:
+                low, largest = Fraction(x), str(t)
+            high = max(high, Fraction(y))
         if not low > least:
-            if low == 0 and order <= LISTED and self.vanish(b, order, counts):
+            if low == 0 and order <= LISTED and self.vanish(b, order):
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
             if low and rounded_up(low / self.one) != rounded_up(high / self.one):
-                every = (t for n in range(1, order + 1) for t in self.level(n, counts))
-                unsure = (t for t in every if self.residual(t, scaled[t.colour])[1] > low)
-                high = max(low, *(self.exactly(self.shape(t), b) for t in unsure))
+                unsure = (t for t, _ in self.through(order) if self.residual(t, b)[1] > low)
+                high = max(low, *(self.exactly(t, b) for t in unsure))
             shown = rounded_up(high / self.one)
             reason = f"the residuals through order {order} are at most {shown}"
             return Sized(False, reason, order=order)
         assert high <= most, "a residual that may be larger was computed exactly"
-        for text, shape, (_, y) in self.beyond(order + 1, scaled, counts):
-            if y > GAP * most and self.exactly(shape, b) > GAP * most:
-                return Sized(True, "", largest, text)
+        for t in self.beyond(order + 1):
+            if self.residual(t, b)[1] > GAP * most and self.exactly(t, b) > GAP * most:
+                return Sized(True, "", largest, str(t))
         reason = f"no condition of order {order + 1} has a residual above {GAP} times {size}"
         return Sized(False, reason, order=order + 1)
 
-    def vanish(self, b: Mapping[str, Any], order: int, counts: Callable[[Tree], bool]) -> bool:
+    def vanish(self, b: Mapping[str, Any], order: int) -> bool:
         """Whether all conditions through an order hold exactly."""
-        return all(
-            self.exactly(self.shape(t), b) == 0
-            for n in range(1, order + 1)
-            for t in self.level(n, counts)
-        )
+        return all(self.exactly(t, b) == 0 for t, _ in self.through(order))
 
-    def sizes(
-        self, b: Mapping[str, Any], most: int, counts: Callable[[Tree], bool]
-    ) -> list[Fraction]:
+    def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
         """Largest residual through each order, at most, and last the first that is no rounding."""
-        scaled = {c: _Vector(self.scaled(row), 1) for c, row in b.items()}
+        b = self.weights(weights)
         found = [Fraction(0)]
         for n in range(1, most + 1):
             largest = found[-1]
-            for t in self.level(n, counts):
-                x, y = (Fraction(z, self.one) for z in self.residual(t, scaled[t.colour]))
+            for t in self.level(n):
+                x, y = (Fraction(z, self.one) for z in self.residual(t, b, keep=True))
                 if y > largest:
                     sure = rounded_up(x) == rounded_up(y)
-                    largest = y if sure else max(largest, self.exactly(self.shape(t), b) / self.one)
+                    largest = y if sure else max(largest, self.exactly(t, b) / self.one)
             found.append(largest)
             if found[-1] > (LARGE if n <= MANY else ROUNDING):
                 return found
-        last = max((y for *_, (_, y) in islice(self.beyond(most + 1, scaled, counts), ONE_BRANCH)),
-                   default=self.one)  # fmt: skip
+        beyond = islice(self.beyond(most + 1), ONE_BRANCH)
+        last = max((self.residual(t, b)[1] for t in beyond), default=self.one)
         return [*found, max(found[-1], Fraction(last, self.one))]
 
-    def beyond(
-        self, order: int, b: Mapping[str, _Vector], counts: Callable[[Tree], bool]
-    ) -> Iterator[tuple[str, Shape, tuple[int, int]]]:
-        """Trees of an order with bounds of their residuals: first those with one branch.
+    def beyond(self, order: int) -> Iterator[Tree]:
+        """Trees of an order: first those with one branch.
 
         Of one method without a system of its own every tree counts, and those with one child need
         no list of the trees of their order.
         """
         if len(self.palette) == 1:
-            (weights,) = b.values()
             for t in islice(trees(order - 1, self.palette), ONE_BRANCH + 2):
-                y = self.below(t)
-                density = order * t.density
-                bounds = self.gap(weights, y.values, y.radius, density)
-                yield f"[{t}]", (t.colour, (t,), density), bounds
-        for t in self.level(order, counts):
-            yield str(t), self.shape(t), self.residual(t, b[t.colour])
+                yield tree([t])
+        yield from self.level(order)
 
 
 def _carries_on(A: Any, U: Any, B: Any, V: Any) -> bool:
@@ -345,9 +269,8 @@ class DigitRules:
         if max(p for p, _ in sized.values()) > most:
             raise ExactnessError(f"trees are compared through order {most} here")
         exponent = max(-int(e.partition("e")[2]) for _, e in sized.values())
-        fixed = _Fixed(self.timed, SPARE + 4 * exponent)
-        counts = self._counted()
-        return {name: fixed.judged(weights, *sized[name], counts) for name, weights in rows.items()}
+        found = _Residuals(self.timed, exponent, self._counted())
+        return {name: found.judged(weights, *sized[name]) for name, weights in rows.items()}
 
     def sizes_to_digits(self) -> dict[str, list[Fraction]]:
         """Largest residual through each order, by the names of the weights, at most.
@@ -360,10 +283,9 @@ class DigitRules:
             Where several values are carried, or entries are not rational.
         """
         self._check_one_value()
-        fixed = _Fixed(self.timed, SPARE + 4 * SMALLEST)
-        counts, most = self._counted(), self._most(nystrom=self._is_nystrom)
-        rows = self._rows_of_weights()
-        return {name: fixed.sizes(weights, most, counts) for name, weights in rows.items()}
+        residuals = _Residuals(self.timed, SMALLEST, self._counted())
+        most, rows = self._most(nystrom=self._is_nystrom), self._rows_of_weights()
+        return {name: residuals.sizes(weights, most) for name, weights in rows.items()}
 
     def _check_one_value(self) -> None:
         kernels = (self, *(x for _, x in self.row_kernels)) if self.one_step else ()

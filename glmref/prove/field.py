@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 from math import gcd, isqrt
 from typing import Any
@@ -60,6 +61,12 @@ def radicals_of(text: str) -> list[str]:
                 found.append("i")
             at = match.end()
     return list(dict.fromkeys(found))
+
+
+@lru_cache(maxsize=256)
+def tower_of(texts: tuple[str, ...]) -> Tower:
+    """Return the field built from the texts of radicals, once for all files that have these."""
+    return Tower(texts)
 
 
 class Tower:
@@ -149,7 +156,10 @@ class Tower:
             names.append(self.generators[self._primes[m]]["name"])
         return "*".join([str(factor), *names])
 
-    def _add(self, value: Exact, polynomial: list[Any], *, conjugate: bool = False) -> str:
+    def _add(
+        self, value: Exact, polynomial: list[Any], *, conjugate: bool = False, order: int = 0
+    ) -> str:
+        """Make a generator: a root of unity where its order is given."""
         degree = len(polynomial)
         total = degree
         for d in self.degrees:
@@ -174,15 +184,29 @@ class Tower:
             self._basis |= {(*x, k): y for x, y in monomials.items()}
         self._lattices = {}
         if conjugate and self._conjugates:
-            other = self._inside(value.conjugate())
+            other = self._inverse_root(polynomial, order) or self._inside(value.conjugate())
             if other is None:
                 raise ExactnessError("a field that conjugation does not keep is not written out")
             entry["conjugate"] = other
         return name
 
+    def _inverse_root(self, polynomial: list[Any], order: int) -> str:
+        """The conjugate of the last generator, a root of unity with rational coefficients."""
+        if not order or not all(isinstance(x, int) for x in polynomial):
+            return ""
+        power = [1] + [0] * (len(polynomial) - 1)
+        for _ in range(order - 1):
+            last = power[-1]
+            power = [x - last * y for x, y in zip([0, *power[:-1]], polynomial, strict=True)]
+        others = (0,) * (len(self.degrees) - 1)
+        return self._written({(*others, k): Fraction(x) for k, x in enumerate(power)})
+
     def _other(self, text: str) -> str:
         value = parse(text)
         assert isinstance(value, Exact)
+        for entry, x in zip(self.generators, self.values, strict=True):
+            if "conjugate" in entry and (value - x.conjugate()).is_zero():
+                return entry["conjugate"]
         known = self._inside(value)
         if known is not None:
             return known
@@ -195,7 +219,7 @@ class Tower:
             return self._add(value, [f"-({inner})", *(["0"] * (int(n) - 1))])
         for n in range(1, 61):  # a root of unity
             if (value**n - 1).is_zero():
-                return self._add(value, self._least_polynomial(value, n), conjugate=True)
+                return self._add(value, self._least_polynomial(value, n), conjugate=True, order=n)
         raise ExactnessError(f"{text} is not written out")
 
     def _least_polynomial(self, value: Exact, n: int) -> list[Any]:

@@ -15,12 +15,12 @@ from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
-from glmref.exact import Exact
 from glmref.findings import Verdict
 from glmref.judge import verdict
+from glmref.judge.rules_digits import Sizes
 from glmref.prove import digits
 from glmref.prove.analysis import JUMP, _steps
-from glmref.prove.digits import LARGE, MANY, _Fixed, _Vector, rounded_up, step_below
+from glmref.prove.digits import LARGE, MANY, _plain, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, trees, trees_up_to
@@ -419,15 +419,22 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
 
     for largest in (1, 1 << bits, 4 << bits):
         A, b = [entries(largest) for _ in range(s)], entries(largest)
-        fixed = _Fixed(kernel_of(A, b).timed, bits)
-        weights = _Vector(fixed.scaled([Exact(x) for x in b]), 1)
+        fixed = Sizes({"o": A}, bits)
+        weights = fixed.weights(b)
+        row = [
+            sum(x * y for x, y in zip(b, column, strict=True)) for column in zip(*A, strict=True)
+        ]
+        before = fixed.before(weights, "o")
+        assert (
+            max(abs(x - y / unit) for x, y in zip(before.values, row, strict=True)) <= before.radius
+        )
         for tree in trees_up_to(4):
-            for found, exact in ((fixed.weights(tree), slopes(A, tree)),
-                                 (fixed.below(tree), stages(A, tree))):  # fmt: skip
+            for found, exact in ((fixed.phi(_plain(tree)), slopes(A, tree)),
+                                 (fixed.below(_plain(tree)), stages(A, tree))):  # fmt: skip
                 lost = [abs(x - y / unit) for x, y in zip(found.values, exact, strict=True)]
                 assert max(lost) <= found.radius, tree
                 assert found.size == max(map(abs, found.values))
-            low, high = fixed.residual(tree, weights)
+            low, high = fixed.residual(_plain(tree), weights)
             assert low <= residual(A, b, tree) / unit <= high
 
 
