@@ -33,6 +33,14 @@ G/(z - 1)`` is, but for a factor, the series that sigma breaks off. C is affine 
 one cosine can be chosen with C_q = C_p, exactly, by one division. Then the drift of the energy
 begins two powers of h later.
 
+*Semi-separable systems*, q' = f(p), p' = k(q, p). p_n is known before f is evaluated there, so that
+the half of q may contain f(p_n) itself: the row ``sum mu = -1`` falls away, and with the same roots
+the order is two higher. The residues of q have no part in the growth, because f_q = 0. The values
+of both halves are then those in the middle of an update (:class:`EndedHalf`), ``V y + h f/2``, from
+which the solution is read without an evaluation: s + h f/2; (2 c v - v' + h f/2, v); -(x + h f/2).
+The step begins and ends at the solution, q_n = w y with ``w = (1, 2 mu_j, -2 mu_j c_j, ..,
+-mu_{-1})``, so that its two points are one evaluation, and it reads the same backwards.
+
 *Start.* The values are functionals ``g(h D) h y'`` of the solution. They are evaluated on points
 ``t + i h`` that Picard iteration finds: each level interpolates the slopes of the one before,
 integrates, and gains one order. The order of the start is p + 1.
@@ -125,10 +133,13 @@ class GeneralHalf:
         """mu_1, .., mu_m of the pairs, and mu of the root -1 at the end if there is one."""
         columns, principal = self._columns, self._principal
         weights = [_ONE] * len(self.cosines) + [_HALF] * self.minus_one
-        powers = range(1, 2 * len(columns) - 2, 2)
-        rows = [weights, *([column[k] for column in columns] for k in powers)]
+        powers = range(1, self.order - 1, 2)
+        rows = [[column[k] for column in columns] for k in powers]
+        right = [-principal[k] for k in powers]
+        if len(rows) < len(columns):  # explicit
+            rows, right = [weights, *rows], [-_HALF, *right]
         try:
-            return tuple(solve(rows, [-_HALF, *(-principal[k] for k in powers)]))
+            return tuple(solve(rows, right))
         except ExactnessError:
             raise UsageError("these cosines determine no method: the equations are singular") from (
                 None
@@ -182,6 +193,58 @@ class GeneralHalf:
             "B": [[x] for x in self.entry],
             "V": self.V,
             "output": self.U,
+        }
+
+
+@dataclass(frozen=True)
+class EndedHalf(GeneralHalf):
+    """One half with values in the middle of an update, so that a step ends at the solution.
+
+    Attributes
+    ----------
+    explicit : bool
+        Whether q_n, or p_n, does not contain the slope at the same time.
+    """
+
+    explicit: bool = True
+
+    @property
+    def order(self) -> int:
+        """The order p."""
+        return super().order + 2 * (not self.explicit)
+
+    @property
+    def U(self) -> list[Fraction]:
+        """The solution from the values: (r,)."""
+        row = [_ONE]
+        for c, mu in zip(self.cosines, self.residues, strict=False):
+            row += [2 * mu, -2 * mu * c]
+        return row + [-self.residues[-1]] * self.minus_one
+
+    def values(self, length: int) -> list[Series]:
+        """Return the values but the first as series in x = h D, times h y'."""
+        rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
+        for c in self.cosines:
+            pair = even_odd(_ONE, length, 0)
+            pair[0] -= 2 * c
+            later = [x / 2 for x in even_odd(_ONE, length, 1)]
+            later[0] += c
+            rows += [quotient(later, pair), quotient(one, pair)]
+        if self.minus_one:
+            tanh = quotient(even_odd(_HALF, length, 1), even_odd(_HALF, length, 0))
+            rows.append([-x / 2 for x in tanh])
+        return rows
+
+    def block(self) -> dict[str, Any]:
+        """Return A, U, B, V and the output."""
+        w, ending = self.U, [x / 2 for x in self.entry]
+        beginning = [dot(row, ending) for row in self.V]
+        return {
+            "A": [[_ZERO, _ZERO], [dot(w, beginning), dot(w, ending)]],
+            "U": [w, [dot(w, column) for column in zip(*self.V, strict=True)]],
+            "B": [list(pair) for pair in zip(beginning, ending, strict=True)],
+            "V": self.V,
+            "output": w,
         }
 
 

@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from ..exact import Scalar, linalg
+from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.component import SEPARABLE
-from ..method.preconsistency import preconsistency_vector, stage_times
+from ..method.preconsistency import output, preconsistency_vector, stage_times
 from ..method.rounding import as_double, split_float
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
@@ -81,6 +81,8 @@ class StepForm:
     kick: Row = ()
     #: Whether the stages of two components are evaluated together: block i is that of (Q_i, P_i).
     together: bool = False
+    #: Whether then the first of a step is the last one of the step before: the solution itself.
+    same_point: bool = False
 
     U, M, weights, V = map(_first, ("U", "M", "weights", "V"))
     R, R_residue, large = map(_first, ("R", "R_residue", "large"))
@@ -110,7 +112,8 @@ class StepForm:
     def forces(self) -> int:
         """Forces evaluated in a step by stages that need no equation solved."""
         single = [b.stages[0] for b in self.blocks if not b.implicit]
-        return sum(1 for stage in single if stage < len(self.U)) - self.reuses_force
+        reused = self.reuses_force or self.same_point
+        return sum(1 for stage in single if stage < len(self.U)) - reused
 
     @property
     def reuses_force(self) -> bool:
@@ -134,7 +137,7 @@ class StepForm:
     @property
     def keeps_force(self) -> bool:
         """Whether the last force of a step is kept: for the next step, or to read p from it."""
-        return bool(self.kick) or self.reuses_force
+        return bool(self.kick) or self.reuses_force or self.same_point
 
     @property
     def leaps(self) -> bool:
@@ -307,9 +310,43 @@ def standard_form(method: Any) -> StepForm:
 
 
 def shared_form(method: Any) -> StepForm:
-    """Return the same of a pair whose stages are evaluated together: no Q_i without its P_i."""
+    """Return the same of a pair whose stages are evaluated together: no Q_i without its P_i.
+
+    Where Q_i needs the slope at (Q_i, P_i) and P_i does not, q' = f(p) is known in time, and no
+    equation is solved.
+    """
     form, c = standard_form(method), floats(method.times[0])
-    return replace(form, blocks=method.stage_blocks(), together=True, c=c)
+    blocks = tuple(replace(block, implicit=False) for block in method.stage_blocks())
+    return replace(form, blocks=blocks, together=True, same_point=same_point(method), c=c)
+
+
+def explicit_after_velocity(method: Any) -> bool:
+    """Return whether a pair solves no equation on q' = f(p), p' = g(q, p).
+
+    So it is where P_i needs no slope of its own stage; Q_i may.
+    """
+    A = method.components[1].A
+    return method.shared and all(
+        len(block.stages) == 1 and A[block.stages[0]][block.stages[0]].is_zero() is True
+        for block in method.stage_blocks()
+    )
+
+
+def same_point(method: Any) -> bool:
+    """Return whether the last point of a step is the first one of the next, the solution."""
+    return all(_ends_where_it_begins(one) for one in method.components)
+
+
+def _ends_where_it_begins(one: Any) -> bool:
+    """Return whether the first stage is the solution, and the last one that after the step."""
+    if len(one.A) < 2:
+        return False
+    w = (output(one),)
+    ends = (
+        (one.A[0], (Exact(0),) * len(one.A[0])), (one.U[0], w[0]),
+        (one.A[-1], linalg.matmul(w, one.B)[0]), (one.U[-1], linalg.matmul(w, one.V)[0]),
+    )  # fmt: skip
+    return all((x - y).is_zero() is True for a, b in ends for x, y in zip(a, b, strict=True))
 
 
 def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:

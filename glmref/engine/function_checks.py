@@ -219,6 +219,9 @@ def _parts_agree(engine: Stepper, t0: Any, y0: np.ndarray) -> None:
     if problem.separable:
         halves = lambda: np.concatenate([problem.dq(y0[m:]), problem.dp(y0[:m])])  # noqa: E731
         given.append(("parts `dq`, `dp`", halves))
+    elif problem.dq is not None:
+        first = lambda: np.concatenate([problem.dq(y0[m:]), problem.f(t0, y0)[m:]])  # noqa: E731
+        given.append(("part `dq`", first))
     if problem.terms:
         given.append(("`terms`", lambda: np.sum([term(t0, y0) for term in problem.terms], axis=0)))
     for name, others in given:

@@ -17,7 +17,7 @@ from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
 from ..system.arguments import one_of
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, kernel_source
-from .forms import StepForm, shared_form
+from .forms import StepForm, explicit_after_velocity, same_point, shared_form
 from .kept import ByIdentity, T, form_of_method, recalled
 from .options import Options
 from .outcome import KERNEL_OUTCOMES, Outcome
@@ -344,16 +344,20 @@ def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm, Sha
     """
     if method.additive:
         raise UsageError("kernels are not made for additive methods; use engine='reference'")
-    joint = method.parts == 2 and method.shared and not problem.separable
-    if joint and not method.is_explicit:
-        raise UsageError(
-            f"{problem.name} is not separable, where {method.name or 'the pair'} has implicit "
-            f"stages, for which no kernel is made; use engine='reference'"
-        )
+    joint, first = method.parts == 2 and method.shared and not problem.separable, False
+    if method.parts == 2 and method.shared and not method.is_explicit:
+        first = explicit_after_velocity(method) and problem.velocity is not None
+        if joint and not first:
+            raise UsageError(
+                f"{problem.name} is not separable, where {method.name or 'the pair'} has implicit "
+                f"stages, for which no kernel is made; use engine='reference'"
+            )
+        joint = first = joint or (first and same_point(method))
     split = not joint if method.parts == 2 else None
     # the shape is that of the functions, whatever the initial value
     given = (problem.f, problem.dq, problem.dp, problem.force, problem.jacobian)
-    shape = _shapes(given, (problem.dimension, split), lambda: shape_of(problem, split=split))
+    about = (problem.dimension, split, first)
+    shape = _shapes(given, about, lambda: shape_of(problem, split=split, first=first))
     return (shared_form(method) if joint else form_of_method(method, form)), shape
 
 

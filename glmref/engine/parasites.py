@@ -25,8 +25,11 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.claims import ORDER
+from ..exact.linalg import Vector
 from ..method import Component, Method
+from ..method.preconsistency import output
 from ..problems.model import Problem
+from .forms import explicit_after_velocity, same_point
 
 #: Steps of a window.
 WINDOW = 96
@@ -87,23 +90,27 @@ def _fit(roots: tuple[float, ...], order: int, constant: float) -> _Fit:
     return _Fit(np.array(parts), np.array(allowed), np.array(rests), truncation)
 
 
-def _half(m: Component, order: int) -> _Fit:
-    """Return the maps of one half of a pair."""
-    U, B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.U, m.B, m.V))
+def _half(m: Component, times: Vector, order: int) -> _Fit:
+    """Return the maps of one half of a pair, whose stages are the solution at some times."""
+    B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.B, m.V))
     angles = np.angle(np.linalg.eigvals(V))
     roots = tuple(sorted(float(a) for a in angles if a > 1e-6))
-    transfer = U @ np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, B)
-    constant = abs(transfer[0, 0] - 1 / _SMALL) / _SMALL ** (order - 1)
+    slopes = B @ np.exp([_SMALL * float(c) for c in times])
+    values = np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, slopes)
+    transfer = np.array([float(x) for x in output(m)]) @ values
+    constant = abs(transfer - 1 / _SMALL) / _SMALL ** (order - 1)
     return _fit(roots, order, float(constant))
 
 
 def watched(method: Method, problem: Problem) -> bool:
     """Return whether a run is watched: two multistep halves, evaluated at the solution itself."""
-    return (
-        method.parts == 2 and method.carried > 1 and method.shared and method.is_explicit
-        and not problem.separable and all(len(c.U) == 1 for c in method.carriers)
-        and isinstance(method.claims.get(ORDER.key), int)
-    )  # fmt: skip
+    if not (method.parts == 2 and method.carried > 1 and method.shared) or problem.separable:
+        return False
+    if not isinstance(method.claims.get(ORDER.key), int):
+        return False
+    if method.is_explicit:
+        return all(len(c.U) == 1 for c in method.carriers)
+    return same_point(method) and explicit_after_velocity(method) and problem.semi_separable
 
 
 def windows(steps: int, renew: int) -> list[int]:
@@ -130,7 +137,7 @@ class Watch:
     def __init__(self, method: Method, problem: Problem) -> None:
         order = method.claims[ORDER.key]
         assert isinstance(order, int)
-        self.fits = [_half(c, order) for c in method.carriers]
+        self.fits = [_half(c, method.times[0], order) for c in method.carriers]
         self.scale = np.zeros(len(self.fits))
         self.first: np.ndarray | None = None  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
-from ..problems.canonical import timed
+from ..problems.canonical import taken, timed
 from ..problems.derivative import Jacobian
 from ..problems.formula import Formula, subscripts
 from ..problems.loops import Loops, PhaseSpace
@@ -149,7 +149,7 @@ class Shape:
         return self.parts[-1]
 
 
-def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
+def shape_of(problem: Problem, *, split: bool | None = None, first: bool = False) -> Shape:
     """Read the shape of a problem.
 
     Parameters
@@ -157,6 +157,8 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
     split : bool or None
         ``True`` asks for separate parts, ``False`` for f as a whole, ``None`` takes the parts where
         the problem gives them.
+    first : bool
+        Of f as a whole: whether q' = f(p) is evaluated before the rest.
 
     Raises
     ------
@@ -173,6 +175,14 @@ def shape_of(problem: Problem, *, split: bool | None = None) -> Shape:
         parts: tuple[Part, ...] = (
             _part("velocity", 0, m, m, d, problem.dq, plain=problem.second_order),
             _part("force", m, d, 0, m, force),
+        )
+    elif first:
+        m, whole, start = d // 2, problem.f, 0
+        if isinstance(whole, Formula):
+            whole, start = taken(whole, whole.outputs[m:]), m
+        parts = (
+            _part("velocity", 0, m, m, d, problem.velocity, plain=problem.second_order),
+            _part("full", start, d, 0, d, whole),
         )
     else:
         parts = (_part("full", 0, d, 0, d, problem.f),)

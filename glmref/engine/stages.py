@@ -158,20 +158,31 @@ class StageWriter(NewtonWriter):
 
     def _shared_stages(self) -> None:
         """Explicit stages (Q_i, P_i): both halves of the point, one evaluation, both increments."""
-        (part,), n = self.shape.parts, len(self.form.U)
-        done: list[int] = []
-        for block in self.form.blocks:
+        *before, part = self.shape.parts
+        n, done = len(self.form.U), []
+        for k, block in enumerate(self.form.blocks):
             (i,) = block.stages
+            if k == 0 and self.form.same_point:
+                for stage in (i, n + i):
+                    self._increment(stage, "G")
+                done += [i, n + i]
+                continue
             self.t.local[f"Y{i}"] = range(*self.all)
-            for side, stage in enumerate((i, n + i)):
+            for stage in (n + i, i) if before else (i, n + i):
                 z, a = self._base(stage, done)
                 text = z if a == "0.0" else f"{z} + {a}"
-                self.t.vec([f"@Y{i} = {text}"], self.sides[side].part)
+                self.t.vec([f"@Y{i} = {text}"], self.sides[self.form.place(stage)[0]].part)
+                if before and stage == n + i:  # q' = f(p), which Q_i may need
+                    self._evaluate(before[0], [i])
+                    self._increment(stage, f"F{i}")
+                    done.append(stage)
             self._evaluate(part, [i])
-            for stage in (i, n + i):
+            for stage in (i, n + i) if not before else (i,):
                 self._increment(stage, f"F{i}")
             self._count([i])
             done += [i, n + i]
+        if self.form.same_point:
+            self.t.vec([f"@G = @F{self.form.blocks[-1].stages[0]}"])
 
     def _increment(self, i: int, slope: str) -> None:
         """L of a stage, and what it adds to running values."""

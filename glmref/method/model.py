@@ -102,7 +102,12 @@ class Method:
 
     @property
     def times(self) -> tuple[Vector, ...]:
-        """Where in a step the stages of each part stand, in steps; zeros for y = (q, p)."""
+        """Where in a step the stages of each part stand, in steps.
+
+        Zeros for y = (q, p) where Q_i and P_i are apart: these systems have no time.
+        """
+        if self.parts > 1 and self.shared:
+            return tuple(preconsistency.stage_times(c) for c in self.components)
         if self.parts > 1:
             return tuple((Exact(0),) * len(c.U) for c in self.components)
         return (preconsistency.stage_times(self.components[0]),)

@@ -38,8 +38,8 @@ def equations(H: Formula, half: int) -> dict[str, Any]:
     slope = shared(differentiated(shared(H), 2 * half))
     by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
     # names of their own: f has the common subexpressions of both
-    velocity, force = _taken(slope, by_p, "v"), _taken(slope, by_q)
-    whole: dict[str, Any] = {"f": replace(_taken(slope, by_p + by_q), variables=("t", "y"))}
+    velocity, force = taken(slope, by_p, "v"), taken(slope, by_q)
+    whole: dict[str, Any] = {"f": replace(taken(slope, by_p + by_q), variables=("t", "y"))}
     if any(i < half for i in velocity.indices) or any(i >= half for i in force.indices):
         return whole
     dp = force.substituted("y", "q", 0)
@@ -106,7 +106,7 @@ def _minus(text: str) -> str:
     return "0" if text == "0" else ast.unparse(ast.UnaryOp(ast.USub(), tree))
 
 
-def _taken(formula: Formula, outputs: tuple[str, ...], letter: str = "e") -> Formula:
+def taken(formula: Formula, outputs: tuple[str, ...], letter: str = "e") -> Formula:
     """The formula with other outputs, and with only the common subexpressions that they need."""
     return shared(replace(formula, outputs=outputs, shape=(len(outputs),)), letter)
 

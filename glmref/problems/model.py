@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import UsageError
 from ..system.arguments import flag, number, shown
 from ..system.shown import Shown
+from .canonical import taken, timed
 from .derivative import Jacobian
 from .formula import Formula, Number, exact_number, functions, to_number
 from .from_expressions import MOST_LABELS, equation_entries, hamiltonian_entries
@@ -48,7 +49,8 @@ class Problem(Shown):
     jacobian : Any
         ``jacobian(t, y)`` -> (d, d); derived from f where f is expressions.
     dq, dp : Any
-        The separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``...
+        The separable parts, q' = dq(p) and p' = dp(q), in ``p[0]``... and ``q[0]``... Of q' =
+        f(p), p' = g(t, q, p) give ``f`` as a whole and ``dq``, which expressions need not.
     force : Any
         g of q'' = g(q), in ``q[0]``...; then dq(p) = p and dp = force.
     terms : Sequence[Any]
@@ -300,6 +302,28 @@ class Problem(Shown):
     def separable(self) -> bool:
         """Whether q' = dq(p) and p' = dp(q)."""
         return self.dq is not None and self.dp is not None
+
+    @cached_property
+    def velocity(self) -> Any:
+        """The function f(p) of q' = f(p), p' = g(t, q, p), or ``None`` where q' is not one.
+
+        Where f is expressions it is found there; beside a callable f it is what ``dq`` gives.
+        """
+        m = self.dimension // 2
+        if self.dq is not None or self.dimension % 2 or not isinstance(self.f, Formula):
+            return self.dq
+        first = taken(self.f, self.f.outputs[:m])
+        if timed(first) or any(i < m for i in first.indices):
+            return None
+        return replace(first.substituted("y", "p", -m), variables=("p",))
+
+    @property
+    def semi_separable(self) -> bool:
+        """Whether q' = f(p), p' = g(t, q, p), as for charges and in rotating frames in velocities.
+
+        Separable problems are not called so.
+        """
+        return self.velocity is not None and not self.separable
 
     @property
     def second_order(self) -> bool:

@@ -206,7 +206,7 @@ def _cost(method: Method, subject: Problem) -> Cost:
     counted = len(method.components[0].A)
     inside = [
         (block.implicit, sum(1 for i in block.stages if i < counted))
-        for block in method.stage_blocks(palette)
+        for block in (form.blocks if form and form.together else method.stage_blocks(palette))
     ]
     explicit = sum(count for implicit, count in inside if not implicit)
     solved = [count for implicit, count in inside if implicit]

@@ -2,7 +2,8 @@
 
 Options: ``name`` one shipped method (all of them by default); or ``q`` and ``p``, the real parts of
 the roots of the two halves, fractions separated by blanks, with -1 at the end for the root -1. With
-``match`` = ``p`` one more pair of roots of p is found, such that the error constants agree.
+``match`` = ``p`` one more pair of roots of p is found, such that the error constants agree. With
+``kind`` = ``semi-separable`` the method is for q' = f(p), p' = k(q, p): q_n may contain f(p_n).
 
 The halves have no root but 1 in common. A step evaluates both functions once, at the solution.
 Everything but the roots follows exactly (:mod:`glmref.derive.general_multistep`).
@@ -19,19 +20,23 @@ from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
 from ...findings import Proof
 from ...theory.residues import in_order, residues
-from ..general_multistep import GeneralHalf, general_document, matching_cosine
+from ..general_multistep import EndedHalf, GeneralHalf, general_document, matching_cosine
 from .record import Derivation, Progress, Statement, prove_claims, shipped_names
 
-OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": ""}
+OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": "", "kind": ""}
 
 
 @dataclass(frozen=True)
 class Shipped:
-    """Real parts of the roots of the halves, -1 last; one more of p is found by its constant."""
+    """Real parts of the roots of the halves, -1 last.
+
+    For general systems one more of p is found by its constant.
+    """
 
     q: str
     p: str
     notes: Sequence[str] = ()
+    semi: bool = False  #: Whether the method is for semi-separable systems.
 
 
 _RESIDUES = (
@@ -57,8 +62,8 @@ _CLAIMS: Mapping[str, Any] = {
 }
 
 
-def half_of(text: str, key: str) -> GeneralHalf:
-    """Read a half from the real parts of its roots.
+def half_of(text: str, key: str, *, semi: bool = False) -> GeneralHalf:
+    """Read a half from the real parts of its roots; that of q is implicit where ``semi`` says so.
 
     Raises
     ------
@@ -70,7 +75,8 @@ def half_of(text: str, key: str) -> GeneralHalf:
     except (ValueError, ZeroDivisionError) as error:
         raise UsageError(f"`{key}` must be fractions with blanks between ({error})") from None
     minus_one = -1 in found
-    return GeneralHalf(tuple(x for x in found if x != -1), minus_one)
+    cosines = tuple(x for x in found if x != -1)
+    return EndedHalf(cosines, minus_one, key == "p") if semi else GeneralHalf(cosines, minus_one)
 
 
 def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]) -> Any:
@@ -82,9 +88,11 @@ def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequ
         When a claim is not proved.
     """
     order = q.order
+    semi = isinstance(q, EndedHalf)
+    systems = "semi-separable systems" if semi else "systems that are not separable"
     title = (
-        f"Explicit symmetric partitioned multistep method of order {order} with one evaluation, "
-        "for systems that are not separable"
+        f"{'Symmetric' if semi else 'Explicit symmetric'} partitioned multistep method of order "
+        f"{order} with one evaluation, for {systems}"
     )
     document = general_document(name, q, p, title=title)
     document["source"] = {
@@ -101,6 +109,7 @@ def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequ
         "order-identity": order,
         "starting-order": order,
         **_CLAIMS,
+        "explicit": not semi,
         "growth": [str(x.as_fraction()) for x in in_order(found)],
     }
     if notes:
@@ -108,7 +117,8 @@ def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequ
     prove_claims(name, document)
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
-        f"{name}: order {order} on all systems, symmetric, one evaluation a step; the largest "
+        f"{name}: order {order} on all systems, symmetric, one evaluation a step"
+        f"{' where q_dot = f(p)' if semi else ''}; the largest "
         f"residue is {largest:.4g}, the error constants are {float(q.error_constant):.4g} and "
         f"{float(p.error_constant):.4g}"
     )
@@ -125,8 +135,14 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     """
     if options["match"] not in ("", "p"):
         raise UsageError(f"`match` must be p or empty, got {options['match']!r}")
+    if options["kind"] not in ("", "general", "semi-separable"):
+        raise UsageError(
+            f"`kind` must be general, semi-separable or empty, got {options['kind']!r}"
+        )
     if options["q"] or options["p"]:
-        given = {"multistep-general-found": Shipped(options["q"], options["p"])}
+        semi = options["kind"] == "semi-separable"
+        name = f"multistep-{'kinetic' if semi else 'general'}-found"
+        given = {name: Shipped(options["q"], options["p"], semi=semi)}
         where, matched = f"roots {options['q']}; {options['p']}", options["match"] == "p"
     else:
         given = {name: SHIPPED[name] for name in shipped_names(options["name"], SHIPPED)}
@@ -134,8 +150,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     documents, statements = [], []
     for k, (name, roots) in enumerate(given.items()):
         progress(name, k, len(given))
-        q, p = half_of(roots.q, "q"), half_of(roots.p, "p")
-        if matched:
+        q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
+        if matched and not roots.semi:
             cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
             p = GeneralHalf((cosine, *p.cosines), p.minus_one)
         place = where or f"recipe general-multistep, name = {name}"

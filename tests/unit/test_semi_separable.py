@@ -1,0 +1,161 @@
+"""Systems q' = f(p), p' = g(q, p): recognised, and run with one evaluation of g a step."""
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from glmref import solve
+from glmref.catalogue.reader import load_document
+from glmref.derive.general_multistep import EndedHalf, GeneralHalf, general_document
+from glmref.engine.ensemble import solve_ensemble
+from glmref.engine.forms import explicit_after_velocity, same_point
+from glmref.errors import UsageError
+from glmref.findings import Verdict
+from glmref.method import Method
+from glmref.problems import problem
+from glmref.problems.model import Problem
+from glmref.prove.facts import facts_of
+
+F = Fraction
+#: Two halves of order 6, with an implicit one of q.
+Q6 = EndedHalf((F(1, 5), F(-3, 4)), explicit=False)
+P6 = EndedHalf((F(1, 2), F(-1, 3)), True)
+
+
+def method(q: GeneralHalf, p: GeneralHalf) -> Method:
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    document = general_document("found", q, p, title="found")
+    return load_document({**document, "source": source, "claims": {"order": q.order}})
+
+
+PAIR = method(Q6, P6)
+TRAP = problem("magnetic-trap")
+cosines = st.fractions(min_value=F(-15, 16), max_value=F(15, 16), max_denominator=16)
+
+
+@given(st.lists(cosines, min_size=1, max_size=3, unique=True), st.booleans(), st.booleans())
+@settings(max_examples=20)
+def test_a_half_has_its_order_and_starts_and_ends_at_the_solution(
+    c: list[Fraction], minus_one: bool, explicit: bool
+) -> None:
+    half = EndedHalf(tuple(c), minus_one, explicit)
+    block = half.block()
+    A, U, B, V, w = (block[key] for key in ("A", "U", "B", "V", "output"))
+    assert U[0] == w
+    assert A[1] == [sum(x * row[i] for x, row in zip(w, B, strict=True)) for i in (0, 1)]
+    assert (A[1][1] == 0) == explicit
+    x = 0.05
+    pole = min(float(np.arccos(float(max(c)))), 2.0)
+    assume(pole > 0.3)
+    step = np.exp(x) * np.eye(len(V)) - np.array(V, dtype=float)
+    slopes = np.array(B, dtype=float) @ np.array([1.0, np.exp(x)])
+    found = np.array(w, dtype=float) @ np.linalg.solve(step, slopes)
+    scale = sum(abs(float(u)) for u in half.residues) + 1
+    left = abs(found - 1 / x - float(half.error_constant) * x ** (half.order - 1))
+    assert left < 1e-12 / x * scale + 4 * scale * (x / pole) ** (half.order + 1) / pole
+
+
+def test_the_order_holds_and_the_step_reads_the_same_backwards() -> None:
+    facts = facts_of(PAIR)
+    for claim, value in (("order", 6), ("order-identity", 6), ("symmetric", True)):
+        assert facts.judge(claim, value).verdict is Verdict.HOLDS, claim
+    for claim, value in (("order", 7), ("explicit", True), ("parasitism-free", True)):
+        assert facts.judge(claim, value).verdict is Verdict.FAILS, claim
+
+
+def test_a_half_with_a_changed_cosine_is_neither() -> None:
+    """The values of other roots, or an update that is not cut in the middle."""
+    document = general_document("found", Q6, P6, title="found")
+    document["source"] = {"citation": "-", "where": "-", "status": "derived"}
+    document["q"]["V"][1][1] = "41/100"
+    facts = facts_of(load_document(document))
+    assert facts.judge("order", 6).verdict is Verdict.FAILS
+    document = general_document("found", Q6, P6, title="found")
+    document["source"] = {"citation": "-", "where": "-", "status": "derived"}
+    document["q"]["B"][1] = document["q"]["B"][1][::-1]
+    assert facts_of(load_document(document)).judge("symmetric", True).verdict is Verdict.FAILS
+
+
+def test_such_a_pair_is_recognised() -> None:
+    assert explicit_after_velocity(PAIR)
+    assert same_point(PAIR)
+    # the half of p needs its own slope: then an equation has to be solved
+    assert not explicit_after_velocity(method(P6, Q6))
+    explicit = method(GeneralHalf((F(1, 2),), True), GeneralHalf((F(1, 3), F(-1, 4))))
+    assert not same_point(explicit)
+
+
+@pytest.mark.parametrize(
+    ("f", "found"),
+    [
+        ({"x": "v", "v": "-x - v/10"}, True),
+        ({"x": "v/sqrt(1 + v**2)", "v": "x*v*cos(t)"}, True),
+        ({"x": "v + x/1000", "v": "-x"}, False),
+        ({"x": "v*cos(t)", "v": "-x"}, False),
+    ],
+)
+def test_the_kind_is_found_in_expressions(f: dict[str, str], found: bool) -> None:
+    assert Problem.from_equations(f, {"x": 1, "v": 0}).semi_separable is found
+
+
+def test_the_kind_of_canonical_systems() -> None:
+    assert not problem("kepler").semi_separable
+    assert not problem("shear").semi_separable
+    assert problem("dipole-charge").semi_separable
+
+
+def field(t: float, y: Any) -> Any:
+    B = 1 + y[0] ** 2
+    return np.array([y[2], y[3], B * y[3] - y[0], -B * y[2] - 2 * y[1]])
+
+
+def hidden(t: float, y: Any) -> Any:
+    return field(t, np.array([float(x) for x in y]))
+
+
+@pytest.mark.parametrize(
+    ("given", "engine"),
+    [
+        (TRAP, "compiled"),
+        (Problem(f=field, y0=[1, 0, 0, 0.5]), "compiled"),
+        (Problem(f=hidden, dq=lambda p: p, y0=[1, 0, 0, 0.5]), "interpreted"),
+    ],
+)
+def test_one_evaluation_a_step_however_f_is_given(given: Problem, engine: str) -> None:
+    expected = solve(TRAP, PAIR, h=0.05, steps=40, engine="reference")
+    found = solve(given, PAIR, h=0.05, steps=40, engine=engine)
+    assert found.evaluations == 40
+    assert np.abs(found.y - expected.y).max() < 1e-13
+
+
+def test_an_ensemble_takes_the_same_steps() -> None:
+    y0 = np.array([TRAP.y0, np.array(TRAP.y0) * 1.25])
+    found = solve_ensemble(TRAP, PAIR, y0, h=0.05, steps=40)
+    alone = solve(TRAP, PAIR, h=0.05, steps=40)
+    assert np.abs(found.y[0, 0] - alone.y[-1]).max() < 1e-14
+
+
+def test_separable_systems_take_one_force() -> None:
+    found = solve("kepler", PAIR, h=0.01, steps=100)
+    expected = solve("kepler", "gauss-6", h=0.01, steps=100)
+    assert found.evaluations == 100
+    assert np.abs(found.y - expected.y).max() < 1e-6
+
+
+def test_systems_with_other_velocities_are_refused() -> None:
+    with pytest.raises(UsageError, match="is not separable, where found has implicit stages"):
+        solve("shear", PAIR, h=0.05, steps=40)
+    with pytest.raises(UsageError, match="`f` and its part `dq` disagree at the start"):
+        solve(Problem(f=hidden, dq=lambda p: 2 * p, y0=[1, 0, 0, 0.5]), PAIR, h=0.05, steps=40)
+
+
+def test_a_growing_parasitic_part_is_reported() -> None:
+    """Damping and driving of one sign: g_p is not skew, and every method grows."""
+    equations = {"x": "v", "v": "-x + v*(1 - v**2 - x**2)/10"}
+    cycle = Problem.from_equations(equations, {"x": 1, "v": 0})
+    assert solve(cycle, PAIR, h=0.05, steps=20_000).suspect is not None
+    assert solve(TRAP, PAIR, h=0.02, steps=20_000).suspect is None
