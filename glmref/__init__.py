@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .errors import DataError, ExactnessError, GlmrefError, UsageError
     from .exchange.export import export
     from .findings import Finding, Proof, Verdict
+    from .measure.prediction import Prediction, predict
     from .method import (
         GLM,
         AdditiveGLM,
@@ -58,6 +59,7 @@ _HOMES = {
         "PartitionedGLM",
         "StartingMethod",
     ),
+    "measure.prediction": ("Prediction", "predict"),
     "scenes.modified": ("Modified", "modified"),
     "problems": ("Problem", "problem"),
     "theory.series": ("Series",),
@@ -94,6 +96,7 @@ __all__ = [
     "Modified",
     "PairStartingMethod",
     "PartitionedGLM",
+    "Prediction",
     "Problem",
     "Proof",
     "Series",
@@ -118,6 +121,7 @@ __all__ = [
     "modified",
     "names",
     "plot",
+    "predict",
     "problem",
     "show",
     "solve",

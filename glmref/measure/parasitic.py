@@ -1,9 +1,10 @@
-"""Parasitic growth: the rate measured, the rate that mu f' gives, and when a run is lost.
+"""Parasitic growth: the rate measured, the rate that mu f' gives, and when a run was lost.
 
 To each eigenvalue zeta != 1, |zeta| = 1, of V belongs a parasitic component phi. By theory it
 follows ``phi' = mu f'(y) phi`` to leading order in h. Here it is *measured*: the method is run
 twice from starting values that differ by a small amount along the eigenvector of zeta, and the
 difference, read off by the left eigenvector and turned back by ``zeta^-n``, is phi.
+To all orders of h: :mod:`.prediction`.
 """
 
 from __future__ import annotations
@@ -172,27 +173,20 @@ def predicted_propagator(mu: complex, problem: Problem, *, time: float) -> np.nd
     UsageError
         Where the problem has no Jacobian.
     """
-    return _propagators(mu, problem, time=time, pieces=1)[-1]
-
-
-def _propagators(mu: complex, problem: Problem, *, time: float, pieces: int) -> list[np.ndarray]:
-    """Propagators to the ends of equal pieces of an interval, by the classical fourth order."""
     if problem.jacobian is None:
         raise UsageError(f"{problem.name} gives no Jacobian; mu f' cannot be formed")
     # 400 for each unit of the problem's scale leave an error near 1e-9 of the result
-    steps = math.ceil(400 * time / float(problem.scales.get("time", 1.0)))
-    each = max(1, math.ceil(steps / pieces))
-    k = time / (each * pieces)
+    steps = max(1, math.ceil(400 * time / float(problem.scales.get("time", 1.0))))
+    k = time / steps
     real = abs(complex(mu).imag) < 1e-12
     factor: Any = float(np.real(mu)) if real else mu
     y = np.array(problem.y0, dtype=float)
     phi = np.eye(len(y), dtype=float if real else complex)
-    found = []
 
     def slope(t: float, y: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.asarray(problem.f(t, y)), factor * (np.asarray(problem.jacobian(t, y)) @ phi)
 
-    for n in range(each * pieces):
+    for n in range(steps):
         t = n * k
         a, b = slope(t, y, phi)
         c, d = slope(t + k / 2, y + k / 2 * a, phi + k / 2 * b)
@@ -200,90 +194,7 @@ def _propagators(mu: complex, problem: Problem, *, time: float, pieces: int) -> 
         i, j = slope(t + k, y + k * e, phi + k * g)
         y = y + k / 6 * (a + 2 * c + 2 * e + i)
         phi = phi + k / 6 * (b + 2 * d + 2 * g + j)
-        if (n + 1) % each == 0:
-            found.append(phi)
-    return found
-
-
-def start_amplitude(
-    method: GLM, problem: Problem, *, h: float, mode: Mode, start: Any = None
-) -> np.ndarray:
-    """Amplitude phi(0) of a mode that a start leaves, shape (d,): its starting error."""
-    engine = stepper(method, problem)
-    y0 = np.array(problem.y0)
-    values = starting_values(engine, start, t=0.0, y0=y0, h=h).values
-    # ten orders of h beyond the start: what is left of it in double precision is round-off
-    rest = Underlying(engine).parasitic(0.0, values, h, order=10)
-    phi = mode.left @ rest
-    return np.real(phi) if abs(mode.zeta.imag) < 1e-9 else phi
-
-
-def predicted_loss(
-    method: GLM, problem: Problem, *, h: float, t_end: float, period: float, start: Any = None
-) -> float | None:
-    """Time at which a run is predicted to be lost, or ``None`` when not before ``t_end``.
-
-    The starting error of every mode is carried on by ``phi' = mu f'(y) phi`` along the periodic
-    solution: one period's propagator gives all of them.
-    """
-    level = LOST * float(np.linalg.norm(problem.y0))
-    pieces = 64
-    earliest: float | None = None
-    for mode in modes(method):
-        if mode.zeta.imag < -1e-9:  # the conjugate of one already followed
-            continue
-        phi = start_amplitude(method, problem, h=h, mode=mode, start=start)
-        weight = float(np.linalg.norm(mode.right)) * (1 if abs(mode.zeta.imag) < 1e-9 else 2)
-        inside = _propagators(mode.mu, problem, time=period, pieces=pieces)
-        for turn in range(math.ceil(t_end / period)):
-            sizes = [weight * float(np.linalg.norm(step @ phi)) for step in inside]
-            over = next((k for k, size in enumerate(sizes) if not size < level), None)
-            if over is not None:
-                time = period * (turn + (over + 1) / pieces)
-                earliest = time if earliest is None else min(earliest, time)
-                break
-            phi = inside[-1] @ phi
-    return earliest if earliest is None or earliest <= t_end else None
-
-
-def period_of(problem: Problem, *, most: float = 1000.0) -> float | None:
-    """Period of a solution: as the problem states it, or found for two components.
-
-    A solution in the plane that comes back through the line across f(y0), near y0 and in the same
-    direction, is periodic. ``None`` where no return is seen within ``most`` of the time scale.
-    """
-    if "period" in problem.scales:
-        return float(problem.scales["period"])
-    if problem.dimension != 2:
-        return None
-    y0 = np.array(problem.y0, dtype=float)
-    normal = np.asarray(problem.f(0.0, y0), dtype=float)
-    k = float(problem.scales.get("time", 1.0)) / 200
-    y, t, away = y0.copy(), 0.0, False
-
-    def advanced(y: np.ndarray, k: float) -> np.ndarray:
-        a = np.asarray(problem.f(t, y))
-        b = np.asarray(problem.f(t, y + k / 2 * a))
-        c = np.asarray(problem.f(t, y + k / 2 * b))
-        d = np.asarray(problem.f(t, y + k * c))
-        return y + k / 6 * (a + 2 * b + 2 * c + d)
-
-    while t < most * 200 * k:
-        new = advanced(y, k)
-        before, after = (y - y0) @ normal, (new - y0) @ normal
-        away = away or before < 0
-        near = np.linalg.norm(new - y0) < 0.1 * np.linalg.norm(y0)
-        if away and before < 0 <= after and near:
-            low, high = 0.0, k  # the crossing inside this step, by bisection to the last bit
-            for _ in range(60):
-                middle = (low + high) / 2
-                if (advanced(y, middle) - y0) @ normal < 0:
-                    low = middle
-                else:
-                    high = middle
-            return t + high
-        y, t = new, t + k
-    return None
+    return phi
 
 
 def solution_direction(method: Method) -> np.ndarray:

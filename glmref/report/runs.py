@@ -64,7 +64,7 @@ COLUMNS: tuple[tuple[Column, Callable[[Record], Any]], ...] = (
     (Column("form_drift", "drift of the form G"), _drift(("form",))),
     (Column("limit", "stable to h"), _at("limit")),
     (Column("lost", "lost at t"), _at("lost")),
-    (Column("predicted", "mu f' says t"), _at("predicted")),
+    (Column("predicted", "predicted t"), _at("predicted")),
     (Column("largest", "largest rest"), _at("largest")),
     (Column("seconds", "seconds, median"), _at("seconds", "median")),
     (Column("q25", "first quartile"), _at("seconds", "q25")),

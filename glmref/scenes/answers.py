@@ -113,7 +113,7 @@ def _lost(scene: Scene, records: Sequence[Record]) -> str:
         name = method_of(record)
         if record.get("lost") is not None:
             guess = record.get("predicted")
-            said = f" (mu f' says {guess:.4g})" if guess is not None else ""
+            said = f" (predicted {guess:.4g})" if guess is not None else ""
             lost.append(f"{name} at t = {record['lost']:.4g}{said}")
         elif record["outcome"] == "completed":
             bounded.append(name)

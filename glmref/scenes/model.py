@@ -22,7 +22,7 @@ ASK: Mapping[str, str] = {
     "energy": "largest error of the Hamiltonian over 64 samples",
     "limit": "step size up to which the tableau predicts stability along the solution",
     "invariants": "drift of the conserved quantities and of their G-forms",
-    "parasitic": "when the values beyond the solution outgrow it, and when mu f' says so",
+    "parasitic": "when the values beyond the solution outgrow it, and when that is predicted",
     "orbit": "at most 400 points of the path in a plane",
     "law": "by which law the conserved quantity deviates, with its exponent",
     "picture": "a log-log picture, as SVG and as PNG",

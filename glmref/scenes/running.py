@@ -23,15 +23,10 @@ from ..measure.law import fit_law, samples_of
 from ..measure.limits import stable_step
 from ..measure.longtime import along, energy_deviation, follow, g_form, watch
 from ..measure.orbit import orbit
-from ..measure.parasitic import (
-    loss,
-    modes,
-    parasitic_size,
-    period_of,
-    predicted_loss,
-    solution_direction,
-)
+from ..measure.parasitic import loss, modes, parasitic_size, solution_direction
 from ..measure.peers import measure_peer
+from ..measure.prediction import LOST as EXPECTED_LOSS
+from ..measure.prediction import predict
 from ..measure.timing import Timing, circumstances, machine
 from ..measure.work_precision import (
     Deadline,
@@ -330,7 +325,7 @@ def _form(method: Any) -> Any:
 def _parasitic(
     task: Mapping[str, Any], method: Any, subject: Any, solution: Any, u: Any
 ) -> dict[str, Any]:
-    """When the run was lost, when mu f' says so, and the size of the rest over time."""
+    """When the run was lost, when that is predicted, and the size of the rest over time."""
     found = loss(subject, solution, u)
     size = parasitic_size(solution, u) / (float(np.linalg.norm(solution.y[0])) or 1.0)
     record: dict[str, Any] = {
@@ -342,17 +337,14 @@ def _parasitic(
     if found.time is not None:
         record["outcome"] = LOST
         record["message"] = f"lost at t = {found.time:.6g}: {found.reason}"
-    if len(method.components) > 1:
-        return record
-    growing = modes(method)
-    record["growth"] = [
-        {"zeta": [m.zeta.real, m.zeta.imag], "mu": [m.mu.real, m.mu.imag]} for m in growing
-    ]
-    period = period_of(subject) if any(abs(m.mu) > 1e-9 for m in growing) else None
-    if period is not None and not task.get("renew"):
-        record["predicted"] = predicted_loss(
-            method, subject, h=task["h"], t_end=task["t_end"], period=period, start=task["start"]
-        )
+    if not task.get("renew"):
+        said = predict(method, subject, task["h"], task["t_end"], start=task["start"])
+        record["predicted"] = said.time if said.verdict == EXPECTED_LOSS else None
+    if len(method.components) == 1:
+        record["growth"] = [
+            {"zeta": [m.zeta.real, m.zeta.imag], "mu": [m.mu.real, m.mu.imag]}
+            for m in modes(method)
+        ]
     return record
 
 

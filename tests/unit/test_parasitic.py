@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from mpmath import ellipk, sin
 
 from glmref.catalogue.lookup import load
 from glmref.errors import UsageError
@@ -15,11 +14,8 @@ from glmref.measure.parasitic import (
     loss,
     modes,
     parasitic_size,
-    period_of,
-    predicted_loss,
     predicted_propagator,
     solution_direction,
-    start_amplitude,
 )
 from glmref.problems import Problem, problem
 
@@ -75,32 +71,10 @@ def test_leapfrog_grows_as_its_parameter_says():
     assert found.predicted_rate == pytest.approx(1.0, rel=1e-9)
 
 
-def test_the_period_of_the_pendulum_is_found():
-    expected = float(4 * ellipk(sin(1.15) ** 2))
-    # classical method at 1/200 of the time unit: error about 1e-10 per unit
-    assert period_of(problem("pendulum", q0="23/10")) == pytest.approx(expected, abs=1e-7)
-
-
-def test_a_stated_period_is_taken_and_none_is_invented():
-    assert period_of(problem("kepler")) == pytest.approx(2 * math.pi)
-    assert period_of(problem("henon-heiles")) is None
-    assert period_of(Problem(f=("1", "1"), y0=(1, 0)), most=5.0) is None
-
-
 def test_the_solution_is_the_first_value_or_repeated_in_past_values():
     assert solution_direction(load("g6245")).tolist() == [1, 0, 0, 0]
     assert solution_direction(load("leapfrog")).tolist() == [1, 1]
     assert solution_direction(load("stormer-verlet")).tolist() == [1]
-
-
-def test_a_start_from_zero_leaves_what_the_starting_map_has():
-    subject, method = problem("pendulum", q0="23/10"), load("gsymplectic-n")
-    (mode,) = modes(method)
-    left = start_amplitude(method, subject, h=0.1, mode=mode, start="zero")
-    # y_2 = -(sqrt 3/12) h^2 y'' + ..., y'' = (-sin q, 0) at the start
-    assert left[0] == pytest.approx(math.sqrt(3) / 12 * 0.01 * -math.sin(2.3), rel=0.01)
-    own = start_amplitude(method, subject, h=0.1, mode=mode)
-    assert np.linalg.norm(own) < 1e-2 * np.linalg.norm(left)
 
 
 def run(name, steps, **options):
@@ -145,15 +119,3 @@ def test_the_parasitic_size_needs_all_values():
     found = solve(problem("pendulum"), "rk4", h=0.1, steps=2, engine="reference")
     with pytest.raises(UsageError, match="history=True"):
         parasitic_size(found, np.ones(1))
-
-
-def test_no_loss_is_predicted_without_growth():
-    subject = problem("pendulum", q0="23/10")
-    period = period_of(subject)
-    assert predicted_loss(load("s4-symmetric"), subject, h=0.1, t_end=500, period=period) is None
-
-
-def test_no_loss_is_predicted_beyond_the_end():
-    subject = problem("pendulum", q0="23/10")
-    period = period_of(subject)
-    assert predicted_loss(load("gsymplectic-p"), subject, h=0.1, t_end=9, period=period) is None

@@ -675,7 +675,7 @@ def test_losses_and_predictions_are_told(tmp_path):
         made("g6245", 0.1, lost=None, steps=1_000_000),
     ]
     assert answer(scene, records) == (
-        "lost: gsymplectic-p at t = 13.8 (mu f' says 13.75); "
+        "lost: gsymplectic-p at t = 13.8 (predicted 13.75); "
         "bounded to t = 100000 (1,000,000 steps): g6245"
     )
 

@@ -1,0 +1,492 @@
+"""When a long run is lost to its parasitic part, predicted from the method and a pilot orbit.
+
+At each eigenvalue zeta of V of modulus one, zeta != 1, the values carry a parasitic part phi. Along
+an orbit of the underlying one-step method, with S(y) its starting map, it obeys
+
+    M'(S(y_n)) T_n = zeta T_(n+1) Psi_n,      phi_(n+1) = zeta Psi_n phi_n,      Psi_n = I + O(h)
+
+T_n = R + C_n with R the eigenvectors of V and L C_n = 0, L R = I. The equation is solved by the
+iteration that gives S: a pass gains one order of h,
+
+    C_n <- (V - zeta)^-1 (zeta (C_(n+1) Psi_n - C_n) - (1 - R L)(M' - V)(R + C_n)),
+
+so that Psi holds the growth parameters (h), I1, I2, I3 and kappa (h^3) and what follows, each taken
+along the orbit, and no part of the solution's own perturbations, which grow on chaotic orbits.
+
+**Growth.** On a periodic orbit the product of the Psi_n over a period decides (Floquet). On others
+the averaged logarithm does where the growth parameters vanish, so that Psi_n is near to I (Hairer,
+Lubich and Wanner 2006, sections XIV.3 and XV.5), averaged with smooth weights, which converges fast
+on quasi-periodic orbits (Das, Saiki, Sander and Yorke, Nonlinearity 30 (2017) 4111). Else only
+clear growth within the pilot run counts.
+
+**Size.** phi begins as what the start leaves, read off the pilot run, and at least as round-off,
+:data:`ROUND_OFF`. The run is lost where phi reaches :data:`LEVEL` of the solution. Both constants
+were fixed before any run was compared; nothing is fitted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..engine.clocks import solved_form
+from ..engine.ensemble import solve_ensemble
+from ..engine.kept import stepper_of
+from ..engine.plan import resolved, step_size
+from ..engine.reference import Stepper
+from ..engine.solve import solve
+from ..method import Method
+from ..problems.canonical import timed
+from ..problems.formula import Formula
+from ..problems.model import Problem
+from ..system.arguments import number
+from ..system.shown import Shown
+from .underlying import Underlying
+
+#: Size of a parasitic part that the start does not excite.
+ROUND_OFF = 1e-16
+#: Part of the size of the solution at which the energy counts as lost.
+LEVEL = 0.3
+#: Passes of the iteration for Psi, each an order of h.
+PASSES = 6
+#: Steps of the pilot run, in which a period is looked for; of these, steps whose derivatives are
+#: taken where there is none and the growth parameters vanish, fewer where they would be more
+#: numbers than MOST; and so many as the size of the start is read off.
+PILOT, STEPS, LEAST, START, MOST = 5000, 1000, 200, 512, 2_000_000
+#: Growth of a parasitic part in the pilot run beyond which its start is not read off.
+MUCH = 1e4
+#: Growth in the second half of the pilot run that is not that of a power of time.
+CLEAR = 50.0
+#: Parts of the size of the solution: beyond it an orbit has left, within it it has come back.
+AWAY, NEAR = 0.1, 1e-3
+#: Part of a value by which it is moved for a central difference: its square and the inverse times
+#: 1e-16 are the errors, 1e-10 and 1e-11.
+NUDGE = 1e-5
+#: A growth parameter below it is zero but for the digits of the tableau.
+NO_GROWTH = 1e-9
+#: Steps beyond which no loss is looked for.
+FOR_EVER = 1e12
+LOST, BOUNDED, NONE, OPEN = "lost", "bounded", "no parasitic part", "open"
+
+
+@dataclass(frozen=True)
+class ParasiticPart:
+    """What is predicted of one parasitic part.
+
+    Attributes
+    ----------
+    zeta : complex
+        Eigenvalue of V, of nonnegative imaginary part: its conjugate goes with it.
+    start : float
+        Size at the start, 0.0 where it is below round-off.
+    rate : float
+        It grows as exp(rate t) in the long run, per unit of time.
+    steps : float
+        Step at which it reaches :data:`LEVEL` of the solution; ``inf``: not within 1e12 steps.
+    """
+
+    zeta: complex
+    start: float
+    rate: float
+    steps: float
+
+
+@dataclass(frozen=True, repr=False)
+class Prediction(Shown):
+    """How long the parasitic parts of a run stay small. Made by :func:`predict`.
+
+    Attributes
+    ----------
+    method, problem : str
+        Names.
+    h, t_end : float
+        Step size, and the end of the run.
+    verdict : str
+        ``"lost"`` or ``"bounded"`` up to ``t_end``; ``"no parasitic part"``; ``"open"``.
+    steps : float or None
+        Step at which the run is lost, possibly beyond ``t_end``, ``inf`` for never; ``None`` where
+        that is open.
+    zeta : complex or None
+        The eigenvalue whose part is the first to be large.
+    parts : tuple[ParasiticPart, ...]
+        All of them.
+    why : str
+        Why it is open, or ``""``.
+    """
+
+    method: str
+    problem: str
+    h: float
+    t_end: float
+    verdict: str
+    steps: float | None = None
+    zeta: complex | None = None
+    parts: tuple[ParasiticPart, ...] = ()
+    why: str = ""
+
+    def __repr__(self) -> str:
+        return f"<Prediction: {self.text}>"
+
+    @property
+    def time(self) -> float | None:
+        """Time from the start at which the run is lost, ``None`` where that is open."""
+        return None if self.steps is None else self.steps * abs(self.h)
+
+    @property
+    def text(self) -> str:
+        """Such as ``"lost after about 1.2e+06 steps, by the part at zeta = -1"``."""
+        if self.verdict in (NONE, OPEN) or self.steps is None:
+            return f"{self.verdict}: {self.why}" if self.why else self.verdict
+        if self.verdict == LOST:
+            at = "" if self.zeta is None else f", by the part at zeta = {_text(self.zeta)}"
+            return f"lost after about {self.steps:.2g} steps{at}"
+        if self.steps > FOR_EVER:
+            return "bounded: no parasitic part grows"
+        return f"bounded for about {self.steps:.2g} steps"
+
+
+def _text(zeta: complex) -> str:
+    return f"{zeta.real:.4g}" if not zeta.imag else f"{zeta.real:.4g}{zeta.imag:+.4g}i"
+
+
+@dataclass(frozen=True, eq=False)
+class _Bundle:
+    """Eigenvectors of V on all values of a run, flattened to n = r d numbers."""
+
+    zeta: Any  #: complex, or float where it is real
+    right: np.ndarray  #: (n, m)
+    left: np.ndarray  #: (m, n), left right = I
+    grows: bool  #: Whether a growth parameter is not zero.
+
+
+def _on_values(engine: Stepper) -> tuple[np.ndarray, list[_Bundle]]:
+    """V on the flattened values, (n, n), and its eigenvectors of modulus one but 1."""
+    r, d = engine.shape
+    V = np.zeros((r, d, r, d))
+    halves = []
+    for c in engine.components[: len(engine.parts)]:
+        matrix, columns = np.array(c.V, dtype=float), np.arange(d)[c.columns]
+        for j in columns:
+            V[: len(matrix), j, : len(matrix), j] = matrix
+        halves.append((c, matrix, columns, np.linalg.eigvals(matrix)))
+    met: list[complex] = []
+    for z in (z for *_, values in halves for z in values):
+        wanted = abs(abs(z) - 1) < 1e-9 and abs(z - 1) > 1e-9 and z.imag > -1e-9
+        if wanted and all(abs(z - x) > 1e-6 for x in met):
+            met.append(complex(z))
+    met.sort(key=lambda z: float(np.angle(z)))
+    return V.reshape(r * d, r * d), [_bundle(z, halves, engine) for z in met]
+
+
+def _bundle(z: complex, halves: Sequence[Any], engine: Stepper) -> _Bundle:
+    right, left, vectors = [], [], []
+    for c, matrix, columns, values in halves:
+        count = int(np.sum(np.abs(values - z) < 1e-6))
+        # null vectors: V may be defective at other eigenvalues, past values make it so at 0
+        u, _, vh = np.linalg.svd(matrix - z * np.eye(len(matrix)))
+        x, y = vh[len(vh) - count :].conj().T, u[:, len(vh) - count :].conj().T
+        scale = np.max(np.abs(x), initial=0.0)
+        x, y = x / scale, np.linalg.solve(y @ x, y) * scale
+        vectors.append((c, x, y))
+        for k in range(count):
+            for j in columns:
+                for row, found in ((x[:, k], right), (y[k], left)):
+                    full = np.zeros(engine.shape, dtype=complex)
+                    full[: len(matrix), j] = row
+                    found.append(full.ravel())
+    mu = [
+        y @ np.array(a.B, dtype=float) @ np.array(b.U, dtype=float) @ x
+        for a, _, y in vectors
+        for b, x, _ in vectors
+        if a is not b or engine.joint
+    ]
+    grows = any(np.max(np.abs(x), initial=0.0) > NO_GROWTH for x in mu)
+    if abs(z.imag) < 1e-9:
+        return _Bundle(z.real, np.real(right).T, np.real(left), grows)
+    return _Bundle(z, np.array(right).T, np.array(left), grows)
+
+
+def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray) -> np.ndarray:
+    """Derivatives of the step at many values (N, r, d): (N, n, n), by central differences."""
+    count, n = len(values), values[0].size
+    sizes = np.max(np.abs(values), axis=(0, 1))
+    nudges = NUDGE * np.where(sizes > 0, sizes, max(float(np.max(sizes)), 1e-300))
+    shape = (n, *values.shape[1:])
+    moves = np.eye(n).reshape(shape) * nudges
+    moved = np.stack([values[:, None] + moves, values[:, None] - moves]).reshape(-1, *shape[1:])
+    y = stepper_of(method, problem).solution(moved)
+    found = solve_ensemble(problem, method, y, h=h, steps=1, start=moved, threads=1)
+    plus, minus = found.values.reshape(2, count, n, n)
+    widths = 2 * np.broadcast_to(nudges, values.shape[1:]).ravel()
+    return np.swapaxes((plus - minus) / widths[:, None], 1, 2)
+
+
+def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> np.ndarray:
+    """Psi_n, (N - PASSES, m, m), from the derivatives of N steps."""
+    n, m = b.right.shape
+    here = b.right @ b.left
+    inverse = np.linalg.inv(V - b.zeta * np.eye(n) + here) @ (np.eye(n) - here)
+    C = np.zeros((len(steps) + 1, n, m), dtype=b.right.dtype)
+    for _ in range(PASSES):
+        T = b.right + C[:-1]
+        after = _times(steps[: len(T)], T)
+        psi = b.left @ after / b.zeta
+        change = b.zeta * (C[1:] @ psi - C[:-1]) - (after - V @ T)
+        C = inverse @ change
+    return b.left @ _times(steps[: len(C)], b.right + C) / b.zeta
+
+
+def _times(real: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Products of real matrices with matrices that may be complex."""
+    if x.dtype.kind != "c":
+        return real @ x
+    both = real @ np.concatenate([np.real(x), np.imag(x)], axis=-1)
+    re, im = np.split(both, 2, axis=-1)
+    return re + 1j * im
+
+
+def _weights(count: int) -> np.ndarray:
+    """Smooth weights with sum 1 that vanish at both ends with all derivatives."""
+    x = (np.arange(count) + 0.5) / count
+    weights = np.exp(-1 / (x * (1 - x)))
+    return weights / weights.sum()
+
+
+def _logarithms(psi: np.ndarray) -> np.ndarray:
+    x = psi - np.eye(psi.shape[-1])
+    square = x @ x
+    return x - square / 2 + square @ x / 3 - square @ square / 4
+
+
+def _exponential(matrix: np.ndarray) -> np.ndarray:
+    """Of a matrix of small norm."""
+    result = term = np.eye(len(matrix), dtype=matrix.dtype)
+    for k in range(1, 16):
+        term = term @ matrix / k
+        result = result + term
+    return result
+
+
+class _Growing:
+    """One parasitic part along the pilot orbit.
+
+    Parameters
+    ----------
+    psi : np.ndarray
+        (N, m, m) propagators of the steps.
+    start : np.ndarray
+        (m,) size at the start.
+    level : float
+        Size at which the run is lost.
+    """
+
+    def __init__(self, psi: np.ndarray, start: np.ndarray, level: float) -> None:
+        self.psi, self.start, self.level = psi, start, level
+        self.products = _products(psi)
+
+    def size(self, product: np.ndarray) -> float:
+        """Size of phi where the product of the propagators is so much."""
+        if not np.isfinite(product).all():
+            return math.inf
+        least = ROUND_OFF * float(np.linalg.norm(product, 2))
+        return max(float(np.linalg.norm(product @ self.start)), least)
+
+    def averaged(self) -> tuple[float, float]:
+        """Rate per step, and the step of loss, where the propagators are near to I.
+
+        What two thirds of the pilot do not show either is no growth: the latest of three steps.
+        """
+        logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
+        for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):
+            mean = np.tensordot(_weights(len(some)), some, 1)
+            done, _ = self._repeated(_exponential(mean))
+            found.append((float(np.max(np.linalg.eigvals(mean).real)), done + 1))
+        return max(found, key=lambda pair: pair[1])
+
+    def periodic(self, period: float) -> tuple[float, float]:
+        """The same from the product over a period of so many steps, repeated."""
+        whole = int(period)
+        part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
+        once = _exponential(part) @ self.products[whole]
+        rate = math.log(np.max(np.abs(np.linalg.eigvals(once)))) / period
+        done, before = self._repeated(once)
+        last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= self.level),
+                    whole) if math.isfinite(done) else 0  # fmt: skip
+        return rate, done * period + last
+
+    def seen(self) -> tuple[float, float]:
+        """The same from growth by :data:`CLEAR` within the pilot run; NaN where it is less."""
+        half = len(self.psi) // 2
+        early, late = (self.size(self.products[n]) for n in (half, len(self.psi)))
+        lost = next((n for n, x in enumerate(self.products) if self.size(x) >= self.level), None)
+        if not late > CLEAR * early:
+            return math.nan, math.nan if lost is None else float(lost)
+        rate = math.log(late / early) / (len(self.psi) - half)
+        further = math.log(self.level / late) / rate
+        return rate, float(lost) if lost is not None else len(self.psi) + further
+
+    def _repeated(self, once: np.ndarray) -> tuple[float, np.ndarray]:
+        """How often a product may be taken until phi is large, and what it is then."""
+        powers = [once]
+        with np.errstate(all="ignore"):
+            while self.size(powers[-1]) < self.level and 2 ** len(powers) <= FOR_EVER:
+                powers.append(powers[-1] @ powers[-1])
+            if self.size(powers[-1]) < self.level:
+                return math.inf, powers[-1]
+            total, done = np.eye(len(once), dtype=once.dtype), 0
+            for k in reversed(range(len(powers) - 1)):
+                further = powers[k] @ total
+                if self.size(further) < self.level:
+                    total, done = further, done + 2**k
+        return done, total
+
+
+def _products(psi: np.ndarray) -> list[np.ndarray]:
+    found = [np.eye(psi.shape[-1], dtype=psi.dtype)]
+    with np.errstate(all="ignore"):
+        for step in psi:
+            found.append(step @ found[-1])
+    return found
+
+
+def _inside(cells: np.ndarray, x: float) -> np.ndarray:
+    """Integral over [0, x] of the third of five cells, whose integrals are given: (m, m)."""
+    edges = np.concatenate([cells[:1] * 0, np.cumsum(cells, axis=0)])
+    edges = edges - edges[2]
+    found = np.polyfit(np.arange(-2, 4), edges.reshape(6, -1), 5)
+    return (x ** np.arange(5, -1, -1) @ found).reshape(cells.shape[1:])
+
+
+def _period(y: np.ndarray) -> float | None:
+    """Number of steps, not whole, after which an orbit (N, d) is back; ``None``: never."""
+    distance, size = np.linalg.norm(y - y[0], axis=1), float(np.max(np.linalg.norm(y, axis=1)))
+    left = np.flatnonzero(distance > AWAY * size)
+    if not len(left):
+        return None
+    inner = distance[1:-1]
+    least = 1 + np.flatnonzero((inner <= distance[:-2]) & (inner <= distance[2:]))
+    least = least[(least > left[0]) & (least < len(y) - 3) & (distance[least] < AWAY * size)]
+    for n in least:
+        found = np.polyfit(np.arange(-3, 4), y[n - 3 : n + 4] - y[0], 6)
+        slopes = found[:-1] * np.arange(6, 0, -1)[:, None]
+        low, high = -1.0, 1.0  # where the distance stops falling
+        for _ in range(40):
+            x = (low + high) / 2
+            at, slope = x ** np.arange(6, -1, -1) @ found, x ** np.arange(5, -1, -1) @ slopes
+            low, high = (x, high) if at @ slope < 0 else (low, x)
+        if np.linalg.norm(low ** np.arange(6, -1, -1) @ found) < NEAR * size:
+            return n + low
+    return None
+
+
+def _start(
+    engine: Stepper, b: _Bundle, psi: np.ndarray, values: np.ndarray, h: float
+) -> np.ndarray:
+    """Phi at step 0, (m,): what later steps show, taken back; what is smooth averages out."""
+    products = _products(psi[:START])
+    if not np.linalg.norm(products[-1]) < MUCH:  # the later steps may have left the orbit
+        first, t = values[0], float(engine.problem.t_span[0])
+        return b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel()
+    back = [
+        np.linalg.solve(product, b.left @ x.ravel() * b.zeta**-n)
+        for n, (product, x) in enumerate(zip(products[:-1], values, strict=False))
+    ]
+    return _weights(len(back)) @ np.array(back)
+
+
+def predict(
+    method: Method | str | Path, problem: Problem | str, h: float, t_end: float | None = None,
+    *, start: Any = None,
+) -> Prediction:  # fmt: skip
+    """Predict whether a run is lost to its parasitic part, and when, from the first steps of it.
+
+    Parameters
+    ----------
+    method : Method or str or Path
+        The method, its name or its file.
+    problem : Problem or str
+        An autonomous problem, or its name.
+    h : float
+        Step size.
+    t_end : float or None
+        End of the run, by default that of the problem.
+    start : Any
+        As for :func:`glmref.solve`.
+
+    Returns
+    -------
+    Prediction
+        ``open`` where the problem depends on time, the derivatives of the step are too large or
+        cannot be computed, or the pilot run does not come to its end.
+
+    Raises
+    ------
+    UsageError
+        As :func:`glmref.solve`.
+
+    Examples
+    --------
+    >>> import glmref
+    >>> glmref.predict("g6245-w3", "pendulum", 0.1, t_end=1e5)
+    <Prediction: bounded for about 7.2e+06 steps>
+    """
+    subject, chosen = resolved(problem, method)
+    h = step_size(h)
+    end = float(subject.t_span[1]) if t_end is None else number("t_end", t_end)
+    given = (chosen.name, subject.name, h, end)
+    solved = solved_form(subject, chosen)
+    engine = stepper_of(chosen, solved)
+    V, bundles = _on_values(engine)
+    if not bundles:
+        return Prediction(*given, NONE, math.inf)
+    if solved is not subject or _depends_on_time(subject):
+        return Prediction(*given, OPEN, why="the problem depends on time")
+    if LEAST > MOST // V.size:
+        return Prediction(*given, OPEN, why=f"{len(V)} values a step are too many")
+    run = solve(subject, chosen, h=h, steps=PILOT, every=1, start=start, history=True)
+    if run.steps < LEAST:
+        return Prediction(*given, LOST, float(run.steps), why=run.message)
+    assert run.history is not None
+    first_order, y = any(b.grows for b in bundles), np.asarray(run.y)
+    period = _period(y)
+    count = STEPS if not first_order else run.steps
+    if period is not None and period + 4 < MOST // V.size:
+        count = max(START, math.ceil(period) + 4)
+    count = min(count, MOST // V.size, run.steps - PASSES)
+    values = np.asarray(run.history)[: count + PASSES + 1]
+    steps = _derivatives(chosen, subject, h, values[:-1])
+    if not np.isfinite(steps).all():
+        return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
+    level = LEVEL * (float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1))))
+    parts = []
+    for b in bundles:
+        psi = _propagators(V, b, steps)
+        start = _start(engine, b, psi, values, h)
+        part = _Growing(psi, start, level)
+        if period is not None and period + 3 < len(psi):
+            rate, lost = part.periodic(period)
+        else:
+            rate, lost = part.seen() if b.grows else part.averaged()
+        begins = float(np.linalg.norm(start))
+        begins = begins if begins > ROUND_OFF else 0.0
+        parts.append(ParasiticPart(complex(b.zeta), begins, rate / h, lost))
+    worst = min(parts, key=lambda part: math.inf if math.isnan(part.steps) else part.steps)
+    if math.isnan(worst.steps):
+        why = "a growth parameter is not zero, the orbit not periodic, and the pilot run too short"
+        return Prediction(*given, OPEN, None, None, tuple(parts), why)
+    verdict = LOST if worst.steps * abs(h) <= abs(end - float(subject.t_span[0])) else BOUNDED
+    return Prediction(*given, verdict, worst.steps, worst.zeta, tuple(parts))
+
+
+def _depends_on_time(problem: Problem) -> bool:
+    if problem.separable:
+        return False
+    if isinstance(problem.f, Formula):
+        return timed(problem.f)
+    y, begin, end = np.array(problem.y0, dtype=float), *map(float, problem.t_span)
+    return not np.array_equal(problem.f(begin, y), problem.f((begin + end) / 2, y))

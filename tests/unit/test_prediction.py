@@ -1,0 +1,136 @@
+"""Parasitic parts predicted: propagators against eigenvalues, losses against runs."""
+
+from __future__ import annotations
+
+import doctest
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import glmref
+from glmref import load, predict, problem
+from glmref.engine.kept import stepper_of
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.measure import prediction
+from glmref.measure.longtime import follow
+from glmref.measure.parasitic import loss, solution_direction
+from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES
+
+PENDULUM = problem("pendulum", q0="23/10")
+
+
+def _along(name, subject, h, steps):
+    """V, its eigenvectors and the derivatives of the step along a run."""
+    method = load(name)
+    V, bundles = prediction._on_values(stepper_of(method, subject))
+    run = solve(subject, method, h=h, steps=steps, every=1, history=True)
+    return V, bundles, prediction._derivatives(method, subject, h, run.history)
+
+
+@pytest.mark.parametrize("name", ["gsymplectic-n", "multistep-8"])
+def test_on_a_linear_problem_they_are_the_eigenvalues_of_the_step(name):
+    # V of multistep-8 is far from normal: its eigenvectors and those of its adjoint differ
+    h = 0.05
+    V, bundles, steps = _along(name, problem("harmonic-oscillator"), h, 20)
+    known = np.linalg.eigvals(steps[0])
+    for b in bundles:
+        psi = prediction._propagators(V, b, steps)
+        assert len(psi) == len(steps) - PASSES + 1
+        for x in np.linalg.eigvals(b.zeta * psi[0]):
+            assert min(abs(known - x)) < 1e-8
+
+
+def test_growth_of_the_solution_is_not_growth_of_a_parasitic_part():
+    # y' = y grows as exp(t), and phi' = mu phi by 1 - 2/sqrt(3) < 0 to first order
+    h, growing = 0.05, glmref.Problem(f=("y[0]",), y0=(1,))
+    V, bundles, steps = _along("gsymplectic-n", growing, h, 10)
+    (psi,) = (prediction._propagators(V, b, steps) for b in bundles)
+    assert psi.ravel() == pytest.approx(math.exp(h * (1 - 2 / math.sqrt(3))), abs=h**3)
+
+
+@pytest.mark.sampled(1, "1/10")
+@pytest.mark.parametrize(("e", "rate"), [("1/10", 0.0163), ("3/10", 0.0241), ("3/5", 0.0934)])
+def test_rates_of_second_order_on_keplers_orbit(e, rate):
+    """Floquet exponents over h^2 of the linearised method at -1, found in another program."""
+    h = 0.06 if e != "3/5" else 0.012
+    found = predict("g6245-w3", problem("kepler", eccentricity=e), h)
+    (part,) = (part for part in found.parts if part.zeta == -1)
+    assert part.rate == pytest.approx(rate * h * h, rel=0.02)
+
+
+@pytest.mark.sampled(1, "gsymplectic-p")
+@pytest.mark.parametrize("name", ["gsymplectic-p", "gsymplectic-n"])
+def test_a_loss_of_first_order_is_predicted(name):
+    method = load(name)
+    run = follow(PENDULUM, method, h=0.1, steps=12_000)
+    seen = loss(PENDULUM, run, solution_direction(method)).time
+    found = predict(name, PENDULUM, 0.1, 2000)
+    assert found.verdict == LOST and found.zeta == -1
+    assert found.time == pytest.approx(seen, rel=0.03)
+    assert predict(name, PENDULUM, 0.1, 0.9 * seen).verdict == BOUNDED
+
+
+def test_a_start_with_a_larger_parasitic_part_is_lost_earlier():
+    times = [predict("gsymplectic-p", PENDULUM, 0.1, start=x).time for x in (None, "zero")]
+    assert times[1] < times[0]
+
+
+@pytest.mark.slow
+def test_multistep_methods_do_not_grow_on_keplers_orbit():
+    found = predict("multistep-8", problem("kepler", eccentricity="1/10"), 0.05, 1e6)
+    assert found.verdict == BOUNDED and len(found.parts) == 6
+    assert max(part.rate for part in found.parts) < 1e-5
+
+
+@pytest.mark.slow
+def test_weak_growth_of_first_order_is_open_where_no_orbit_is_periodic():
+    chain = predict("gsymplectic-n", "toda", 0.1)
+    assert chain.verdict == OPEN and "growth parameter" in chain.why
+
+
+def test_what_is_not_predicted():
+    assert predict("gauss-2", PENDULUM, 0.1).verdict == NONE
+    assert predict("ab-3", PENDULUM, 0.1).verdict == NONE
+    forced = glmref.Problem(f=("y[1]", "cos(t) - y[0]"), y0=(1, 0))
+    for subject in (forced, glmref.Problem(f=lambda t, y: np.array([math.cos(t)]), y0=(1.0,))):
+        found = predict("gsymplectic-n", subject, 0.1)
+        assert (found.verdict, found.steps) == (OPEN, None) and "time" in found.text
+    assert "too many" in predict("g6245", "outer-solar-system", 20.0).text
+    with pytest.raises(UsageError, match="`h`"):
+        predict("g6245", PENDULUM, 0.0)
+
+
+@given(rate=st.floats(1e-7, 1e-2), angle=st.floats(0.1, 3.0), start=st.floats(1e-15, 1e-3))
+@settings(max_examples=20, deadline=None)
+def test_the_step_of_loss_is_that_of_the_exponential(rate, angle, start):
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    part = prediction._Growing(np.array([np.eye(2)] * 9), np.array([start, 0.0]), 0.3)
+    done, total = part._repeated(math.exp(rate) * turn)
+    known = math.log(0.3 / start) / rate
+    assert done == pytest.approx(known, abs=1.5) or done == pytest.approx(known, rel=1e-9)
+    assert part.size(total) < 0.3
+
+
+def test_the_period_of_an_orbit_is_found():
+    t = np.arange(300) * 0.05
+    orbit = np.stack([np.cos(t), np.sin(2 * t)], axis=1)
+    assert prediction._period(orbit) == pytest.approx(2 * math.pi / 0.05, abs=1e-6)
+    # quasi-periodic, and away for ever
+    assert prediction._period(np.stack([np.cos(t), np.cos(t * math.sqrt(2))], axis=1)) is None
+    assert prediction._period(t[:, None] + 1) is None
+
+
+def test_the_part_of_a_step_is_integrated():
+    edges = np.sin(np.arange(6) * 0.1)
+    cells = np.diff(edges).reshape(5, 1, 1)
+    found = prediction._inside(cells, 0.3)[0, 0]
+    assert found == pytest.approx(math.sin(0.23) - math.sin(0.2), abs=1e-8)
+
+
+def test_the_example_is_as_printed():
+    found = doctest.testmod(prediction)
+    assert found.attempted and not found.failed
