@@ -20,7 +20,8 @@ import flint
 
 from .. import judge
 from ..errors import BudgetError
-from ..judge.arithmetic import Ring
+from ..judge import arithmetic
+from ..judge.arithmetic import Number, Ring
 from ..judge.refusals import Refused, Undecided
 from ..system.budget import spend
 
@@ -129,28 +130,20 @@ def rounded(x) -> Interval:
     return Interval(flint.arb(x))
 
 
-class Gradient(Ring):
+class Gradient(arithmetic.Gradient):
     """An interval with its derivatives by the unknowns, exact zeros left out."""
 
-    __slots__ = ("by", "value")
+    __slots__ = ()
+    value: Interval
+    by: dict[int, Interval]
 
     def __init__(self, value: Interval, by: dict[int, Interval]) -> None:
         self.value, self.by = value, by
 
-    def __add__(self, other: Gradient | Interval | flint.fmpq) -> Gradient:
-        if not isinstance(other, Gradient):
-            return Gradient(self.value + other, self.by)
-        by = dict(self.by)
-        for k, x in other.by.items():
-            by[k] = by[k] + x if k in by else x
-        return Gradient(self.value + other.value, by)
-
-    def __mul__(self, other: Gradient | Interval | flint.fmpq) -> Gradient:
-        if not isinstance(other, Gradient):
-            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
-        return dot_of_gradients([(self, other)])
-
-    __radd__, __rmul__ = __add__, __mul__
+    @staticmethod
+    def dot(pairs: Iterable[tuple]) -> Gradient:
+        """Return sum x_i y_i."""
+        return dot_of_gradients(pairs)
 
 
 def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.fmpq:
@@ -214,7 +207,7 @@ def dot_of_gradients(pairs: Iterable[tuple]) -> Gradient:
 _NONE: dict[int, Interval] = {}
 
 
-def _split(x) -> tuple[flint.arb, dict[int, Interval]]:
+def _split(x: Number) -> tuple[flint.arb, dict[int, Interval]]:
     """Return the ball of a number and its derivatives."""
     if type(x) is Gradient:
         return x.value.ball, x.by

@@ -180,18 +180,23 @@ class Gradient(Ring):
     def __init__(self, value: Interval, by: dict[int, Interval]) -> None:
         self.value, self.by = value, by
 
+    @staticmethod
+    def dot(pairs: Iterable[tuple]) -> Gradient:
+        """Return sum x_i y_i; another arithmetic has its own."""
+        return dot_of_gradients(pairs)
+
     def __add__(self, other: Number) -> Gradient:
         if not isinstance(other, Gradient):
-            return Gradient(self.value + other, self.by)
+            return type(self)(self.value + other, self.by)
         by = dict(self.by)
         for k, x in other.by.items():
             by[k] = by[k] + x if k in by else x
-        return Gradient(self.value + other.value, by)
+        return type(self)(self.value + other.value, by)
 
     def __mul__(self, other: Number) -> Gradient:
         if not isinstance(other, Gradient):
-            return Gradient(self.value * other, {k: x * other for k, x in self.by.items()})
-        return dot_of_gradients([(self, other)])
+            return type(self)(self.value * other, {k: x * other for k, x in self.by.items()})
+        return self.dot([(self, other)])
 
     __radd__, __rmul__ = __add__, __mul__
 

@@ -2,7 +2,6 @@
 
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 
-
 PROVES = {
     "preconsistent": ("preconsistent", "not-preconsistent"),
     "consistent": ("consistent", "no-order-1"),
@@ -33,13 +32,10 @@ PROVES = {
     "order-to-digits": ("to-digits", "not-to-digits"),
 }  # fmt: skip
 
-
 SECOND = {"stage-order": "stage-order", "starting-order": "start",
           "nystrom-starting-order": "start", "finishing-order": "finish"}  # fmt: skip
 
-
 VALUES = ("growth", "abscissae", "error-constant", "embedded-order", "order-to-digits")
-
 
 ABSENT = {  # claim: key of the document that it is about, the value where there is none
     "embedded-order": ("embedded", {}), "embedded-difference": ("embedded", False),
@@ -47,23 +43,18 @@ ABSENT = {  # claim: key of the document that it is about, the value where there
     "starting-order": ("starting", 0), "finishing-order": ("finishing", 0),
 }  # fmt: skip
 
-
 ADDITIVE = {  # claims of methods for a sum of right-hand sides
     "order", "order-identity", "effective-order", "stage-order", "preconsistent", "consistent",
     "zero-stable", "explicit", "embedded-order", "embedded-difference", "order-to-digits",
     "abscissae",
 }  # fmt: skip
 
-
 OF_PAIRS = {"nystrom-order", "nystrom-starting-order", "reducible"}
-
 
 OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced"}
 
-
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip
-
 
 LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at these matrices only
     "explicit": "", "absent": "", "several-values": "", "bounded": "V", "unbounded": "V",

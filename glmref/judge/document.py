@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from .arithmetic import Fraction
 from .claims import ORDERS, SECOND
+from .fields import Numbers
 from .linalg import (
     apply,
     combine,
@@ -26,11 +27,7 @@ from .linalg import (
 from .numbers import apart, inverse, is_enclosure, total, vanishes
 from .refusals import Document, as_list, as_object, as_text, keys, not_covered, require, shown
 
-if TYPE_CHECKING:
-    from .fields import Numbers
-
 COMMON = "$schema format name title class field broken notes digits constants claims source"
-
 
 CLASSES = {  # needed keys, optional keys
     "glm": ("A U B V", "G D output starting finishing embedded"),
@@ -47,7 +44,6 @@ CLASSES = {  # needed keys, optional keys
     "partitioned": ("q p", "G D_P D_Q separable starting"),
     "pair-sweep": ("stages b w c v V V_hat G", "unknowns enclosure starting"),
 }
-
 
 SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
 

@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .classes import Span
+from .document import Method
 from .enclosures import Enclosed, parameter
 from .krawczyk import at_values
 from .lie import lie_images
@@ -18,9 +18,6 @@ from .numbers import is_nil, total
 from .refusals import as_text, matched, require
 from .series import Solved
 from .trees import Tree, is_nystrom, read_tree, size, trees, versions
-
-if TYPE_CHECKING:
-    from .document import Method
 
 PAIR_EQUATION = re.compile(r"order (\S+)|growth ([qp]) (.+)|start (\S+) ([1-9][0-9]?)")
 

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction
-from .document import rows_of
+from .arithmetic import Fraction, Number
+from .document import Method, rows_of
 from .enclosures import Enclosed
 from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise
 from .numbers import is_nil, total
 from .refusals import keys, matched, require
 from .trees import LEAF, Tree, attach, gamma, is_coloured, pool_of, read_tree
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .document import Method
 
 RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)"
                          r"|stage ([1-9][0-9]?) ([1-9][0-9]?)")  # fmt: skip

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction
 from .classes import classes, conditions_follow, plan, reduced
+from .document import Method
 from .enclosures import Enclosed, parameter
 from .krawczyk import at_value, at_values
 from .linalg import apply, combine, dot, equal, identity, kernel, multiples, transpose
@@ -14,9 +14,6 @@ from .numbers import as_reals, is_nil, total
 from .refusals import as_list, as_object, matched, require
 from .series import Solved
 from .trees import LEAF, Tree, gamma, read_tree, size, trees, versions
-
-if TYPE_CHECKING:
-    from .document import Method
 
 EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) ([^=]+?)"
                       r"(?: = (.+))?")  # fmt: skip

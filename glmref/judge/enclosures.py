@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
 from .document import Method
+from .fields import Numbers
 from .grammar import published_decimal
 from .krawczyk import Linear, only_root
 from .linalg import (
@@ -25,10 +25,6 @@ from .linalg import (
 from .numbers import as_real, conj, inverse, real, squared, total, vanishes
 from .refusals import SIZE, Document, as_list, as_object, keys, require, shown, whole
 from .trees import read_tree
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .fields import Numbers
 
 
 def palindrome(row: list) -> int:

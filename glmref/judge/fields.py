@@ -6,9 +6,9 @@ import cmath
 import re
 from collections.abc import Callable, Container, Mapping
 from copy import copy
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
-from .arithmetic import Fraction, rational_of
+from .arithmetic import Fraction, Number, rational_of
 from .grammar import DIGITS, parse, plain
 from .linalg import diagonal
 from .numbers import Element, conj, enclose, real, upper, vanishes
@@ -25,9 +25,6 @@ from .refusals import (
     whole,
 )
 from .towers import DIMENSION, Tower
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
 
 
 def some(value: object, why: str) -> list:

@@ -5,14 +5,10 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction, rational_of
+from .arithmetic import Fraction, Number, rational_of
 from .numbers import inverse
 from .refusals import NotShown, Refused, as_text, matched, require, shown
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
 
 DIGITS = 4000  # characters of an entry
 
@@ -34,12 +30,9 @@ def short(pattern: str, text: object, what: str) -> re.Match[str]:
 
 FUNCTIONS = ("sqrt", "root", "exp")
 
-
 CHARACTERS = r"[-+*/(),.0-9A-Za-z_]+"
 
-
 BLANK = r"[ \t\n\r\f\v]"
-
 
 OPERATIONS = {
     ast.Add: lambda x, y: x + y, ast.Sub: lambda x, y: x - y, ast.Mult: lambda x, y: x * y,

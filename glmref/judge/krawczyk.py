@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
-from .arithmetic import Fraction, Gradient, Interval, Ring, newton_sums
+from .arithmetic import Fraction, Gradient, Interval, Number, Ring, newton_sums
 from .grammar import decimal_number
-from .numbers import around, as_interval, as_real, floor, inverse, is_nil, total
+from .numbers import Box, around, as_interval, as_real, floor, inverse, is_nil, total
 from .polynomials import derivative, horner
 from .refusals import Document, as_list, require
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .numbers import Box
 
 
 def root_in(p: list, box: Interval | Box) -> Interval | Box:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from .arithmetic import (
     RATIONAL,
     Fraction,
     Gradient,
     Interval,
+    Number,
     dot_of_gradients,
     dot_of_intervals,
     dot_of_rationals,
@@ -28,9 +28,6 @@ from .numbers import (
     vanishes,
 )
 from .refusals import Undecided, require
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
 
 RATIONALS = {*RATIONAL}
 INTERVALS = RATIONALS | {Interval}

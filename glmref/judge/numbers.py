@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeGuard
 
-from .arithmetic import Fraction, Interval, Ring, rounded
+from .arithmetic import Fraction, Interval, Number, Ring, rounded
 from .refusals import NotShown, Refused, Undecided, require
 
 if TYPE_CHECKING:
-    from .arithmetic import Number
     from .towers import Tower
 
 

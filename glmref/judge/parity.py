@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
 from .classes import classes
 from .document import Component
-from .enclosed_pair import ALTERNATING
+from .enclosed_pair import ALTERNATING, Pair
+from .fields import Numbers
 from .grammar import published_decimal
 from .krawczyk import Linear, at_values, only_root
 from .linalg import apply, diagonal, dot, equal, identity, kernel, less, minus, transpose
@@ -17,12 +18,6 @@ from .numbers import as_reals, is_nil, total, vanishes
 from .refusals import SIZE, Document, as_list, as_object, keys, require, whole
 from .series import Series
 from .trees import Tree, is_nystrom, read_tree, trees
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .enclosed_pair import Pair
-    from .fields import Numbers
-
 
 #: The row and the tree of a condition, and the function that gives how far conditions fail.
 Label: TypeAlias = tuple[int, Tree]

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction, Ring
+from .arithmetic import Fraction, Number, Ring
 from .linalg import at_matrix, characteristic, times
 from .numbers import conj, inverse, is_enclosure, is_nil, live, sign, squared, vanishes
-from .refusals import require
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .refusals import T
+from .refusals import T, require
 
 
 def horner(coefficients: list, x: T) -> T:

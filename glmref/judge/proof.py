@@ -7,7 +7,6 @@ from collections.abc import Callable, Container, Mapping
 from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from .arithmetic import Fraction, Interval, rational_of
 from .claims import LOOKS_AT
@@ -27,6 +26,7 @@ from .refusals import (
     Malformed,
     NoCertificate,
     NotShown,
+    T,
     as_list,
     as_object,
     as_text,
@@ -35,13 +35,9 @@ from .refusals import (
     shown,
     whole,
 )
-from .rule import Bound, Conclusion, Replaced, Reversal
+from .rule import Bound, Conclusion, Replaced, Reversal, Rule
 from .series import Solved
 from .trees import PATHS, Tree, size, through
-
-if TYPE_CHECKING:
-    from .refusals import T
-    from .rule import Rule
 
 FORMAT = "glmref-certificate-1"
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar, cast
 
+from .arithmetic import Number
 from .refusals import SIZE, Document, NotShown, as_list, as_object, as_text, keys, shown, whole
-from .trees import Tree, show
+from .trees import Tree, read_tree, show
 
 if TYPE_CHECKING:
-    from .arithmetic import Number
     from .document import Method
     from .proof import Proof
 
@@ -138,6 +139,7 @@ READERS: dict[str, tuple[str, Callable[[object, str], object]]] = {
     "Flag": ("not true", lambda value, why: shown(value is True or None, why)),
     "str": ("no text", as_text),
     "list": ("no list", as_list),
+    "Tree": ("no tree", lambda value, why: read_tree(value)),
     "Document": ("no object", as_object),
 }
 
@@ -180,6 +182,15 @@ class Case:
 
     def __init__(self, proof: Proof, witness: object) -> None:
         self.proof, self.witness, self.method = proof, witness, proof.method
+
+    def shows(self, about: str, holds: bool) -> Conclusion:
+        """Return what a rule about a claim shows that holds, or is a lower bound, or else."""
+        return Truth(about, holds)
+
+    @cached_property
+    def claimed(self) -> list:
+        """Return the numbers of the list that the claim declares."""
+        return self.proof.claimed(self.proof.declared)
 
     def known(self, quantity: str) -> Bound:
         """Return the bounds that parts before this one have shown."""
@@ -226,7 +237,7 @@ class Rule(Generic[C]):
         Functions of the case that return True, False or `Fails`. The docstring of each is the
         sentence that must hold.
     conclusion : callable
-        Returns what is shown when all hypotheses hold.
+        Returns what is shown when all hypotheses hold; else :meth:`Case.shows` does.
     """
 
     name: str
@@ -237,7 +248,7 @@ class Rule(Generic[C]):
     witness: type
     case: Callable[[Proof, object], C]
     hypotheses: tuple[Callable[[C], bool | Fails], ...]
-    conclusion: Callable[[C], Conclusion]
+    conclusion: Callable[[C], Conclusion] | None = None
 
     def apply(self, proof: Proof, witness: Document) -> Conclusion:
         """Return what a part shows, or refuse with the first hypothesis that fails."""
@@ -246,4 +257,6 @@ class Rule(Generic[C]):
             outcome = hypothesis(case)
             if not outcome:
                 raise HypothesisFails(self.name, hypothesis, outcome)
+        if self.conclusion is None:
+            return case.shows(self.about, self.direction in ("holds", "at least"))
         return self.conclusion(case)

@@ -13,9 +13,9 @@ from .grammar import two_digits
 from .linalg import dot
 from .numbers import floor
 from .refusals import Document, Malformed, as_object, require, whole
-from .rule import Case, Fails, Order, Rule, Truth, read_witness
+from .rule import Case, Fails, Order, Rule, read_witness
 from .series import Series
-from .trees import Tree, gamma, is_coloured, is_nystrom, pool_of, read_tree, size, stands
+from .trees import Tree, gamma, is_coloured, is_nystrom, pool_of, size, stands
 
 #: Pairs of a colour and the rows of A.
 Tables: TypeAlias = "tuple[tuple[str, tuple[tuple[Fraction, ...], ...]], ...]"
@@ -244,8 +244,8 @@ class DigitsCase(Case):
 class Residuals:
     """The trees of a row: with the largest residual, and of the next order."""
 
-    largest: str
-    beyond: str
+    largest: Tree
+    beyond: Tree
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ class NotToDigits:
     """A row, and a tree or an order that refutes what is declared of it."""
 
     row: str
-    tree: str | None = None
+    tree: Tree | None = None
     order: Order | None = None
 
 
@@ -270,11 +270,10 @@ class ToDigitsCase(DigitsCase):
     witness: ToDigits
 
     @cached_property
-    def named(self) -> dict[str, tuple[Tree, Tree]]:
-        """Return by row the trees `largest` and `beyond`."""
-        rows = {name: read_witness(Residuals, x, "row of the witness")
+    def named(self) -> dict[str, Residuals]:
+        """Return the trees by row."""
+        return {name: read_witness(Residuals, x, "row of the witness")
                 for name, x in self.witness.rows.items()}  # fmt: skip
-        return {name: (read_tree(x.largest), read_tree(x.beyond)) for name, x in rows.items()}
 
 
 class NotToDigitsCase(DigitsCase):
@@ -292,11 +291,6 @@ class NotToDigitsCase(DigitsCase):
         """Return what is declared of the row."""
         require(self.name in self.declared, "no row has this name")
         return self.declared[self.name]
-
-    @cached_property
-    def tree(self) -> Tree:
-        """Return the tree of the witness."""
-        return read_tree(self.witness.tree)
 
 
 def names_are_those_of_the_file(case: DigitsCase) -> bool:
@@ -325,9 +319,9 @@ def every_row_is_shown(case: ToDigitsCase) -> bool:
 def trees_are_of_their_orders(case: ToDigitsCase) -> bool:
     """`largest` has at most the order of its row, `beyond` the next; both are meant."""
     return all(
-        size(largest) <= case.declared[name].order == size(beyond) - 1
-        and case.counted(largest) and case.counted(beyond)
-        for name, (largest, beyond) in case.named.items()
+        size(x.largest) <= case.declared[name].order == size(x.beyond) - 1
+        and case.counted(x.largest) and case.counted(x.beyond)
+        for name, x in case.named.items()
     )  # fmt: skip
 
 
@@ -342,21 +336,21 @@ def residuals_are_within_the_size(case: ToDigitsCase) -> bool | Fails:
 
 def a_residual_has_the_size(case: ToDigitsCase) -> bool:
     """The residual of `largest` is above the number of two digits before the declared size."""
-    return all(case.exceeds(name, largest, case.declared[name].least)
-               for name, (largest, _) in case.named.items())  # fmt: skip
+    return all(case.exceeds(name, x.largest, case.declared[name].least)
+               for name, x in case.named.items())  # fmt: skip
 
 
 def next_order_is_beyond(case: ToDigitsCase) -> bool:
     """The residual of `beyond` is above 1000 times the declared size."""
-    return all(case.exceeds(name, beyond, 1000 * case.declared[name].most)
-               for name, (_, beyond) in case.named.items())  # fmt: skip
+    return all(case.exceeds(name, x.beyond, 1000 * case.declared[name].most)
+               for name, x in case.named.items())  # fmt: skip
 
 
 def tree_or_order_refutes(case: NotToDigitsCase) -> bool | Fails:
     """A residual is above the size, or all are below it, or the next order has none beyond."""
     row = case.row
     if case.witness.tree is not None:
-        return case.exceeds(case.name, case.tree, row.most)
+        return case.exceeds(case.name, case.witness.tree, row.most)
     if whole(case.witness.order, row.order, row.order + 1) == row.order:
         return case.none_above(case.name, 1, row.order, row.least)
     return case.none_above(case.name, row.order + 1, row.order + 1, 1000 * row.most)
@@ -369,9 +363,8 @@ def a_tree_or_an_order_is_named(case: NotToDigitsCase) -> bool:
 
 def tree_is_within_the_order(case: NotToDigitsCase) -> bool:
     """The tree has at most the order of its row, and its condition is meant."""
-    if case.witness.tree is None:
-        return True
-    return size(case.tree) <= case.row.order and case.counted(case.tree)
+    tree = case.witness.tree
+    return tree is None or (size(tree) <= case.row.order and case.counted(tree))
 
 
 WITH_DIGITS = (names_are_those_of_the_file, entries_are_rational, value_carried_is_the_solution)
@@ -382,13 +375,11 @@ DIGIT_RULES = (
         ToDigits, ToDigitsCase,
         (*WITH_DIGITS, every_row_is_shown, trees_are_of_their_orders, residuals_are_within_the_size,
          a_residual_has_the_size, next_order_is_beyond),
-        lambda case: Truth("order-to-digits"),
     ),
     Rule(
         "not-to-digits", "order-to-digits", "fails", "the definition", SECTION_5,
         NotToDigits, NotToDigitsCase,
         (*WITH_DIGITS, a_tree_or_an_order_is_named, tree_is_within_the_order,
          tree_or_order_refutes),
-        lambda case: Truth("order-to-digits", False),
     ),
 )  # fmt: skip

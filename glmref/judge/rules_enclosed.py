@@ -29,11 +29,6 @@ class ImpliedCase(Case):
         root = self.proof.root()
         return root.abscissae() if isinstance(root, Sweep) else None
 
-    @cached_property
-    def declared(self) -> list:
-        """Return the declared numbers."""
-        return self.proof.claimed(self.proof.declared)
-
 
 def growth_parameters_are_0(case: ImpliedCase) -> bool:
     """Growth: an equation is named for every eigenvalue of modulus 1 but the simple 1."""
@@ -44,7 +39,7 @@ def declared_growth_is_0_where_it_holds(case: ImpliedCase) -> bool:
     """The claim `growth` holds where as many 0 are declared as there are parameters, else fails."""
     if case.claim != "growth":
         return True
-    return (len(case.declared) == case.growths and vanishes(case.declared)) == case.proof.holds
+    return (len(case.claimed) == case.growths and vanishes(case.claimed)) == case.proof.holds
 
 
 def abscissae_are_fixed(case: ImpliedCase) -> bool:
@@ -52,9 +47,9 @@ def abscissae_are_fixed(case: ImpliedCase) -> bool:
     if case.claim != "abscissae":
         return True
     found = case.abscissae
-    if found is None or len(found) != len(case.declared):
+    if found is None or len(found) != len(case.claimed):
         return False
-    return vanishes(less(found, case.declared))
+    return vanishes(less(found, case.claimed))
 
 
 def claim_follows_from_the_equations(case: ImpliedCase) -> bool:

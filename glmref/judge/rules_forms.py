@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
 from .document import Method
 from .linalg import (
     apply,
@@ -24,10 +24,7 @@ from .linalg import (
 )
 from .numbers import apart, conj, vanishes
 from .refusals import require, shown
-from .rule import Case, Flag, NoWitness, Rule, Truth
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
+from .rule import Case, Flag, NoWitness, Rule
 
 FORMS = "Butcher, Hewitt, The existence of symplectic general linear methods (2009)"
 QUADRATIC = "Lasagni (1988); Sanz-Serna (1988); Hairer, Lubich, Wanner (2006), section VI.4"
@@ -321,13 +318,11 @@ FORM_RULES = (
         "form", "g-symplectic", "holds", "the definition", FORMS, Form, WitnessCase,
         (G_is_that_of_the_file, D_is_that_of_the_file, V_keeps_G, D_fits_U, D_fits_A, D_is_real,
          G_is_hermitian_or_D_shared, form_is_not_0_at_u),
-        lambda case: Truth("g-symplectic"),
     ),
     Rule(
         "given-form-fails", "g-symplectic", "fails",
         "the form is that of the file; a D that it does not give can only be B^* G u",
         FORMS, NoWitness, GivenCase, (file_gives_G, given_form_is_none),
-        lambda case: Truth("g-symplectic", False),
     ),
     Rule(
         "no-form", "g-symplectic", "fails",
@@ -335,16 +330,14 @@ FORM_RULES = (
         "the identities it is 0 for every form",
         FORMS, NoWitness, NoFormCase,
         (file_gives_no_G, method_is_real, form_at_u_follows_from_the_identities),
-        lambda case: Truth("g-symplectic", False),
     ),
     Rule(
         "quadratic", "symplectic", "holds", "the definition", QUADRATIC, NoWitness, QuadraticCase,
-        (the_solution_is_carried, products_of_weights_are_met), lambda case: Truth("symplectic"),
+        (the_solution_is_carried, products_of_weights_are_met),
     ),
     Rule(
         "not-quadratic", "symplectic", "fails", "the definition", QUADRATIC, Several, QuadraticCase,
         (several_values_are_carried, else_the_solution_is_carried,
          else_a_product_of_weights_is_not_met),
-        lambda case: Truth("symplectic", False),
     ),
 )  # fmt: skip

@@ -9,8 +9,8 @@ from .arithmetic import Fraction
 from .document import Method
 from .linalg import apply, is_exact, kernel, less, ones
 from .numbers import apart, total, vanishes
-from .refusals import not_covered, require
-from .rule import Bound, Case, Fails, NoWitness, Order, Rule, Truth
+from .refusals import not_covered, require, shown
+from .rule import Bound, Case, Fails, NoWitness, Order, Rule
 from .series import Solved, path_orders
 from .trees import (
     PATHS,
@@ -31,9 +31,9 @@ BUTCHER = "Butcher, Numerical Methods for Ordinary Differential Equations (2016)
 UNIQUE = "docs/certificates.md, section 4 (why two starting series agree below the order)"
 
 
-def counts(method: Method, tree: Tree, order: int, which: bool | str) -> bool:
+def counts(method: Method, tree: Tree | None, order: int, which: bool | str) -> bool:
     """Tell whether a tree is one of an order that counts for a method."""
-    if size(tree) != order:
+    if tree is None or size(tree) != order:
         return False
     if which in PATHS:
         return tree in paths(method.palette, order)
@@ -57,13 +57,18 @@ class OrderWitness:
 class OrderAtMost(OrderWitness):
     """The order and a tree of the next one."""
 
-    tree: str | None = None
+    tree: Tree | None = None
+
+
+def bound(about: str, p: int, low: bool, kind: tuple[bool, bool | str]) -> Bound:
+    """Return a lower or an upper bound of an order of a kind."""
+    return Bound(about, p if low else None, None if low else p, *kind)
 
 
 class OrderCase(Case):
     """A part about the order p of a method: principal part, trees, series."""
 
-    witness: OrderWitness
+    witness: OrderAtMost  # those of lower bounds have no tree
 
     @cached_property
     def kind(self) -> tuple[bool, bool | str]:
@@ -84,20 +89,9 @@ class OrderCase(Case):
         """Return the starting series, ready for the conditions of an order."""
         return self.proof.series(*self.kind, order)
 
-    def bound(self, **ends: int) -> Bound:
-        """Return bounds of the order, of this kind."""
-        return Bound("order", identity=self.kind[0], trees=self.kind[1], **ends)
-
-
-class AtMostCase(OrderCase):
-    """A part that the order is at most p."""
-
-    witness: OrderAtMost
-
-    @cached_property
-    def tree(self) -> Tree:
-        """Return the tree of the witness."""
-        return read_tree(self.witness.tree)
+    def shows(self, about: str, holds: bool) -> Bound:
+        """Return a bound of the order, of this kind."""
+        return bound(about, self.order, holds, self.kind)
 
 
 @dataclass(frozen=True)
@@ -191,14 +185,14 @@ def lower_bound_is_shown_along_paths(case: OrderCase) -> bool:
     return not case.along_paths or (known.low == case.order and known.kind == case.kind)
 
 
-def tree_is_of_the_next_order(case: AtMostCase) -> bool:
+def tree_is_of_the_next_order(case: OrderCase) -> bool:
     """The tree of the witness is one of the next order that counts."""
     if case.along_paths or (case.order and not case.series(case.order + 1).simple):
         return True  # all conditions of the next order are looked at
-    return counts(case.method, case.tree, case.order + 1, case.kind[1])
+    return counts(case.method, case.witness.tree, case.order + 1, case.kind[1])
 
 
-def next_order_fails(case: AtMostCase) -> bool:
+def next_order_fails(case: OrderCase) -> bool:
     """A condition of the next order is not 0 whatever the principal parts are."""
     p = case.order
     series = case.series(p + 1)
@@ -208,7 +202,7 @@ def next_order_fails(case: AtMostCase) -> bool:
         return any(map(apart, gaps if case.kind[0] else [total(gaps)]))
     if p and not series.simple:
         return series.last == p and not series.loose
-    return any(map(apart, series.condition(case.tree)))
+    return any(map(apart, series.condition(shown(case.witness.tree, "the tree is missing"))))
 
 
 def theorem_is_about_the_method(case: OrderCase) -> bool:
@@ -265,6 +259,10 @@ class BoundCase(Case):
         """Return the kind of the order of the method, else that of the claim."""
         shown = self.order.low is not None
         return self.order.kind if shown else self.proof.mode()
+
+    def shows(self, about: str, holds: bool) -> Bound:
+        """Return a bound of the same kind as that of the order."""
+        return bound(about, self.q, holds, self.kind)
 
     @property
     def most(self) -> int:
@@ -368,21 +366,21 @@ ORDER_RULES = (
     Rule(
         "preconsistent", "preconsistent", "holds", "the definition", BUTCHER,
         NoWitness, ComponentCase,
-        (u_exists,), lambda case: Truth("preconsistent"),
+        (u_exists,),
     ),
     Rule(
         "consistent", "consistent", "holds", "the definition", BUTCHER, NoWitness, ComponentCase,
-        (u_and_v_exist,), lambda case: Truth("consistent"),
+        (u_and_v_exist,),
     ),
     Rule(
         "not-preconsistent", "preconsistent", "fails",
         "without u no start makes a stage the solution: the order is 0",
-        BUTCHER, OfColour, ComponentCase, (no_u_exists,), lambda case: Truth("consistent", False),
+        BUTCHER, OfColour, ComponentCase, (no_u_exists,),
     ),
     Rule(
         "no-order-1", "consistent", "fails", "order 1 is that u and v exist: the order is 0",
         BUTCHER, OfColour, ComponentCase,
-        (no_u_and_v_exist,), lambda case: Truth("consistent", False),
+        (no_u_and_v_exist,),
     ),
     Rule(
         "order-at-least", "order", "at least",
@@ -391,29 +389,25 @@ ORDER_RULES = (
         "Butcher (1972), An algebraic theory of integration methods", OrderWitness, OrderCase,
         (stages_begin_at_the_solution, conditions_hold, paths_stand_for_trees,
          shared_stages_have_one_time, stages_are_right_along_paths),
-        lambda case: case.bound(low=case.order),
     ),
     Rule(
         "order-at-most", "order", "at most",
         "two starting series of order p agree below p up to the flow, so that one condition of "
         "order p + 1 that fails excludes the order",
-        UNIQUE, OrderAtMost, AtMostCase,
+        UNIQUE, OrderAtMost, OrderCase,
         (lower_bound_is_shown_along_paths, tree_is_of_the_next_order, next_order_fails),
-        lambda case: case.bound(high=case.order),
     ),
     Rule(
         "implied-order", "order", "at least",
         "the equations and symmetry give the conditions of every order through p",
         "docs/certificates.md, 6.2 to 6.4 and 6.8", OrderWitness, OrderCase,
         (theorem_is_about_the_method, equations_give_the_order, principal_parts_are_0),
-        lambda case: case.bound(low=case.order),
     ),
     Rule(
         "stage-order-at-least", "stage-order", "at least", "the definition", UNIQUE,
         AtLeast, BoundCase,
         (bound_is_below_the_order, series_is_that_of_the_order,
          a_stage_has_one_abscissa, stages_are_the_solution),
-        lambda case: Bound("stage-order", case.q, None, *case.kind),
     ),
     Rule(
         "stage-order-at-most", "stage-order", "at most",
@@ -421,13 +415,11 @@ ORDER_RULES = (
         UNIQUE, AtMost, BoundCase,
         (order_is_enclosed_or_open, bound_is_at_most_the_order, principal_parts_are_unique,
          a_stage_is_wrong),
-        lambda case: Bound("stage-order", None, case.q, *case.kind),
     ),
     Rule(
         "implied-stage-order", "stage-order", "at least",
         "the equations `defect`, mirrored, are those of every stage",
         "docs/certificates.md, 6.3", AtLeast, BoundCase,
         (bound_is_below_the_order, equations_give_the_stage_order),
-        lambda case: Bound("stage-order", case.q, None, *case.kind),
     ),
 )  # fmt: skip

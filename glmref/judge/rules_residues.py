@@ -68,7 +68,7 @@ def the_empty_list_is_judged(case: UnsharedCase) -> bool:
     """For the claim `growth` the empty list holds and every other fails."""
     if case.proof.claim != "growth":
         return True
-    return (not case.proof.claimed(case.proof.declared)) == case.proof.holds
+    return (not case.claimed) == case.proof.holds
 
 
 # ---------------------------------------------------------------------------- residues
@@ -115,7 +115,7 @@ class ResiduesCase(UnsharedCase):
         """Tell whether the parameters are those declared, for `parasitism-free` all 0."""
         if self.proof.claim == "parasitism-free":
             return (not any(rest for rest, _ in self.parts)) == self.proof.declared
-        mine = self.proof.claimed(self.proof.declared)
+        mine = self.claimed
         return len(mine) == len(self.parts) and not any(
             plus(rest, [mu * x for x in slope], -1)
             for mu, (rest, slope) in zip(mine, self.parts, strict=True)
@@ -175,7 +175,6 @@ RESIDUE_RULES = (
         GROWTH, NoWitness, UnsharedCase,
         (pair_is_separable, powers_of_all_are_bounded, one_is_all_that_is_shared,
          one_is_simple_in_both, the_empty_list_is_judged),
-        lambda case: Truth(case.proof.claim),
     ),
     Rule(
         "residues", "growth", "holds",

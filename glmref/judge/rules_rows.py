@@ -15,7 +15,7 @@ from .proof import Part, read_parts
 from .refusals import as_object, require, whole
 from .rule import Bound, Case, Fails, NoWitness, Order, RowOrder, Rule, Truth
 from .series import Series
-from .trees import Tree, gamma, read_tree, size, trees
+from .trees import Tree, gamma, size, trees
 
 PAGE = "docs/certificates.md, section 4"
 DENSE = "Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.6"
@@ -92,7 +92,7 @@ class DenseWitness:
     """An order and a tree of the next one."""
 
     order: Order
-    tree: str
+    tree: Tree
 
 
 class RowCase(Case):
@@ -250,11 +250,6 @@ class DenseCase(Case):
 
     witness: DenseWitness
 
-    @property
-    def order(self) -> int:
-        """Return the order."""
-        return self.witness.order
-
     @cached_property
     def columns(self) -> list:
         """Return the weights of each power of theta."""
@@ -267,11 +262,6 @@ class DenseCase(Case):
         """Return the series of the stages."""
         m = self.method.single()
         return Series.of_tables({"o": (m.A, m.B)})
-
-    @cached_property
-    def tree(self) -> Tree:
-        """Return the tree of the witness."""
-        return read_tree(self.witness.tree)
 
     def gaps(self, tree: Tree) -> list:
         """Return the coefficients of b(theta) Phi(t) - theta^|t| / gamma(t)."""
@@ -289,7 +279,7 @@ def c_is_A_1(case: DenseCase) -> bool:
 
 def every_power_is_right(case: DenseCase) -> bool | Fails:
     """The condition holds, power by power of theta."""
-    for n in range(1, case.order + 1):
+    for n in range(1, case.witness.order + 1):
         for tree in trees(case.method.palette, n):
             if not vanishes(case.gaps(tree)):
                 return Fails(tree)
@@ -298,25 +288,23 @@ def every_power_is_right(case: DenseCase) -> bool | Fails:
 
 def dense_tree_is_of_the_next_order(case: DenseCase) -> bool:
     """The tree of the witness is one of the next order."""
-    return size(case.tree) == case.order + 1 and case.tree in trees(
-        case.method.palette, case.order + 1
+    return size(case.witness.tree) == case.witness.order + 1 and case.witness.tree in trees(
+        case.method.palette, case.witness.order + 1
     )
 
 
 def a_power_is_wrong(case: DenseCase) -> bool:
     """The condition of the tree does not hold."""
-    return any(map(apart, case.gaps(case.tree)))
+    return any(map(apart, case.gaps(case.witness.tree)))
 
 
 def all_or_not(name: str, other: str, claim: str, case: type[RowsCase]) -> tuple[Rule, Rule]:
     """Return the rules that the numbers of a case are all 0, and that one is not."""
-    holds = Rule(name, claim, "holds", "the definition", PAGE,
-    NoWitness, case, (all_numbers_are_0,),
-                 lambda case: Truth(claim))  # fmt: skip
-    fails = Rule(other, claim, "fails", "the definition", PAGE,
-    NoWitness, case, (a_number_is_not_0,),
-                 lambda case: Truth(claim, False))  # fmt: skip
-    return holds, fails
+    same = "the definition", PAGE, NoWitness, case
+    return (
+        Rule(name, claim, "holds", *same, (all_numbers_are_0,)),
+        Rule(other, claim, "fails", *same, (a_number_is_not_0,)),
+    )
 
 
 ROW_RULES = (
@@ -340,11 +328,11 @@ ROW_RULES = (
         "dense", "dense-order", "at least", "the conditions of order for b(theta)",
         DENSE, DenseWitness, DenseCase,
         (c_is_A_1, every_power_is_right, dense_tree_is_of_the_next_order, a_power_is_wrong),
-        lambda case: Bound("dense-order", case.order, case.order, True),
+        lambda case: Bound("dense-order", case.witness.order, case.witness.order, True),
     ),
     Rule(
         "not-dense", "dense-order", "at most", "one condition that fails excludes the order",
         DENSE, DenseWitness, DenseCase, (dense_tree_is_of_the_next_order, a_power_is_wrong),
-        lambda case: Bound("dense-order", None, case.order, True),
+        lambda case: Bound("dense-order", None, case.witness.order, True),
     ),
 )  # fmt: skip

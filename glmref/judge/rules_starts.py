@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
 from .parity import finish_with_parity, undoes
 from .refusals import as_list, as_object, keys, require
-from .rule import Bound, Fails, Rule
+from .rule import Fails, Rule
 from .rules_orders import (
     UNIQUE,
     AtLeast,
@@ -23,9 +22,6 @@ from .rules_orders import (
 )
 from .series import Series, external, path_orders
 from .trees import LEAF, PATHS, Tree, cuts, size, through
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
 
 
 class StartCase(BoundCase):
@@ -300,14 +296,12 @@ START_RULES = (
         UNIQUE, AtLeast, StartCase,
         (order_is_enclosed, bound_is_below_the_order, start_has_the_u,
          start_uses_right_stages_along_paths, start_agrees),
-        lambda case: Bound("start", case.q, None, *case.kind),
     ),
     Rule(
         "start-at-most", "start", "at most",
         "the starting series is unique up to the flow, and at the order itself up to N beta",
         UNIQUE, AtMost, StartCase,
         (order_is_enclosed_or_open, bound_is_at_most_the_order, series_is_known, start_is_wrong),
-        lambda case: Bound("start", None, case.q, *case.kind),
     ),
     Rule(
         "implied-start", "start", "at least",
@@ -315,7 +309,6 @@ START_RULES = (
         "docs/certificates.md, 6.7", AtLeast, StartCase,
         (bound_is_below_the_order, start_has_the_u,
          start_follows_from_the_equations),
-        lambda case: Bound("start", case.q, None, *case.kind),
     ),
     Rule(
         "finish-at-least", "finish", "at least",
@@ -323,14 +316,12 @@ START_RULES = (
         "Butcher (2016), section 38 (composition of B-series)", AtLeast, FinishCase,
         (bound_is_below_the_order, file_has_start_and_finish, output_of_the_start_is_y,
          finish_undoes_the_start),
-        lambda case: Bound("finish", case.q, None, *case.kind),
     ),
     Rule(
         "finish-at-most", "finish", "at most", "the same; no finish is above the order",
         "Butcher (2016), section 38", AtMost, FinishCase,
         (finish_has_trees, order_is_enclosed_or_open, file_has_start_and_finish,
          output_of_the_start_is_y, finish_is_wrong_or_the_order_is_reached),
-        lambda case: Bound("finish", None, case.q, *case.kind),
     ),
     Rule(
         "implied-finish", "finish", "at least",
@@ -339,6 +330,5 @@ START_RULES = (
         "Butcher (2016), section 383; docs/certificates.md, 6.7", AtLeast, FinishCase,
         (bound_is_the_order, file_has_start_and_finish, solution_is_the_first_value,
          first_value_starts_at_y, finish_follows_from_the_digits),
-        lambda case: Bound("finish", case.q, None, *case.kind),
     ),
 )  # fmt: skip

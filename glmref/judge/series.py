@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
 from .classes import reduced
-from .document import Component, first_place, reading
+from .document import Component, Method, first_place, reading
 from .linalg import (
     apply,
     combine,
@@ -28,10 +27,6 @@ from .linalg import (
 from .numbers import apart, as_reals, inverse, is_enclosure, is_nil, vanishes
 from .refusals import require, shown
 from .trees import Tree, cut, gamma, paths, pool_of, residual_weights, size, trees
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .document import Method
 
 
 class Series:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
-from .arithmetic import Fraction, Interval
+from .arithmetic import Fraction, Interval, Number
 from .grammar import parse, rational
 from .krawczyk import root_in
 from .linalg import solve, transpose
 from .numbers import Box, Element, conj, enclose, vanishes
 from .polynomials import horner
 from .refusals import as_list, keys, require, shown
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
 
 DIMENSION = 64  # of a tower over the rationals
 

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from .arithmetic import Fraction
+from .arithmetic import Fraction, Number
+from .document import Method
 from .refusals import as_text, require
-
-if TYPE_CHECKING:
-    from .arithmetic import Number
-    from .document import Method
 
 TREES = 40_000  # trees of one order
 
