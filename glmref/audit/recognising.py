@@ -29,7 +29,7 @@ LOOSE = 4e-3
 MOST_ROWS = 0.6
 #: Words of the subject; a file without any of them holds tables only under plain names.
 SUBJECT = re.compile(
-    r"runge|butcher|tableau|rosenbrock|[^a-z]rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
+    r"runge|butcher|tableau|rosenbrock|(?<![a-z])rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
     r"symplectic|embedded|time.?step|\bode\b|\bodes\b|solver",
     re.IGNORECASE,
 )
@@ -559,7 +559,9 @@ def _weights(
 # --- tables ---------------------------------------------------------------------------------------
 
 
-def tables(text: str, language: Language, *, fixed: bool = False) -> list[Table]:
+def tables(
+    text: str, language: Language, *, fixed: bool = False, about: bool = False
+) -> list[Table]:
     """Return the tables of a source.
 
     Parameters
@@ -568,6 +570,8 @@ def tables(text: str, language: Language, *, fixed: bool = False) -> list[Table]
     language : Language
     fixed : bool
         Whether it is Fortran in fixed form.
+    about : bool
+        Whether the source is known to hold tables; otherwise a word of the subject must say so.
     """
     collector = Collector(text, language, fixed=fixed)
     everything = collector.blocks()
@@ -575,7 +579,7 @@ def tables(text: str, language: Language, *, fixed: bool = False) -> list[Table]
         for item in block.items:
             if isinstance(item.value, Block) and item.value.user is None:
                 item.value.user = block
-    about = SUBJECT.search(text) is not None
+    about = about or SUBJECT.search(text) is not None
     strong = re.search(r"runge|butcher|tableau", text, re.IGNORECASE) is not None
     found: list[Table] = []
     for block in everything:
@@ -728,7 +732,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
         known = node or x.reading.c is not None or x.order >= 2
         return named and x.b is not None and known and about
     if x.order == 0:
-        return named and x.match >= MOST_ROWS and about and (node or s > 3)
+        known = x.match >= MOST_ROWS and (node or s > 3)
+        return named and about and (known or (x.b is not None and _strict(x.reading.A)))
     if named and x.b is not None:
         return about and (x.order >= 2 or x.match >= MOST_ROWS or node)
     if x.array.name == "" and x.b is not None and x.b.name == "" and not about:

@@ -147,7 +147,7 @@ def audit(
         chosen = set(wanted)
         paths = [path for path in paths if path in chosen]
     inside = [path for path in paths if path not in outside]
-    rows = list(_rows(inside, form, declared, completed))
+    rows = list(_rows(inside, form, declared, completed, source.is_file()))
     remark = "a link that leads out of the checkout; it is not followed"
     rows += [(path, _unread(1, path.name, remark)) for path in paths if path in outside]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
@@ -166,7 +166,11 @@ def audit(
 
 
 def _rows(
-    paths: Sequence[Path], form: str, declared: Mapping[str, int], completed: Mapping[str, str]
+    paths: Sequence[Path],
+    form: str,
+    declared: Mapping[str, int],
+    completed: Mapping[str, str],
+    given: bool,
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Each file with the tasks of its tables, and with records of what cannot be read."""
     for path in paths:
@@ -174,13 +178,14 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (re.search(_MARKS[form], text) if form else may_hold(text)):
+        if not (re.search(_MARKS[form], text) if form else given or may_hold(text)):
             continue
-        task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared}
+        task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
+                "given": given}  # fmt: skip
         rows: list[dict[str, Any]] = []
         try:
             with limited(PROVING):
-                for number, table in enumerate(_read(path, text, form, declared)):
+                for number, table in enumerate(_read(path, text, form, declared, given)):
                     if table.name in completed:
                         rows.append(_unread(table.line, table.name, completed[table.name]))
                         continue
@@ -199,18 +204,20 @@ def _unread(line: int, name: str, remark: str) -> dict[str, Any]:
 
 def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
     """Judge one table, which is the one of this number in its file."""
-    tables = _tables(task["file"], task["form"], tuple(task["declared"].items()))
+    tables = _tables(task["file"], task["form"], tuple(task["declared"].items()), task["given"])
     library = _library() if task["compare"] else None
     return judge(tables[task["number"]], library, search=task["search"])
 
 
 @lru_cache(maxsize=4)
-def _tables(file: str, form: str, declared: tuple[tuple[str, int], ...]) -> list[Table]:
+def _tables(
+    file: str, form: str, declared: tuple[tuple[str, int], ...], given: bool
+) -> list[Table]:
     """Tables of a file, as far as it is understood."""
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):
-        found.extend(_read(Path(file), read_source(Path(file)) or "", form, dict(declared)))
+        found.extend(_read(Path(file), read_source(Path(file)) or "", form, dict(declared), given))
     return found
 
 
@@ -219,15 +226,20 @@ _MORE = ("sundials", "petsc", "julia", "openmodelica", "rklib", "kpp", "matlode"
          "weights", "gsl", "odeint", "eigen", "java", "constants")  # fmt: skip
 
 
-def _read(path: Path, text: str, form: str, declared: Mapping[str, int]) -> Iterator[Table]:
-    """Yield the tables of one file, in a format or of any kind."""
+def _read(
+    path: Path, text: str, form: str, declared: Mapping[str, int], given: bool
+) -> Iterator[Table]:
+    """Yield the tables of one file, in a format or of any kind.
+
+    A file that is given by its name is about tables; one of a checkout must say so.
+    """
     if form:
         yield from read(text, form, declared)
         return
     language = language_of(path)
     if language is None:
         raise DataError(f"the language of a file {path.suffix or 'without an ending'} is not known")
-    found = tables(text, language, fixed=path.suffix in FIXED)
+    found = tables(text, language, fixed=path.suffix in FIXED, about=given)
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
     special = [x for form in forms for x in read(text, form, declared)]
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
