@@ -68,11 +68,12 @@ def export(
             f"{method.name} is a Rosenbrock method: json and csv hold it, and {to} does not"
         )
     if isinstance(method, AdditiveGLM):
-        if to in ("petsc", "sundials"):
+        if to in ("petsc", "sundials", "latex"):
             return table(method, to, digits)
         raise UsageError(
-            f"{method.name} is additive: petsc, sundials, json and csv hold its tableaux, and {to} "
-            f"single methods and pairs; export its parts, glmref.export(method.part(1), to={to!r})"
+            f"{method.name} is additive: petsc, sundials, json, csv and latex hold its tableaux, "
+            f"and {to} single methods and pairs; export its parts, "
+            f"glmref.export(method.part(1), to={to!r})"
         )
     if to in LANGUAGES:
         return stepper(method, to, digits)

@@ -791,7 +791,7 @@ def _csv(method: Method, digits: int | None) -> str:
     return csv_text(cells) + "\n"
 
 
-def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
+def _latex(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> str:
     def cell(x: Scalar) -> str:
         if digits is None:
             found = expression(x)
@@ -804,15 +804,19 @@ def _latex(method: GLM | PartitionedGLM, digits: int | None) -> str:
     lines = [header(method, "latex", Comment("", "% ", ""))]
     if isinstance(method, GLM) and method.multistep is not None:
         lines += ["", *_multistep_array(*method.multistep, cell)]
-    c = stage_times(method) if method.parts == 1 and method.r == 1 else None
-    for n, (A, U, B, V) in enumerate(x.matrices for x in method.components):
-        plain = c is not None and _is_one(V[0][0])
+    given = getattr(method, "abscissae_given", None)
+    for n, x in enumerate(method.components):
+        A, U, B, V = x.matrices
+        plain = (method.additive or method.parts == 1) and len(V) == 1 and _is_one(V[0][0])
+        c = (given or stage_times(x)) if plain else None
         more = [
             (x, x.weights[n], (*V[0],) if x.values is None else x.values) for x in method.embedded
         ]
-        which = f": {'qp'[n]}" if method.parts == 2 else ""
+        which = (
+            f": {'qp'[n]}" if method.parts == 2 else f": part {n + 1}" if method.additive else ""
+        )
         lines += ["", f"% {in_comment(method.name)}{which}"]
-        lines += _array(A, U, B, V, c if plain else None, more, cell)
+        lines += _array(A, U, B, V, c, more, cell)
     return "\n".join(lines) + "\n"
 
 

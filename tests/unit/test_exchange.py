@@ -109,6 +109,13 @@ def test_latex_of_a_multistep_method_has_alpha_and_beta() -> None:
     assert "alpha" not in export("rk4", to="latex")
 
 
+def test_latex_of_an_additive_method_has_each_part_with_its_abscissae() -> None:
+    text = export("ars-2-2-2", to="latex")
+    assert text.count(r"\begin{array}{c|ccc}") == 2
+    assert r"  1 & 0 & \frac{\sqrt{2}}{2} & \frac{2-\sqrt{2}}{2} \\" in text
+    assert export("giraldo-kelly-constantinescu-2", to="latex").count("embedded row") == 2
+
+
 @pytest.mark.parametrize("form", ["json", "csv"])
 def test_which_combination_is_the_solution_survives_json_and_csv(form: str) -> None:
     method = glmref.load("multistep-10")
@@ -137,7 +144,7 @@ def test_diffrax_gets_the_error_estimate() -> None:
 
 def test_additive_methods_go_where_they_can_be_held() -> None:
     with pytest.raises(
-        UsageError, match="ars-4-4-3 is additive: petsc, sundials, json and csv hold"
+        UsageError, match="ars-4-4-3 is additive: petsc, sundials, json, csv and latex hold"
     ):
         export("ars-4-4-3", to="julia")
     text = export("ars-4-4-3", to="petsc")
