@@ -282,22 +282,17 @@ def write_figures(
     if figure is None:
         return NO_FIGURES
     axes = figure.add_subplot()
-    for number, one in enumerate(one for one in series if one.drawn):
-        x, y, _ = zip(*one.drawn, strict=True)
-        dash = DASHES[(number // len(COLORS)) % len(DASHES)]
-        axes.loglog(
-            x,
-            y,
-            label=one.name,
-            color=COLORS[number % len(COLORS)],
-            marker=_MATPLOTLIB_MARKERS[number % len(_MATPLOTLIB_MARKERS)],
-            markersize=5,
-            markevery=max(1, len(x) // 16),
-            linewidth=1.3,
-            linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
-        )
     for number, one in enumerate(one for one in series if one.drawn or one.across):
         color = COLORS[number % len(COLORS)]
+        if one.drawn:
+            x, y, _ = zip(*one.drawn, strict=True)
+            dash = DASHES[(number // len(COLORS)) % len(DASHES)]
+            axes.loglog(
+                x, y, label=one.name, color=color, markersize=5, linewidth=1.3,
+                marker=_MATPLOTLIB_MARKERS[number % len(_MATPLOTLIB_MARKERS)],
+                markevery=max(1, len(x) // 16),
+                linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
+            )  # fmt: skip
         if one.limit is not None:
             axes.axvline(one.limit, color=color, linestyle=":", linewidth=1.2)
         at = [x for x, _ in one.failures]

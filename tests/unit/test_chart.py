@@ -182,3 +182,20 @@ def test_png_and_pdf_are_written_or_the_missing_extra_is_named(tmp_path):
     else:
         assert "glmref[plots]" in notice
         assert not path.exists()
+
+
+def test_the_limit_of_a_method_has_its_colour_beside_one_that_only_failed(tmp_path, monkeypatch):
+    """Behind a method without a point, PNG and PDF drew limits in the colour of the next one."""
+    pytest.importorskip("matplotlib")
+    figures = []
+    monkeypatch.setattr(
+        "glmref.views.chart.save_figure", lambda figure, path: figures.append(figure)
+    )
+    lines = [
+        Series("lost", (), failures=((1.0, "not finite"),)),
+        Series("rk4", ((0.1, 1e-6),), limit=0.2),
+    ]
+    write_figures(tmp_path / "chart.png", lines, title="a title", **WORDS)
+    colours = {line.get_label(): line.get_color() for line in figures[0].axes[0].lines}
+    limit = next(x for x in figures[0].axes[0].lines if x.get_linestyle() == ":")
+    assert limit.get_color() == colours["rk4"] != colours["lost (fails)"]
