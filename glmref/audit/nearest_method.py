@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..catalogue.claims import meant_order
-from ..catalogue.lookup import load, names
+from ..catalogue.lookup import document, load, names
 from ..errors import GlmrefError
 from ..exact.expression import shown_number
 from .table import Table
@@ -15,6 +15,8 @@ from .table import Table
 NEAR = 1e-9
 #: Steps of a flow that say of which splitting they are: fewer stand in several.
 STEPS = 3
+#: Classes with methods of one value whose stages are those of a Runge-Kutta method, and splittings.
+CLASSES = frozenset({"composition", "lmm", "one-leg", "rk", "splitting"})
 #: A table is compared with a method that agrees in at least this part of its nonzero entries.
 ALIKE = 0.6
 
@@ -27,19 +29,20 @@ class Library:
         self.splittings: list[tuple[str, list[complex], list[complex], int]] = []
         self.methods: dict[int, list[tuple[str, int, Any, list[list[complex]]]]] = {}
         for name in names():
+            given = document(name)
+            if given["class"] not in CLASSES:
+                continue
             try:
                 method = load(name)
             except GlmrefError:  # a file beyond what is read here
                 continue
-            document = method.document or {}
-            if document.get("class") == "splitting":
+            if given["class"] == "splitting":
                 a, b = ([complex(x) for x in x.B[0]] for x in method.components)
-                self.splittings.append((name, a, b, meant_order(document["claims"]) or 0))
+                self.splittings.append((name, a, b, meant_order(given["claims"]) or 0))
             c = method.components[0]
             if len(method.components) == len(c.V) == 1 and c.V[0][0] == 1:
                 rows = [*c.A, c.B[0]]
-                claims = (method.document or {}).get("claims", {})
-                claimed = int(claims.get("order", 99))
+                claimed = int(given["claims"].get("order", 99))
                 values = [[complex(x) for x in row] for row in rows]
                 self.methods.setdefault(len(c.A), []).append((name, claimed, rows, values))
 

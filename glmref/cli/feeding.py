@@ -41,7 +41,8 @@ def feed(output: Path | None, chosen: tuple[str, ...], diff: tuple[Path, Path] |
     schema; docs/feed.md describes it. With --diff the exit code is 1 where the new feed breaks the
     promise of that page.
     """
-    from ..exchange.feed import changes, output_folder, write_feed
+    from ..exchange.feed import output_folder, write_feed
+    from ..exchange.feed_changes import changes
 
     if (output is None) == (diff is None):
         raise UsageError("give either --output DIR or --diff OLD NEW")

@@ -11,7 +11,6 @@ import hashlib
 import json
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import floor, log10
 from pathlib import Path
 from typing import Any
@@ -278,88 +277,6 @@ def _problem(name: str) -> dict[str, Any]:
         "states": states,
         "source": given.source,
     }
-
-
-# --- what changed ---------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Changes:
-    """What differs between two feeds, one sentence each."""
-
-    allowed: tuple[str, ...]  #: What may change within v1.
-    broken: tuple[str, ...]  #: What breaks the promise of the page.
-
-
-def changes(old: Path, new: Path) -> Changes:
-    """Compare two feeds.
-
-    Parameters
-    ----------
-    old, new : Path
-        The folders that were given as ``--output``.
-
-    Raises
-    ------
-    DataError
-        For a folder without a feed.
-    """
-    allowed: list[str] = []
-    broken: list[str] = []
-    before, after = (_index(x) for x in (old, new))
-    for name in sorted({*before, *after}):
-        if name not in before:
-            allowed.append(f"{name}: new, {after[name]['class']}")
-        elif name not in after:
-            broken.append(f"{name}: gone")
-        else:
-            _compare(name, before[name], after[name], allowed, broken)
-    tables = [_tables(x) for x in (old, new)]
-    for key in sorted({*tables[0], *tables[1]}):
-        a, b = (x.get(key, "not audited") for x in tables)
-        if a != b:
-            allowed.append(f"{' '.join(key)}: {a}, now {b}")
-    return Changes(tuple(allowed), tuple(broken))
-
-
-def _compare(
-    name: str, a: Mapping[str, Any], b: Mapping[str, Any], allowed: list[str], broken: list[str]
-) -> None:
-    gone = sorted(a.keys() - b.keys())
-    broken.extend(f"{name}: the key {key} is gone" for key in gone)
-    for claim, verdict in a["verdicts"].items():
-        if claim not in b["verdicts"]:
-            broken.append(f"{name}: the claim {claim} is gone")
-        elif b["verdicts"][claim] != verdict:
-            broken.append(f"{name}: {claim} {verdict}, now {b['verdicts'][claim]}")
-    allowed.extend(f"{name}: {x} is new" for x in b["verdicts"] if x not in a["verdicts"])
-    if a["numbers"] != b["numbers"]:
-        corrected = b["source"].get("errata") != a["source"].get("errata")
-        (allowed if corrected else broken).append(
-            f"{name}: other coefficients" + ("" if corrected else ", and no new erratum says why")
-        )
-    if a["source"] != b["source"]:
-        allowed.append(f"{name}: the source is described in other words")
-
-
-def _read(path: Path) -> Any:
-    if not path.is_file():
-        raise DataError(f"{path} is missing; give the folder that `glmref feed --output` wrote")
-    return json.loads(path.read_bytes())
-
-
-def _index(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the rows of the index by name, each with its coefficients."""
-    root, found = folder / VERSION, {}
-    for row in _read(root / "index.json")["methods"]:
-        found[row["name"]] = {**row, "numbers": _read(root / row["path"])["blocks"]}
-    return found
-
-
-def _tables(folder: Path) -> dict[tuple[str, ...], str]:
-    """Return the status of each audited table."""
-    rows = _read(folder / VERSION / "audits.json")["tables"]
-    return {(x["code"], x["file"], f"line {x['line']}", x["table"]): x["status"] for x in rows}
 
 
 def output_folder(output: Path) -> Path:

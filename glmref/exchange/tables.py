@@ -26,7 +26,7 @@ from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
 from ..method.embedded import EmbeddedRow
 from ..method.families import splitting
 from ..method.preconsistency import stage_times
-from ..prove.analysis import analyze
+from ..prove.facts import facts_of
 from ..views.notation import LATEX
 from ..views.tables import csv_text
 from .header import ONE_ROW, Comment, header, in_comment
@@ -127,8 +127,7 @@ def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
     order = stated_orders(method.claims).get("b")
     if isinstance(order, int):
         return order
-    found = analyze(method).order
-    return found if isinstance(found, int) else 0
+    return facts_of(method).nominal.kernel.range(ORDER.key).value
 
 
 def expression(x: Scalar) -> str | None:
