@@ -107,6 +107,25 @@ def carried_out(
     return [one["value"] for one in map(store.find, tasks) if one is not None]
 
 
+def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:
+    """Return the document of a measurement.
+
+    Parameters
+    ----------
+    module : str
+        What follows ``python -m campaigns.`` in the command that measures it, without the file.
+    name, title, notes : str
+        What the document says of itself.
+    **rest :
+        What was measured.
+    """
+    return {
+        "format": "glmref-measurement-1", "name": name, "title": title,
+        "how": f"python -m campaigns.{module} FILE", "notes": list(notes),
+        "where": circumstances(), **rest,
+    }  # fmt: skip
+
+
 def complete(path: Path, document: Mapping[str, Any]) -> None:
     """Write the file of a campaign, and let go what was kept beside it."""
     write_json(path, document)

@@ -26,13 +26,12 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import TIME_NOTE, run_seconds
 from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_step, task_of
 from glmref.errors import UsageError
 from glmref.measure.peers import measure_peer, runner
-from glmref.measure.timing import circumstances
 
 GOAL = 1e-9
 METHODS = (
@@ -124,15 +123,9 @@ def peer_row(task: Mapping[str, Any]) -> dict[str, Any] | None:
 
 def main(path: Path, cases: Sequence[Case] = CASES) -> None:
     """Count the evaluations of methods, time these and the peers, and write the file."""
-    record: dict[str, Any] = {
-        "format": "glmref-measurement-1",
-        "name": "world",
-        "title": "Methods of the catalogue and other people's integrators at an error of 1e-9",
-        "how": "python -m campaigns.world FILE",
-        "notes": [" ".join((__doc__ or "").split("\n\n")[1].split()), TIME_NOTE],
-        "where": circumstances(),
-        "cases": [],
-    }
+    title = "Methods of the catalogue and other people's integrators at an error of 1e-9"
+    about = " ".join((__doc__ or "").split("\n\n")[1].split())
+    record = record_of("world", "world", title, about, TIME_NOTE, cases=[])
     record["where"]["versions"] |= {x: version(x) for x in PEERS.values()}
     pairs = [(case, name) for case in cases for name in METHODS]
     needed = carried_out(need_row, (task_of(case, name) for case, name in pairs), beside=path)

@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.partitioned.stages_search import SCANNED, Stages, evaluations, gap, growth, of_file
 
 METHODS = (*SCANNED, "quinlan-8a", "quinlan-8b")
@@ -146,19 +146,11 @@ def method_row(name: str) -> dict[str, Any]:
 def main(path: Path) -> None:
     """Look for all ends and write the file."""
     tasks = ({"pairs": m, "end": x, "apart": y} for m in PAIRS for x, y in ASKED)
-    complete(
-        path,
-        {
-            "format": "glmref-measurement-1",
-            "name": "error-front",
-            "title": "Error constants of symmetric multistep methods and periodicity intervals",
-            "how": "python -m campaigns.partitioned.error_front FILE",
-            "notes": [NOTE],
-            "least": {str(2 * m + 2): str(least(m)) for m in PAIRS},
-            "methods": [method_row(name) for name in METHODS],
-            "descents": carried_out(descend, tasks, beside=path),
-        },
-    )
+    title = "Error constants of symmetric multistep methods and periodicity intervals"
+    record = record_of("partitioned.error_front", "error-front", title, NOTE)
+    record["least"] = {str(2 * m + 2): str(least(m)) for m in PAIRS}
+    record["methods"] = [method_row(name) for name in METHODS]
+    complete(path, record | {"descents": carried_out(descend, tasks, beside=path)})
 
 
 def share(constant: float, pairs: int) -> float:

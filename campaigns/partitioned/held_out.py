@@ -19,13 +19,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
 from campaigns.partitioned.work import Case, case_of, mean, needed, needs, per_step, task_of
 from glmref.engine.solve import solve
-from glmref.measure.timing import circumstances
 
 TOLERANCES = ("1e-06", "1e-09")
 NYSTROM = "Runge-Kutta-Nyström"
@@ -134,19 +133,10 @@ def case_row(task: Mapping[str, Any]) -> dict[str, Any]:
 def main(path: Path, cases: Sequence[Case] = CASES) -> None:
     """Measure all cases and write the file."""
     tasks = (task_of(case, *methods_for(case.name)) for case in cases)
-    complete(
-        path,
-        {
-            "format": "glmref-measurement-1",
-            "name": "held-out",
-            "title": "Evaluations and time on forty problems on which no method was trained",
-            "how": "python -m campaigns.partitioned.held_out FILE",
-            "notes": [_NEEDED, _TIMES],
-            "cases": carried_out(case_row, tasks, beside=path),
-            "not measured": [x.name for x in CASES if x not in cases],
-            "where": circumstances(),
-        },
-    )
+    title = "Evaluations and time on forty problems on which no method was trained"
+    record = record_of("partitioned.held_out", "held-out", title, _NEEDED, _TIMES)
+    record["cases"] = carried_out(case_row, tasks, beside=path)
+    complete(path, record | {"not measured": [x.name for x in CASES if x not in cases]})
 
 
 # --- tables ---------------------------------------------------------------------------------------

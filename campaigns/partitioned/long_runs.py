@@ -10,12 +10,11 @@ and the largest carried value up to 10^4, 10^5, 10^6 and 10^7 steps.
 
 The second form runs Kepler's problem with three eccentricities, each method from its default start:
 all explicit partitioned methods, the general linear methods of order 6 and 8, Gauss methods and
-splittings. Runs that the file has already are kept.
+splittings.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
@@ -26,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.order6.compare import METHODS
 from campaigns.order6.long_runs import parasitic_part
 from glmref.catalogue.lookup import document, load, names
@@ -35,7 +34,6 @@ from glmref.engine.outcome import Solution
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.measure.longtime import along
-from glmref.measure.timing import circumstances
 from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -276,16 +274,8 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         for case in cases
     )
     runs = carried_out(pair_row, tasks, beside=path)
-    record = {
-        "format": "glmref-measurement-1",
-        "name": "pairs-long",
-        "title": "Explicit pairs over ten million steps",
-        "how": "python -m campaigns.partitioned.long_runs FILE",
-        "notes": [NOTE],
-        "where": circumstances(),
-        "runs": runs,
-    }
-    complete(path, record)
+    title = "Explicit pairs over ten million steps"
+    complete(path, record_of("partitioned.long_runs", "pairs-long", title, NOTE, runs=runs))
 
 
 KEPLER_NOTE = (
@@ -317,38 +307,24 @@ def labels(record: str) -> dict[str, list[str]]:
 
 
 def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> None:
-    """Run what the file lacks of Kepler's problem, and write it."""
-    old = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    record: dict[str, Any] = {
-        "format": "glmref-measurement-1",
-        "name": "kepler-long",
-        "title": "Kepler's problem over ten million steps",
-        "how": "python -m campaigns.partitioned.long_runs kepler FILE",
-        "notes": [KEPLER_NOTE],
-        "where": circumstances(),
-        "runs": [],
-        "restarted": [],
-        "further": [],
-    }
+    """Run every method of the plan on Kepler's problem, and write the file."""
     plan = [("runs", name, 0, steps) for name in kepler_methods()]
     plan += [("restarted", name, RESTART, steps) for name in RESTARTED]
     plan += [("further", name, 0, 10 * steps) for name in FURTHER]
-    tasks: list[dict[str, Any]] = []
-    for key, name, restart, length in plan:
-        for case in cases:
-            mine = {
-                "method": name,
-                "eccentricity": str(float(Fraction(dict(case.parameters)["eccentricity"]))),
-                "h": step_size(name, case),
-            }
-            kept = [x for x in old.get(key, []) if {**x, **mine} == x and x["marks"][-1] == length]
-            record[key].append(kept[0] if kept else mine)
-            if not kept:
-                tasks.append({"method": name, "steps": length, "restart": restart, **asdict(case)})
+    tasks = (
+        {"method": name, "steps": length, "restart": restart, **asdict(case)}
+        for _, name, restart, length in plan
+        for case in cases
+    )
     found = iter(carried_out(method_row, tasks, beside=path))
-    for key in ("runs", "restarted", "further"):
-        record[key] = [x if "marks" in x else {**x, **next(found)} for x in record[key]]
-    complete(path, record)
+    title = "Kepler's problem over ten million steps"
+    rows: dict[str, list[dict[str, Any]]] = {key: [] for key, *_ in plan}
+    for key, *_ in plan:
+        for case in cases:
+            eccentricity = str(float(Fraction(dict(case.parameters)["eccentricity"])))
+            rows[key].append({"eccentricity": eccentricity, **next(found)})
+    command = "partitioned.long_runs kepler"
+    complete(path, record_of(command, "kepler-long", title, KEPLER_NOTE, **rows))
 
 
 def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:

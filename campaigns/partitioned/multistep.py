@@ -12,10 +12,9 @@ end of the periodicity interval. Times stand in the records of :mod:`.held_out` 
 
 from __future__ import annotations
 
-import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from functools import cache
@@ -24,19 +23,17 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.partitioned import work
 from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
 from campaigns.partitioned.long_runs import follow_at as follow
 from campaigns.partitioned.work import CASES, mean, need_of, need_row, needed, per_step, task_of
 from glmref.catalogue.lookup import load, names
 from glmref.catalogue.reader import load_document
-from glmref.compute import Limits
 from glmref.derive.multistep import multistep_document
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.engine.solve import solve
 from glmref.measure.longtime import along
-from glmref.measure.timing import circumstances
 from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -68,17 +65,6 @@ def rows() -> dict[str, list[str]]:
     return {group: [x for x in methods if x in known] for group, methods in ROWS.items()}
 
 
-def _record(name: str, title: str, how: str, notes: Sequence[str]) -> dict[str, Any]:
-    return {
-        "format": "glmref-measurement-1",
-        "name": name,
-        "title": title,
-        "how": how,
-        "notes": list(notes),
-        "where": circumstances(),
-    }
-
-
 # --- evaluations ----------------------------------------------------------------------------------
 
 NOTE = (
@@ -95,11 +81,11 @@ TIME_NOTE = (
 
 def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
     """Count for all cases and methods, and write the file."""
-    record = _record(
+    record = record_of(
+        "partitioned.multistep",
         "multistep",
         "Force evaluations that multistep methods, pairs and splittings need",
-        "python -m campaigns.partitioned.multistep FILE",
-        [NOTE],
+        NOTE,
     )
     record["groups"] = rows()
     methods = [x for group in rows().values() for x in group]
@@ -251,51 +237,24 @@ def nanoseconds(task: Mapping[str, Any]) -> float | None:
 def long_runs(path: Path, steps: int = 10_000_000, cases: Sequence[Case] = LONG) -> None:
     """Follow every new and published method on every case, and write the file.
 
-    Runs that the file has already are kept. New methods whose error grows are run again with new
-    starts; the starts of published ones take too long for that.
+    New methods whose error grows are run again with new starts; the starts of published ones take
+    too long for that.
     """
-    known = json.loads(path.read_text(encoding="utf-8"))["runs"] if path.exists() else []
-    record = _record(
-        "multistep-long",
-        "Multistep methods in one-step form over ten million steps",
-        "python -m campaigns.partitioned.multistep long FILE",
-        [LONG_NOTE],
-    )
-    tasks: list[dict[str, Any]] = []
-    rows: list[dict[str, Any]] = []
-    for name in (*SHIPPED, *PUBLISHED):
-        for case in cases:
-            same = (name, case.problem, step_of(name, case), dict(case.parameters))
-            mine: dict[str, Any] = dict(zip(SAME, same, strict=True))
-            rows.append(next((x for x in known if {**x, **mine} == x), mine))
-            tasks.append({"method": name, "steps": steps, "restart": 0, **asdict(case)})
-
-    def lacking(
-        function: Callable[[Mapping[str, Any]], Any],
-        wanted: Callable[[Mapping[str, Any]], bool],
-        limits: Limits | None = None,
-        **change: int,
-    ) -> Iterator[tuple[dict[str, Any], Any]]:
-        todo = [(row, task | change) for row, task in zip(rows, tasks, strict=True) if wanted(row)]
-        found = carried_out(function, (task for _, task in todo), beside=path, limits=limits)
-        return zip((row for row, _ in todo), found, strict=True)
-
-    for row, found in lacking(long_row, lambda x: "bounded" not in x):
-        row |= found
-    for row, ns in lacking(nanoseconds, lambda x: "ns" not in x, TIMED):
-        row["ns"] = ns
-
-    def grows(row: Mapping[str, Any]) -> bool:
-        return not row["bounded"] and "restarted" not in row and row["method"] in SHIPPED
-
-    for row, found in lacking(long_row, grows, restart=RESTART):
-        row["restarted"] = found["energy"]
-    record["runs"] = rows
-    complete(path, record)
-
-
-#: What tells one long run from another.
-SAME = ("method", "problem", "h", "parameters")
+    pairs = [(name, case) for name in (*SHIPPED, *PUBLISHED) for case in cases]
+    tasks = [{"method": x, "steps": steps, "restart": 0, **asdict(case)} for x, case in pairs]
+    found = carried_out(long_row, tasks, beside=path)
+    times = carried_out(nanoseconds, tasks, beside=path, limits=TIMED)
+    rows = [
+        {**row, "parameters": dict(case.parameters), "ns": ns}
+        for (_, case), row, ns in zip(pairs, found, times, strict=True)
+    ]
+    growing = [k for k, x in enumerate(rows) if not x["bounded"] and x["method"] in SHIPPED]
+    again = carried_out(long_row, ({**tasks[k], "restart": RESTART} for k in growing), beside=path)
+    for k, row in zip(growing, again, strict=True):
+        rows[k]["restarted"] = row["energy"]
+    title = "Multistep methods in one-step form over ten million steps"
+    name = "multistep-long"
+    complete(path, record_of("partitioned.multistep long", name, title, LONG_NOTE, runs=rows))
 
 
 def _cause(run: Mapping[str, Any]) -> str:
@@ -382,11 +341,11 @@ def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
 
     The others, and published ones, are scanned by :mod:`.stages_search`.
     """
-    record = _record(
+    record = record_of(
+        "partitioned.multistep resonances",
         "multistep-resonances",
         f"{count:,} step sizes of multistep methods in one-step form",
-        "python -m campaigns.partitioned.multistep resonances FILE",
-        [f"{steps:,} steps each; {' '.join((scan.__doc__ or '').split())}"],
+        f"{steps:,} steps each; {' '.join((scan.__doc__ or '').split())}",
     )
     orbits = (
         (Case("pendulum", 1.0, (("q0", "5/2"),)), 1.0),

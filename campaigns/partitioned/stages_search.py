@@ -36,12 +36,11 @@ import numpy as np
 from scipy.linalg import toeplitz
 from scipy.optimize import least_squares
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.partitioned import multistep_search as one
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.multistep_search import Training
 from glmref.catalogue.lookup import load
-from glmref.measure.timing import circumstances
 from glmref.method import PartitionedGLM
 
 #: Terms of the power series.
@@ -416,14 +415,9 @@ def ranges(marked: Sequence[bool], sizes: Sequence[float]) -> list[list[float]]:
 
 def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
     """Look for growth at so many step sizes, up to the end of the interval, and write a file."""
-    record: dict[str, Any] = {
-        "format": "glmref-measurement-1",
-        "name": "multistep-growth",
-        "title": f"Growth of symmetric multistep methods at {count:,} step sizes",
-        "how": "python -m campaigns.partitioned.stages_search resonances FILE",
-        "notes": [GROWTH_NOTE],
-        "where": circumstances(),
-    }
+    title = f"Growth of symmetric multistep methods at {count:,} step sizes"
+    command = "partitioned.stages_search resonances"
+    record = record_of(command, "multistep-growth", title, GROWTH_NOTE)
     size = {"count": count, "steps": steps}
     tasks = ({"method": name, "orbit": x, **size} for name in SCANNED for x, _, _ in ORBITS)
     record["scans"] = carried_out(growth_row, tasks, beside=path)
@@ -539,19 +533,9 @@ def found(name: str) -> Stages:
 def front(path: Path) -> None:
     """Measure :data:`FOUND`, new and published methods with one kick, and write a file."""
     tasks = ({"method": name} for name in (*SCANNED, "quinlan-8a", "quinlan-8b", *FOUND))
-    rows = carried_out(front_row, tasks, beside=path)
-    complete(
-        path,
-        {
-            "format": "glmref-measurement-1",
-            "name": "multistep-front",
-            "title": "Symmetric multivalue methods with one and two kicks on training problems",
-            "how": "python -m campaigns.partitioned.stages_search front FILE",
-            "notes": [FRONT_NOTE],
-            "where": circumstances(),
-            "methods": rows,
-        },
-    )
+    title = "Symmetric multivalue methods with one and two kicks on training problems"
+    record = record_of("partitioned.stages_search front", "multistep-front", title, FRONT_NOTE)
+    complete(path, record | {"methods": carried_out(front_row, tasks, beside=path)})
 
 
 def _by_tolerance(counts: np.ndarray) -> dict[str, int]:

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.partitioned.long_runs import (
     CASES,
     STEPS,
@@ -34,7 +34,6 @@ from campaigns.partitioned.long_runs import (
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
-from glmref.measure.timing import circumstances
 from glmref.measure.underlying import Underlying
 from glmref.method import PartitionedGLM
 from glmref.problems import problem
@@ -163,17 +162,10 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
         for task, run in zip(tasks, runs, strict=True)
         if run["bounded"]
     ]
-    record = {
-        "format": "glmref-measurement-1",
-        "name": "pairs-starts",
-        "title": "What the starting method of an explicit pair changes",
-        "how": "python -m campaigns.partitioned.starts FILE",
-        "notes": [NOTE],
-        "where": circumstances(),
-        "starts": carried_out(start_row, ({"method": name} for name in pairs), beside=path),
-        "runs": runs,
-        "further": carried_out(pair_row, further, beside=path),
-    }
+    title = "What the starting method of an explicit pair changes"
+    record = record_of("partitioned.starts", "pairs-starts", title, NOTE)
+    record["starts"] = carried_out(start_row, ({"method": name} for name in pairs), beside=path)
+    record["runs"], record["further"] = runs, carried_out(pair_row, further, beside=path)
     complete(path, record)
 
 

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
@@ -30,7 +30,6 @@ from glmref.compute.records import finite
 from glmref.engine.outcome import Solution, StartFailed
 from glmref.engine.solve import solve
 from glmref.engine.sweep import step_form
-from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import PartitionedGLM
 from glmref.problems import problem
@@ -374,16 +373,10 @@ def time_row(task: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 def write(path: Path, found: Mapping[Case, Sequence[Need]]) -> None:
     """Write the records of all cases as one JSON document."""
-    document = {
-        "format": "glmref-measurement-1",
-        "name": "pairs",
-        "title": "Force evaluations and time that splittings and explicit pairs need",
-        "how": "python -m campaigns.partitioned.work FILE",
-        "notes": [NOTE, *(f"{name} is left out: {why}" for name, why in LEFT_OUT.items())],
-        "where": circumstances(),
-        "cases": [_as_json(case, rows) for case, rows in found.items()],
-    }
-    complete(path, document)
+    title = "Force evaluations and time that splittings and explicit pairs need"
+    left_out = (f"{name} is left out: {why}" for name, why in LEFT_OUT.items())
+    record = record_of("partitioned.work", "pairs", title, NOTE, *left_out)
+    complete(path, record | {"cases": [_as_json(case, rows) for case, rows in found.items()]})
 
 
 if __name__ == "__main__":

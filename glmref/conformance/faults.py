@@ -6,9 +6,11 @@ beside the right one, so that an integrator that returns it can be told its defe
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,80 +24,10 @@ from ..prove.facts import facts_of
 
 #: flag -> (the bug, what it does): the ``notes`` of the vector files.
 NOTES: Mapping[str, tuple[str, str]] = {
-    "StagesReordered": (
-        "the slopes of the stages are stored in the wrong order",
-        "A and B multiply the slopes of other stages; hidden where the weights are symmetric",
-    ),
-    "StagesOutOfOrder": (
-        "a stage is computed before the earlier stages it needs",
-        "the terms a_ij h f(Y_j), j < i, are missing: the order falls to 1",
-    ),
-    "BlocksSwapped": (
-        "U and V changed places",
-        "possible where s = r; the first value may look right for some steps",
-    ),
-    "Transposed": (
-        "V is used transposed",
-        "the other values turn the wrong way round; the first value looks right in the first step",
-    ),
-    "ParasiticDropped": (
-        "the other values are not carried: the part V y of the values 2 to r is lost",
-        "looks like a one-step method and has its lower order",
-    ),
-    "ValuesSwapped": (
-        "the first two values change places when they are handed to the next step",
-        "the solution and a small value are exchanged",
-    ),
-    "AbscissaeIgnored": (
-        "f is evaluated at the time t of the step in every stage",
-        "invisible on autonomous problems; order 1 on others",
-    ),
-    "AbscissaeOne": (
-        "f is evaluated at the end t + h of the step in every stage",
-        "invisible on autonomous problems; order 1 on others",
-    ),
-    "IterationStopped": (
-        "the iteration of the stage equations is stopped early",
-        "the error of the stages is larger than that of the method; no form is conserved",
-    ),
-    "NewtonStopped": (
-        "Newton's method is stopped after its first iteration",
-        "right on linear problems; elsewhere no form is conserved and the energy drifts",
-    ),
-    "PartnerStale": (
-        "p is updated and q is computed from the old p",
-        "explicit Euler in place of a symplectic method: the energy grows",
-    ),
-    "PartnerNotUpdated": (
-        "p is updated and q is not",
-        "the position does not move",
-    ),
-    "UpdatesExchanged": (
-        "the other variable is updated first",
-        "the adjoint or a conjugate method: the same order, other numbers",
-    ),
-    "StepSignLost": (
-        "the absolute value of h is used",
-        "going back in time goes forward",
-    ),
-    "StartZeroed": (
-        "the starting values 2 to r are zero",
-        "parasitic components of size h^k from the first step on",
-    ),
-    "FinishSkipped": (
-        "the first value is returned without the finishing method",
-        "the error does not fall with the order of the method",
-    ),
-    "TimeNotAdvanced": (
-        "every step begins at t0",
-        "invisible on autonomous problems",
-    ),
-    "StepMissing": ("one step less is taken", "the result belongs to an earlier time"),
-    "StepExtra": ("one step more is taken", "the result belongs to a later time"),
-    "StepHalved": (
-        "two steps of half the size are taken for one",
-        "more accurate than the method, and not the method",
-    ),
+    flag: (bug, effect)
+    for flag, (bug, effect) in json.loads(
+        Path(__file__).with_suffix(".json").read_text(encoding="utf-8")
+    ).items()
 }
 
 

@@ -54,24 +54,6 @@ def test_the_order_falls_to_what_the_stage_order_allows(name):
     assert found.order == pytest.approx(predicted(method), abs=WITHIN), found
 
 
-#: Those whose classical order is higher than what is left of it: without stiffness it is back.
-REDUCED = (
-    "gauss-2", "gauss-3", "gauss-4", "radau-ia-2", "radau-ia-3", "radau-iia-3", "lobatto-iiia-3",
-    "lobatto-iiib-3", "lobatto-iiic-3", "lobatto-iiic-4", "lobatto-iiid-3", "lobatto-iiie-3",
-    "sdirk-3", "sdirk-4", "yoshida-4", "gsymplectic-p",
-)  # fmt: skip
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", marked(REDUCED))
-def test_without_stiffness_the_same_methods_have_their_classical_order(name):
-    method = load(name)
-    classical = method.claims["order"]
-    assert classical > predicted(method)
-    found = observed_order(method, steps=(32, 64))
-    assert found.order == pytest.approx(classical, abs=WITHIN), found
-
-
 def test_a_composition_can_do_better_than_the_bound():
     """Two halves of the midpoint rule: what the first adds at infinity the second takes away."""
     method = load("qin-zhang-2")

@@ -23,14 +23,20 @@ from ...catalogue.reader import load_document
 from ...catalogue.writer import fill
 from ...errors import ExactnessError, UsageError
 from ...exact import Exact, ball
-from ...exact.expression import parse
 from ...findings import Proof
 from ...prove.enclosure import prove
 from ...prove.newton import polish
 from ...prove.system import SweepSystem
 from ...prove.verifier import verify
 from ..recognise import exact_text, surds
-from .record import Derivation, Progress, Statement, derived_source, thesis_source
+from .record import (
+    Derivation,
+    Progress,
+    Statement,
+    derived_source,
+    rational_option,
+    thesis_source,
+)
 
 OPTIONS: Mapping[str, str] = {
     "family": "thesis",
@@ -54,24 +60,16 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     family = options["family"]
     if family not in _DEFAULT_B1:
         raise UsageError(f"`family` must be thesis or symmetric, got {family!r}")
-    b1 = _rational("b1", options["b1"] or _DEFAULT_B1[family])
+    b1 = rational_option("b1", options["b1"] or _DEFAULT_B1[family])
     if b1 in (0, Fraction(1, 2)):
         raise UsageError(f"`b1` must not be 0 or 1/2, got {b1}: a weight vanishes")
     progress(family, 0, 1)
     if family == "thesis":
         result = _thesis(b1)
     else:
-        result = _symmetric(b1, _rational("beta1", options["beta1"]), options["start"])
+        result = _symmetric(b1, rational_option("beta1", options["beta1"]), options["start"])
     progress("done", 1, 1)
     return result
-
-
-def _rational(name: str, text: str) -> Fraction:
-    value = parse(text)
-    fraction = value.as_fraction() if isinstance(value, Exact) else None
-    if fraction is None:
-        raise UsageError(f"`{name}` must be rational, got {text!r}")
-    return fraction
 
 
 def _base(name: str, title: str, b1: Fraction, parity: int) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from .record import (
     Statement,
     derived_source,
     kepler_notes,
+    rational_option,
     survey_notes,
     thesis_source,
 )
@@ -50,7 +51,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     """
     if options["start"] not in ("auto", "yes", "no"):
         raise UsageError(f"`start` must be auto, yes or no, got {options['start']!r}")
-    c2, z = _fraction(options["c2"]), _unit(options["z"])
+    c2, z = rational_option("c2", options["c2"]), _unit(options["z"])
     progress("tableau", 0, 3)
     member = family(c2)
     candidates = solve_forms(member)
@@ -80,14 +81,6 @@ def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
         "the digits on all trees of order 6 or less"
     )
     return result, Statement(text, Proof.ENCLOSED)
-
-
-def _fraction(text: str) -> Fraction:
-    value = parse(text)
-    fraction = value.as_fraction() if isinstance(value, Exact) else None
-    if fraction is None:
-        raise UsageError(f"`c2` must be rational, such as 1/3, got {text!r}")
-    return fraction
 
 
 def _unit(text: str) -> Exact:

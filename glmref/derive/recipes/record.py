@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -12,6 +13,8 @@ from typing import Any
 from ...catalogue.lookup import data_root
 from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
+from ...exact import Exact
+from ...exact.expression import parse
 from ...findings import Proof, Verdict
 from ...prove.facts import facts_of
 
@@ -155,6 +158,21 @@ def prove_claims(name: str, document: Mapping[str, Any]) -> None:
     for claim, declared in document["claims"].items():
         if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
             raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+
+
+def rational_option(name: str, text: str) -> Fraction:
+    """Read an option that is a rational number.
+
+    Raises
+    ------
+    UsageError
+        For any other text.
+    """
+    value = parse(text)
+    fraction = value.as_fraction() if isinstance(value, Exact) else None
+    if fraction is None:
+        raise UsageError(f"`{name}` must be rational, such as 1/3, got {text!r}")
+    return fraction
 
 
 def shipped_names(name: str, shipped: Mapping[str, Any]) -> list[str]:
