@@ -22,6 +22,7 @@ from ..catalogue.claims import (
     ORDER_IDENTITY,
     PARASITISM_FREE,
     PRECONSISTENT,
+    SOLUTION,
     STAGE_ORDER,
     SYMMETRIC,
     SYMMETRIC_REDUCED,
@@ -409,8 +410,21 @@ def _size_to(facts: Facts, order: int) -> str | None:
     """The largest residual through an order of rounded decimals, rounded up."""
     if facts.nominal is facts:
         return None
-    sizes = [min(x, sys.float_info.max) for x in facts.kernel.nearly()]
-    return rounded_up(Fraction(repr(max(sizes[:order], default=0.0)))) if sizes else None
+    sizes = _proved_sizes(facts).get(SOLUTION, ())[1:] or _measured_sizes(facts)
+    return rounded_up(max(sizes[:order], default=Fraction(0))) if sizes else None
+
+
+def _proved_sizes(facts: Facts) -> Mapping[str, Sequence[Fraction]]:
+    """Bounds of the residuals through each order by rows of weights, from order 0."""
+    try:
+        return facts.kernel.sizes_to_digits if facts.kernel.exact else {}
+    except ExactnessError:
+        return {}
+
+
+def _measured_sizes(facts: Facts) -> list[Fraction]:
+    """The same from order 1 as measured; what is beyond the range of doubles is as large as any."""
+    return [Fraction(repr(min(x, sys.float_info.max))) for x in facts.kernel.nearly()]
 
 
 def _constants(facts: Facts) -> tuple[dict[str, float], float]:
@@ -487,14 +501,9 @@ def staircase(facts: Facts) -> str:
     alone = kernel.one_step and not kernel.is_pair and not facts.method.embedded
     if alone and proved == known.upper and known.residual >= SMALL:
         return ""  # the largest residual through any higher order is not below this one
-    try:
-        sizes = kernel.sizes_to_digits() if facts.kernel.exact else {}
-    except ExactnessError:
-        sizes = {}
+    sizes = _proved_sizes(facts)
     if not sizes:
-        # residuals beyond the range of doubles are infinite, and are as large as any
-        near = (x if x < math.inf else sys.float_info.max for x in kernel.nearly())
-        return _steps([Fraction(0), *(Fraction(repr(x)) for x in near)], proved)
+        return _steps([Fraction(0), *_measured_sizes(facts)], proved)
     lower = {name: x.range(kernel.row_claim).lower for name, x in kernel.row_kernels}
     said = {name: _steps(x, lower.get(name, proved)) for name, x in sizes.items()}
     named = [f"row {name}: {x}" if len(said) > 1 else x for name, x in said.items() if x]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -35,8 +35,8 @@ GAP = 1000
 ONE_BRANCH = 100
 #: The last order of which all residuals are computed exactly, to say that they are 0.
 LISTED = 8
-#: Residuals above this are no roundings; where an order has thousands of trees, above the second.
-LARGE, ROUNDING, MANY = Fraction(1, 1000), Fraction(1, 10**9), 10
+#: Larger residuals are no roundings; where an order has more than so many trees, the second.
+LARGE, ROUNDING, MANY = Fraction(1, 1000), Fraction(1, 10**9), 1500
 #: The exponent of the smallest residuals that are told from 0 where none is declared.
 SMALLEST = 120
 
@@ -193,14 +193,15 @@ class _Residuals:
         b = self.weights(weights)
         found = [Fraction(0)]
         for n in range(1, most + 1):
-            largest = found[-1]
+            largest, conditions = found[-1], 0
             for t in self.level(n):
+                conditions += 1
                 x, y = (Fraction(z, self.one) for z in self.residual(t, b, keep=True))
                 if y > largest:
                     sure = rounded_up(x) == rounded_up(y)
                     largest = y if sure else max(largest, self.exactly(t, b) / self.one)
             found.append(largest)
-            if found[-1] > (LARGE if n <= MANY else ROUNDING):
+            if largest > (LARGE if conditions <= MANY else ROUNDING):
                 return found
         beyond = islice(self.beyond(most + 1), ONE_BRANCH)
         last = max((self.residual(t, b)[1] for t in beyond), default=self.one)
@@ -272,6 +273,7 @@ class DigitRules:
         found = _Residuals(self.timed, exponent, self._counted())
         return {name: found.judged(weights, *sized[name]) for name, weights in rows.items()}
 
+    @cached_property
     def sizes_to_digits(self) -> dict[str, list[Fraction]]:
         """Largest residual through each order, by the names of the weights, at most.
 
