@@ -19,6 +19,8 @@ from glmref.prove import verdict_cache as kept
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
 QUICK = 10
 
+#: Cases of a family that are run at all where its mark does not say how many.
+WHOLE = 30
 
 #: Processes that the whole suite runs on where the machine has as many cores.
 PROCESSES = 4
@@ -90,9 +92,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     The sample is drawn by a hash of the names of the cases: it is the same in every run, and a case
     that is added moves no other one but the last. Cases with a name that contains one of ``besides``
-    take long and are not quick before all others are. Of a family with ``whole=m`` only m cases are
-    run at all, the quick ones among them, unless ``GLMREF_LONG`` is set or cases are asked for by
-    name.
+    take long and are not quick before all others are. Of a family only 30 cases are run at all, or
+    m where it has ``whole=m``, the quick ones among them, unless ``GLMREF_LONG`` is set or cases are
+    asked for by name.
     """
     families: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
@@ -110,9 +112,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         quick.sort(key=lambda item: any(x in item.name for x in long))
         for item in quick[mark.args[0] :]:
             item.add_marker(pytest.mark.slow)
-        if "whole" in mark.kwargs and not everything:
+        if not everything:
             family.sort(key=lambda item: bool(item.get_closest_marker("slow")))
-            left_out.update(family[mark.kwargs["whole"] :])
+            left_out.update(family[mark.kwargs.get("whole", max(WHOLE, mark.args[0])) :])
     if left_out:
         config.hook.pytest_deselected(items=[item for item in items if item in left_out])
         items[:] = [item for item in items if item not in left_out]

@@ -42,7 +42,7 @@ def cases():
             yield pytest.param(name, order, id=name, marks=marks)
 
 
-@pytest.mark.sampled(2, whole=90)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("case", PROBLEMS)
 @pytest.mark.parametrize(("name", "order"), list(cases()))
 def test_the_observed_order_of_a_pair_is_the_proved_one(name, order, case):

@@ -166,7 +166,7 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.sampled(3, whole=50)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("language", "name"), CASES)
 def test_the_stepper_ends_where_the_engine_ends(language: str, name: str, tmp_path: Path) -> None:
     found = run(language, name, export(name, to=language), tmp_path)
@@ -254,7 +254,7 @@ def force(q):
     return [-q[0] / (r * r * r), -q[1] / (r * r * r)]
 
 
-@pytest.mark.sampled(0, whole=120)
+@pytest.mark.sampled(0, whole=40)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
