@@ -14,8 +14,6 @@ from zlib import crc32
 import pytest
 from hypothesis import HealthCheck, settings
 
-from glmref.prove import verdict_cache as kept
-
 #: Examples of a property in the quick run, of a hundred in the whole one; see `examples.py`.
 QUICK = 10
 
@@ -58,6 +56,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
     Tests change the program while it runs: what it finds then must not be kept for the next run.
 
+    The package brings a plugin, and pytest would rewrite the assertions in all modules of such a
+    package, which takes longer than to import them.
+
     Machines are shared and slow at times: no example is failed for its duration. In CI the examples
     are the same in every run, so that a failure there can be repeated; elsewhere they are random.
 
@@ -67,6 +68,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     gc.disable()
+    config.pluginmanager.rewrite_hook._must_rewrite.discard("glmref")
+    from glmref.prove import verdict_cache as kept  # its assertions are not to be rewritten
+
     kept.private_folder = lambda name: None
     whole = "not slow" not in config.option.markexpr
     settings.register_profile(
