@@ -219,6 +219,22 @@ class Solution(Shown):
         """
         return above("engine.between", "at")(self, t)
 
+    def modified_energy(self, order: int) -> np.ndarray:
+        """Return the modified energy of the rows kept, (m,): H drifts as h^p, it as h^order.
+
+        Parameters
+        ----------
+        order : int
+            Largest order of a tree; terms of h^order and more are left out.
+
+        Raises
+        ------
+        UsageError
+            As :meth:`glmref.Modified.energy_at`, for an order that the method does not reach, and
+            for a solution without its problem.
+        """
+        return above("scenes.modified", "modified_energy")(self, order)
+
     def save(self, path: str | Path) -> Path:
         """Write all arrays and facts to an ``.npz`` file, which :meth:`load` and numpy read.
 

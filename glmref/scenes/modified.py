@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..catalogue.lookup import method_of
 from ..engine.arithmetic import Arithmetic
-from ..errors import UsageError
+from ..errors import ExactnessError, UsageError
 from ..exact.expression import shown_number
 from ..method import Method
 from ..problems import Problem
@@ -27,11 +28,15 @@ from ..theory.backward import (
     hamiltonian_reach,
     over_free_trees,
 )
+from ..theory.second_order import SecondOrder, second_order
 from ..theory.series import Series, exponential, inverse
 from ..theory.starting_series import NotPreconsistent
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import MAX_ORDER, FreeTree, Tree, free_tree, halves
 from ..theory.underlying import UnderlyingMethod
+
+if TYPE_CHECKING:
+    from ..engine.outcome import Solution
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,6 +64,9 @@ class Modified(Shown):
         The same of the function that the outputs conserve.
     underlying : UnderlyingMethod
         The series of the starting method for which no parasitic part is left.
+    parasitic : tuple[SecondOrder, ...]
+        What a parasitic part obeys to second order in h; empty for pairs and where growth of first
+        order is not excluded.
     """
 
     method: str
@@ -73,6 +81,7 @@ class Modified(Shown):
     hamiltonian_terms: Mapping[FreeTree, Any]
     invariant_terms: Mapping[FreeTree, Any]
     underlying: UnderlyingMethod
+    parasitic: tuple[SecondOrder, ...]
 
     def as_json(self) -> dict[str, Any]:
         """Return the record: orders, witnesses, and coefficients by tree as text."""
@@ -84,6 +93,10 @@ class Modified(Shown):
             "gauge": "form" if self.form else "solved",
             "hamiltonian_terms": _texts(self.hamiltonian_terms),
             "invariant_terms": _texts(self.invariant_terms),
+            "parasitic": [
+                {name: shown_number(getattr(x, name)) for name in ("eigenvalue", "I1", "I3")}
+                for x in self.parasitic
+            ],
         }
 
     def energy_at(
@@ -185,6 +198,20 @@ class Modified(Shown):
         return float(np.max(np.abs(np.array(gaps) - gaps[0])))
 
 
+def modified_energy(solution: Solution, order: int) -> np.ndarray:
+    """See :meth:`.outcome.Solution.modified_energy`."""
+    if solution.origin is None:
+        raise UsageError("a solution that was loaded has no problem; call it on the run itself")
+    problem, method = solution.origin
+    found = modified(method, order)
+    reached = found.conjugate_field.order
+    if reached < order:
+        raise UsageError(f"{method.name} is conjugate-symplectic to order {reached} only; "
+                         f"`order` must be at most {reached}")  # fmt: skip
+    rows = np.asarray(solution.y)
+    return np.array([found.energy_at(problem, y, solution.h, order=order) for y in rows])
+
+
 def _texts(terms: Mapping[FreeTree, Any]) -> dict[str, str]:
     return {str(free.root): shown_number(x) for free, x in terms.items()}
 
@@ -256,7 +283,16 @@ def modified(method: Method | str, order: int = 6) -> Modified:
         hamiltonian_terms=over_free_trees(hamiltonian),
         invariant_terms=over_free_trees(invariant),
         underlying=plain,
+        parasitic=_parasitic(found),
     )
+
+
+def _parasitic(method: Method) -> tuple[SecondOrder, ...]:
+    if len(method.components) > 1 or method.carried == 1:
+        return ()
+    with suppress(ExactnessError):
+        return second_order(method)
+    return ()
 
 
 class ElementaryHamiltonians:

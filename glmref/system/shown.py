@@ -27,6 +27,7 @@ ABOVE = (
     ("report.notebook", "html"),
     ("views.plot", "plot_solution"),
     ("engine.between", "at"),
+    ("scenes.modified", "modified_energy"),
     ("exchange.export", "save"),
     ("exchange.tables", "method_document"),
 )

@@ -191,6 +191,7 @@ def _modified(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     if "why" in found:
         return [("modified equation", found["why"])]
     # not at the top: help and tables are shown without loading the theory
+    from ..exact.expression import parse
     from ..theory.backward import Reach
     from ..theory.trees import Tree
 
@@ -204,4 +205,8 @@ def _modified(found: Mapping[str, Any]) -> list[tuple[str, str]]:
         power = Tree(text).order - 1
         name = f"h^{power} H({text})" if power else f"H({text})"
         rows.append((f"outputs conserve {name} times", value))
+    for one in found["parasitic"]:
+        for name in ("I3", "I1"):
+            at = shown_value(one["eigenvalue"])
+            rows.append((f"parasitic {name} at {at}", f"{complex(parse(one[name])):.8g}"))
     return rows

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 import glmref
 from glmref import Tree, from_rk, load, modified
 from glmref.engine.reference import stepper
-from glmref.errors import UsageError
+from glmref.errors import ExactnessError, UsageError
+from glmref.exact import linalg
 from glmref.exact.expression import parse
 from glmref.method.component import ROOTED, SEPARABLE
 from glmref.problems.nilpotent import Derivatives
@@ -35,6 +36,7 @@ from glmref.theory.backward import (
     symplectic_defects,
 )
 from glmref.theory.coefficients import is_zero
+from glmref.theory.second_order import second_order
 from glmref.theory.series import (
     Series,
     bracket,
@@ -276,7 +278,7 @@ def _check_theorem(name, order):
     assert all(is_zero(moved[t] - found.map[t]) is not False for t in moved)
 
 
-@pytest.mark.sampled(6, "gsymplectic-n", "pair-4-4")
+@pytest.mark.sampled(6, whole=6)
 @pytest.mark.parametrize("name", G_SYMPLECTIC)
 def test_g_symplectic_methods_are_conjugate_symplectic(name):
     _check_theorem(name, 6)
@@ -288,12 +290,13 @@ def test_the_form_of_a_complex_method_is_hermitian():
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(0, whole=5)  # GLMREF_LONG: all
 @pytest.mark.parametrize("name", G_SYMPLECTIC)
 def test_g_symplectic_methods_are_conjugate_symplectic_to_order_8(name):
     _check_theorem(name, 8)
 
 
-@pytest.mark.sampled(6, "gsymplectic-n", "pair-4-4")
+@pytest.mark.sampled(6, whole=20)
 @pytest.mark.parametrize("name", G_SYMPLECTIC)
 def test_wrong_twins_are_not(name):
     twin = _twin(load(name))
@@ -496,6 +499,58 @@ def test_the_oscillation_of_the_energy_is_predicted():
     measured = np.max(np.abs(energies - energies[0]))
     orbit = np.array([problem.solution(t) for t in np.linspace(0, 20, 101)])
     assert found.oscillation(problem, orbit, h) == pytest.approx(measured, rel=0.02)
+
+
+def test_the_modified_energy_of_a_run_drifts_by_a_higher_power():
+    problem, drifts = glmref.problem("pendulum"), []
+    for h in (0.2, 0.1):
+        run = glmref.solve(problem, "gsymplectic-n", h=h, t_end=10, every=round(1 / h))
+        plain = [problem.hamiltonian(y) for y in run.y]
+        drifts.append([np.ptp(plain), np.ptp(run.modified_energy(5))])
+    assert np.log2(np.divide(*drifts)) == pytest.approx([4, 6], abs=0.3)
+    run = glmref.solve(problem, "rk4", h=0.1, t_end=1, every=1)
+    with pytest.raises(UsageError, match="to order 4 only"):
+        run.modified_energy(5)
+
+
+# -- parasitic parts to second order
+
+
+def test_invariants_of_second_order_that_are_known():
+    """I3 of g6245-w3 as found in another program, by a series over trees with a marked leaf."""
+    third, half, _ = second_order(load("g6245-w3"))
+    assert complex(half.eigenvalue) == -1 and complex(half.I3) == pytest.approx(-0.0138580592)
+    assert complex(third.I3) == pytest.approx(0.0115586592)
+    assert half.I1.is_zero() is True  # stage order 2
+    (g4123,) = second_order(load("g4123"))
+    assert g4123.I1 == F(2, 25)
+    with pytest.raises(ExactnessError, match="growth parameters zero"):
+        second_order(load("gsymplectic-n"))
+
+
+PARASITIC = [n for n in G_SYMPLECTIC if "w3" in n or n in ("g4123", "g6245", "t115-i", "s5i1-i")]
+
+
+@pytest.mark.sampled(3, whole=8)
+@pytest.mark.parametrize("name", [*PARASITIC, "s4-symmetric", "thesis-3-8"])
+def test_the_trace_rule(name):
+    # the sum of I3 is (2/3) tr A^3
+    method = load(name)
+    cube = linalg.matmul(method.A, method.A, method.A)
+    total = sum(one.I3 for one in second_order(method)) - F(2, 3) * sum(
+        row[i] for i, row in enumerate(cube)
+    )
+    assert total.is_zero() is True or (total.is_zero() is None and total.magnitude() < 1e-60)
+
+
+def test_the_trace_rule_needs_its_hypotheses():
+    # with another entry of A neither symmetric nor G-symplectic, and of order 1 only
+    method = _twin(load("s4-symmetric"))
+    V, A, B, U = method.V, method.A, method.B, method.U
+    other = linalg.sub(A, linalg.matmul(U, linalg.inverse(V), B))
+    cubes = [linalg.matmul(x, x, x) for x in (A, other)]
+    traces = [sum(x[i][i] for i in range(len(A))) for x in cubes]
+    assert (traces[0] + traces[1]).is_zero() is False
 
 
 @pytest.mark.parametrize("module", [modified_module])

@@ -1,0 +1,102 @@
+"""Parasitic growth of second order in h: the invariants I1 and I3 of each eigenvalue.
+
+**Trace rule.** Let V be nonsingular with simple eigenvalues, lambda_i(z) those of the stability
+matrix M(z) = V + z B (I - zA)^-1 U that begin in zeta_i. As det M(z) = det V det(I - z A') /
+det(I - z A) with A' = A - U V^-1 B,
+
+    sum of log(lambda_i(z)/zeta_i) = sum of z^n (tr A^n - tr A'^n) / n.
+
+A symmetric method has A' = -P A P, a G-symplectic one A' = -D^-1 A^T D (U = D^-1 B^T G V and
+D A + A^T D = B^T G B give U V^-1 B = A + D^-1 A^T D): of both the right-hand side is
+``2 z tr A + (2/3) z^3 tr A^3 + ..``. The eigenvalue at 1 takes z and, from order 3 on, no z^3. So
+the growth parameters have the sum ``2 tr A - 1`` and the I3 the sum ``(2/3) tr A^3``: a triangular
+A with nonnegative diagonal and growth parameters zero has tr A = 1/2 and some I3 > 0.
+
+References
+----------
+Hairer, Lubich, Wanner (2006), sections XIV.3 and XV.5: modified equations of parasitic components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import ExactnessError
+from ..exact import Exact, Scalar, linalg
+from ..method import Component, Method
+from .coefficients import scalars
+from .parasitism import growth
+from .spectrum import eigenvectors
+from .trees import Tree
+from .underlying import UnderlyingMethod
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOrder:
+    """What grows at one simple eigenvalue to second order in h, where mu = 0.
+
+    Attributes
+    ----------
+    eigenvalue : Exact
+        Zeta.
+    I1, I3 : Exact or Ball
+        Modulo total derivatives along the orbit, and a commutator with mean zero on q'' = -V'(q),
+        ``phi' = h^2 (I3 f' f' f' phi + I1 f''(f' f, phi))`` for real zeta. I1 = 0 where the stage
+        order is 2 or more; I3 is the coefficient of z^3 in ``log(lambda(z)/zeta)``, lambda the
+        eigenvalue of the stability matrix M(z) that begins in zeta.
+    """
+
+    eigenvalue: Exact
+    I1: Scalar
+    I3: Scalar
+
+
+def second_order(m: Method) -> tuple[SecondOrder, ...]:
+    """Return the invariants of second order at the parasitic eigenvalues, by argument.
+
+    On marked trees, x a leaf that stands for phi, tau with w tau = 0 of the parasitic starting map,
+    ``beta(t) = zeta^-1 w B xiD(t)`` through order 3, ``I3 = beta([[[x]]])`` and
+    ``I1 = beta([x[o]]) - beta([xoo])/2``.
+
+    Parameters
+    ----------
+    m : Method
+        Of one component, order 3 or more, with exact V, and simple eigenvalues of modulus one.
+
+    Raises
+    ------
+    ExactnessError
+        Where a growth parameter is not zero, or that or the eigenvalues are open.
+    """
+    found = growth(m)
+    if found.free is not True and (found.free is False or not found.growths):
+        raise ExactnessError(
+            f"growth of second order needs growth parameters zero: {found.witness}"
+        )
+    if any(g.multiplicity > 1 for g in found.growths):
+        raise ExactnessError("growth of second order needs simple eigenvalues of modulus one")
+    start = UnderlyingMethod.of_method(m).through(2)
+    t = Tree("[o]")
+    bend = scalars(start.defect(t, start.abscissae("o"), start.value(t)))
+    return tuple(_second_order_at(m.components[0], g.eigenvalue, bend) for g in found.growths)
+
+
+def _second_order_at(m: Component, zeta: Exact, bend: Sequence[Scalar]) -> SecondOrder:
+    (left,), (right,) = eigenvectors(m.V, zeta)
+    reads = linalg.vecmat(left, m.B)
+    n = len(m.V)
+    near = tuple(
+        tuple(m.V[i][j] - (zeta if i == j else 0) + right[i] * left[j] for j in range(n))
+        for i in range(n)
+    )
+    stages, marked = linalg.matvec(m.U, right), right
+    I1 = linalg.dot(reads, [x * y for x, y in zip(stages, bend, strict=True)]) / zeta
+    for _ in range(2):  # xi([x]), xi([[x]])
+        after = linalg.matvec(m.B, stages)
+        seen = linalg.dot(left, after)
+        rest = [[seen * v - x] for v, x in zip(right, after, strict=True)]
+        marked = [row[0] for row in linalg.solve(near, tuple(map(tuple, rest)))]
+        inner, outer = linalg.matvec(m.A, stages), linalg.matvec(m.U, marked)
+        stages = tuple(x + y for x, y in zip(inner, outer, strict=True))
+    return SecondOrder(zeta, I1, linalg.dot(reads, stages) / zeta)
