@@ -211,6 +211,7 @@ def test_the_tree_without_branches_refutes_one(monkeypatch: pytest.MonkeyPatch) 
         assert findings(d)["effective-order"].verdict is expected
 
 
+@pytest.mark.slow
 def test_the_solution_that_is_twice_the_value_has_the_order() -> None:
     """U = 2 and u = 1/2: the trees with leaves alone count W B c^(n-1), not B c^(n-1)."""
     A, b = collocation(11)
