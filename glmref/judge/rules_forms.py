@@ -48,28 +48,26 @@ class Defects(NamedTuple):
 def form_defects(
     method: Method, G: list, D: tuple[list, ...], star_: Callable[[list], list] = star
 ) -> Defects:
-    """Return the defects of the form G with the diagonal D, for pairs (D_P, D_Q)."""
-    if not method.pair:
-        m, E = method.parts["o"], diagonal(D[0])
-        B = star_(m.B)
-        return Defects(
-            [minus(G, times(star_(m.V), G, m.V))],
-            [minus(times(E, m.U), times(B, G, m.V))],
-            [minus(combine(times(E, m.A), times(star_(m.A), E)), times(B, G, m.B))],
-            [minus([D[0]], star_(transpose([D[0]])))],
-            [minus(G, star_(G))],
-        )
-    q, p, (D_P, D_Q) = method.parts["f"], method.parts["k"], map(diagonal, D)
-    both = [[*D[0], *D[1]]]
+    """Return the defects of the form G with the diagonal D, for pairs (D_P, D_Q).
+
+    One method is a pair of itself.
+    """
+    parts = list(method.parts.values())
+    (q, p), (D_P, D_Q), both = (
+        (parts[0], parts[-1]),
+        map(diagonal, (D[0], D[-1])),
+        [[*D[0], *D[-1]]],
+    )
+    alike = [] if method.separable else [minus([D[0]], [D[-1]])]
     return Defects(
         [minus(times(star_(q.V), G, p.V), G)],
         [
             minus(times(D_P, p.U), times(star_(q.B), G, p.V)),
             minus(times(D_Q, q.U), times(star_(p.B), star_(G), q.V)),
-        ],
+        ][: len(parts)],
         [minus(combine(times(D_P, p.A), times(star_(q.A), D_Q)), times(star_(q.B), G, p.B))],
         [minus(both, star_(transpose(both)))],
-        [] if method.separable else [minus([D[0]], [D[1]])],
+        alike if method.pair else [minus(G, star_(G))],
     )
 
 

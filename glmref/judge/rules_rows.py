@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from .arithmetic import Fraction
 from .claims import ABSENT
 from .document import Component, Method, gaps_of_rows
 from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, transpose
 from .numbers import apart, inverse, total, vanishes
-from .proof import Part, read_parts
+from .proof import Part, Proof, read_parts
 from .refusals import as_object, require, whole
 from .rule import Bound, Case, Fails, NoWitness, Order, RowOrder, Rule, Truth
 from .series import Series
@@ -169,30 +169,9 @@ def check_rows(holds: bool, declared: Mapping[str, object], names: set, found: l
 class RowsCase(Case):
     """A part about numbers of the file that are all 0, or not."""
 
-    gaps: Callable[[Method], list]
-
-    @cached_property
-    def numbers(self) -> list:
-        """Return the numbers."""
-        return type(self).gaps(self.method)
-
-
-class DifferencesCase(RowsCase):
-    """A part about the weights of estimates."""
-
-    gaps = staticmethod(differences_of)
-
-
-class RowSumsCase(RowsCase):
-    """A part about c = A 1."""
-
-    gaps = staticmethod(gaps_of_rows)
-
-
-class DenseEndCase(RowsCase):
-    """A part about b(1) = b."""
-
-    gaps = staticmethod(gaps_of_end)
+    def __init__(self, gaps: Callable[[Method], list], proof: Proof, witness: object) -> None:
+        super().__init__(proof, witness)
+        self.numbers = gaps(self.method)
 
 
 def all_numbers_are_0(case: RowsCase) -> bool:
@@ -298,9 +277,11 @@ def a_power_is_wrong(case: DenseCase) -> bool:
     return any(map(apart, case.gaps(case.witness.tree)))
 
 
-def all_or_not(name: str, other: str, claim: str, case: type[RowsCase]) -> tuple[Rule, Rule]:
+def all_or_not(
+    name: str, other: str, claim: str, gaps: Callable[[Method], list]
+) -> tuple[Rule, Rule]:
     """Return the rules that the numbers of a case are all 0, and that one is not."""
-    same = "the definition", PAGE, NoWitness, case
+    same = "the definition", PAGE, NoWitness, partial(RowsCase, gaps)
     return (
         Rule(name, claim, "holds", *same, (all_numbers_are_0,)),
         Rule(other, claim, "fails", *same, (a_number_is_not_0,)),
@@ -315,9 +296,9 @@ ROW_RULES = (
             case.name, case.bound.low or 0, 20 if case.bound.high is None else case.bound.high
         ),
     ),
-    *all_or_not("differences", "no-differences", "embedded-difference", DifferencesCase),
-    *all_or_not("row-sums", "no-row-sums", "row-sums", RowSumsCase),
-    *all_or_not("dense-end", "no-dense-end", "dense-end", DenseEndCase),
+    *all_or_not("differences", "no-differences", "embedded-difference", differences_of),
+    *all_or_not("row-sums", "no-row-sums", "row-sums", gaps_of_rows),
+    *all_or_not("dense-end", "no-dense-end", "dense-end", gaps_of_end),
     Rule(
         "absent", "embedded-order", "holds", "the definition", PAGE, NoWitness, AbsentCase,
         (claim_is_about_a_part_of_the_file, file_has_it_not,

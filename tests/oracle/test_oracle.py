@@ -27,7 +27,7 @@ def oracle_of(name: str) -> Oracle:
     return Oracle(d, document(d["base"]) if "base" in d else None)
 
 
-@pytest.mark.sampled(4, whole=120)
+@pytest.mark.sampled(4, whole=30)
 @pytest.mark.parametrize("name", names())
 def test_every_claim_of_the_catalogue_is_true_or_open(name: str) -> None:
     oracle = oracle_of(name)
@@ -37,7 +37,7 @@ def test_every_claim_of_the_catalogue_is_true_or_open(name: str) -> None:
     assert not wrong
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(8, whole=40)
 @pytest.mark.parametrize("name", names("broken"))
 def test_the_claim_of_a_broken_file_is_false_or_open(name: str) -> None:
     oracle = oracle_of(name)
