@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import mpmath
 from hypothesis import strategies as st
 
 from glmref.exact import exact, linalg
@@ -49,3 +51,27 @@ def conjugated_rk4() -> GLM:
 def source(name: str) -> str:
     """Return a small source of another code, as the audit reads them, from ``tests/sources``."""
     return (Path(__file__).with_name("sources") / name).read_text(encoding="utf-8")
+
+
+def scene_text(
+    name: str,
+    problem: str = 'name = "harmonic-oscillator"',
+    answer: str = 'kind = "ended"',
+    **keys: Any,
+) -> str:
+    """Return the text of a scene: keys in TOML, as JSON writes them too, and two tables."""
+    head = {
+        "format": "glmref-scene-1",
+        "name": name,
+        "title": f"A {name} scene",
+        "question": "Does it work?",
+    }
+    lines = [f"{key} = {json.dumps(value)}" for key, value in (head | keys).items()]
+    return "\n".join([*lines, "", "[problem]", problem, "", "[answer]", answer, ""])
+
+
+def high(digits: int = 40) -> Any:
+    """Return an mpmath context of so many digits."""
+    context = mpmath.MPContext()
+    context.dps = digits
+    return context

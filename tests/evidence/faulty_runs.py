@@ -13,26 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from glmref.compute import Records
+from tests.build import scene_text
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SCENE = """\
-format = "glmref-scene-1"
-name = "tiny"
-title = "A tiny scene"
-question = "Does it survive?"
-methods = ["heun-2", "rk4", "stormer-verlet"]
-steps = [200000, 400000, 600000, 800000]
-t_end = "2*pi"
-ask = ["state", "energy"]
-repeats = 1
-
-[problem]
-name = "harmonic-oscillator"
-
-[answer]
-kind = "ended"
-"""
+SCENE = scene_text(
+    "tiny", methods=["heun-2", "rk4", "stormer-verlet"], steps=[200000, 400000, 600000, 800000],
+    t_end="2*pi", ask=["state", "energy"], repeats=1,
+)  # fmt: skip
 TASKS = 12
 #: What depends on the clock.
 TIMES = ("seconds", "build_seconds", "start_seconds", "sha256")

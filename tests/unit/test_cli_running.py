@@ -15,27 +15,14 @@ import pytest
 from glmref.cli import main
 from glmref.cli.running import _narrowed
 from glmref.compute import Records
+from tests.build import scene_text
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SCENE = """\
-format = "glmref-scene-1"
-name = "tiny"
-title = "A tiny scene"
-question = "Does it work?"
-methods = ["heun-2", "rk4"]
-steps = [20, 40]
-t_end = "2*pi"
-ask = ["state", "picture"]
-repeats = 1
-
-[problem]
-name = "harmonic-oscillator"
-
-[answer]
-kind = "fastest"
-at = 1e-2
-"""
+SCENE = scene_text(
+    "tiny", answer='kind = "fastest"\nat = 1e-2', methods=["heun-2", "rk4"], steps=[20, 40],
+    t_end="2*pi", ask=["state", "picture"], repeats=1,
+)  # fmt: skip
 
 
 @pytest.fixture

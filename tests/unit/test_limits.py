@@ -9,6 +9,7 @@ from glmref import Problem, load, problem, solve
 from glmref.measure.limits import damped_eigenvalues, ray_end, stable_step
 from glmref.scenes import answer, charts, load_scene, plan, run
 from glmref.views.chart import Series, svg
+from tests.build import scene_text
 
 #: y' = -50 (y - cos t) has the eigenvalue -50.
 DECAY = Problem(f=("-50*(y[0] - cos(t))",), y0=(1,), t_span=(0, 2))
@@ -61,25 +62,12 @@ def test_a_function_has_its_jacobian_by_differences_and_pairs_have_no_prediction
     assert stable_step(problem("kepler"), load("stormer-verlet"), t_end=1) is None
 
 
-SCENE = """\
-format = "glmref-scene-1"
-name = "decay"
-title = "A decay"
-question = "Which methods are right to 1e-4, and where do others fail?"
-methods = ["radau-iia-3", "euler"]
-steps = [8, 20, 2000]
-t_end = 20
-ask = ["state", "limit", "picture"]
-
-[problem]
-f = ["-50*y[0]**3 - 50*y[0] + 100*cos(t)"]
-y0 = [1]
-t_end = 20
-
-[answer]
-kind = "accurate"
-at = 1e-4
-"""
+SCENE = scene_text(
+    "decay", 'f = ["-50*y[0]**3 - 50*y[0] + 100*cos(t)"]\ny0 = [1]\nt_end = 20',
+    'kind = "accurate"\nat = 1e-4', title="A decay",
+    question="Which methods are right to 1e-4, and where do others fail?",
+    methods=["radau-iia-3", "euler"], steps=[8, 20, 2000], t_end=20, ask=["state", "limit", "picture"],
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")

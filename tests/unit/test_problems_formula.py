@@ -2,18 +2,12 @@
 
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
 from glmref.errors import UsageError
 from glmref.problems.formula import Formula, exact_number
-
-
-def high(digits=40):
-    context = mpmath.MPContext()
-    context.dps = digits
-    return context
+from tests.build import high
 
 
 def test_formula_evaluates_a_state_and_states_in_columns():

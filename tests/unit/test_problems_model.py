@@ -1,17 +1,11 @@
 """The problem record: what a user gives, what is derived, what is refused."""
 
-import mpmath
 import numpy as np
 import pytest
 
 from glmref.errors import UsageError
 from glmref.problems import Problem, problem
-
-
-def high(digits=40):
-    context = mpmath.MPContext()
-    context.dps = digits
-    return context
+from tests.build import high
 
 
 def test_f_and_y0_suffice():

@@ -16,29 +16,13 @@ from glmref.errors import DataError, GlmrefError, UsageError
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, reading, rows, run
 from glmref.scenes.answers import duration, seconds_at
 from glmref.scenes.reading import MAX_NAME, MAX_TEXT, MOST_ENTRIES, MOST_STEPS
+from tests.build import scene_text
 
-SMALL = """\
-format = "glmref-scene-1"
-name = "small"
-title = "A small scene"
-question = "Does it work?"
-methods = ["rk4", "heun-2"]
-steps = [20, 40]
-t_end = "2*pi"
-ask = ["state", "energy", "picture"]
-repeats = 1
-
-[problem]
-name = "harmonic-oscillator"
-frequency = "1"
-
-[answer]
-kind = "fastest"
-at = 1e-2
-
-[quick]
-steps = [10]
-"""
+SMALL = scene_text(
+    "small", 'name = "harmonic-oscillator"\nfrequency = "1"',
+    'kind = "fastest"\nat = 1e-2\n\n[quick]\nsteps = [10]', methods=["rk4", "heun-2"],
+    steps=[20, 40], t_end="2*pi", ask=["state", "energy", "picture"], repeats=1,
+)  # fmt: skip
 
 
 def write(folder, text=SMALL, name="small.toml"):
