@@ -114,7 +114,7 @@ def _nodepy(n: int) -> float:
 #: defect, release 0.2.5 of torchdiffeq has neither Tsit5 nor Gauss-Legendre 4, desolver 5.1 takes
 #: no steps of one size with an implicit method, and the defect of diffrax is as small as round-off.
 PACKAGES: Mapping[str, tuple[str, str, Callable[[int], float]]] = {
-    "nodepy-lambert65": ("nodepy", "Lambert65", _nodepy),
+    "nodepy-lambert65": ("nodepy", "Lambert65", _nodepy)
 }
 
 

@@ -36,10 +36,7 @@ def test_the_record_is_plain_json():
 
 @pytest.mark.parametrize(
     ("name", "problems", "message"),
-    [
-        ("ab-2", BODIES, "no form G"),
-        ("gauss-1", [problem("pendulum")], "no quadratic invariants"),
-    ],
+    [("ab-2", BODIES, "no form G"), ("gauss-1", [problem("pendulum")], "no quadratic invariants")],
 )
 def test_what_cannot_be_measured_is_refused(name, problems, message):
     with pytest.raises(UsageError, match=message):

@@ -38,10 +38,7 @@ NOTE = (
     f"{ROUNDS} rounds over all methods in turn."
 )
 #: Two separable problems and one that is not.
-CASES = (
-    *compare.CASES[:2],
-    Case("double-pendulum", lambda: problem("double-pendulum"), 10.0, 10),
-)
+CASES = (*compare.CASES[:2], Case("double-pendulum", lambda: problem("double-pendulum"), 10.0, 10))
 
 
 def main(path: Path) -> None:

@@ -253,10 +253,7 @@ class Comparison:
             "problem": self.subject.name,
             "dimension": self.subject.dimension,
             "t_end": self.case.t_end,
-            "reference": {
-                "kind": self.reference.kind,
-                "error": rounded(self.reference.error),
-            },
+            "reference": {"kind": self.reference.kind, "error": rounded(self.reference.error)},
             "tracks": [track.as_json() for track in self.tracks],
         }
 

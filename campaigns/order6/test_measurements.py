@@ -217,9 +217,6 @@ def test_the_search_on_record_is_that_of_the_ansatzes() -> None:
         assert row["signs"] == [x.sign for x in values]
         assert (row["stages"], row["stage_order"]) == (stages, stage_order)
         assert row["explicit"] == list(explicit)
-        assert (row["unknowns"], row["conditions"]) == (
-            len(system.unknowns),
-            len(system.equations),
-        )
+        assert (row["unknowns"], row["conditions"]) == (len(system.unknowns), len(system.equations))
         assert row["starts"] == STARTS
         assert (row["solved"] > 0) == (row["smallest_residual"] < SOLVED)

@@ -56,10 +56,7 @@ class Case:
     parameters: tuple[tuple[str, str], ...] = ()
 
 
-CASES = (
-    Case("pendulum", 1 / 64, (("q0", "23/10"),)),
-    Case("henon-heiles", 1 / 64),
-)
+CASES = (Case("pendulum", 1 / 64, (("q0", "23/10"),)), Case("henon-heiles", 1 / 64))
 
 #: Kepler's problem at step sizes with a relative energy error between 1e-13 and 1e-5 at first.
 KEPLER = tuple(

@@ -200,10 +200,7 @@ def _growth(a: np.ndarray, b: np.ndarray, counts: np.ndarray, steps: int) -> flo
 
 
 def objective(
-    q: Sequence[Fraction],
-    p: Sequence[Fraction],
-    bound: float = math.inf,
-    penalty: float = PENALTY,
+    q: Sequence[Fraction], p: Sequence[Fraction], bound: float = math.inf, penalty: float = PENALTY
 ) -> float:
     """What is minimized; a lower bound of it where that exceeds ``bound``."""
     a, b = coefficients(q, p)

@@ -23,14 +23,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, record_of
-from campaigns.partitioned.long_runs import (
-    CASES,
-    STEPS,
-    Case,
-    pair_names,
-    pair_row,
-    three_digits,
-)
+from campaigns.partitioned.long_runs import CASES, STEPS, Case, pair_names, pair_row, three_digits
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start

@@ -13,13 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.pages import measured, write
-from campaigns.partitioned.long_runs import (
-    FURTHER,
-    ONE_VALUE,
-    RESTARTED,
-    kepler_table,
-    pair_names,
-)
+from campaigns.partitioned.long_runs import FURTHER, ONE_VALUE, RESTARTED, kepler_table, pair_names
 from campaigns.partitioned.starts import runs_table, starts_table
 from campaigns.partitioned.work import CASES, PAIRS
 from glmref.catalogue.lookup import document as file_of
@@ -267,7 +261,7 @@ PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
         "kepler-further": lambda: kepler_table(measured("kepler-long")["further"], FURTHER),
     },
     ROOT / "docs" / "pairs.md": {
-        "shipped": lambda: shipped_table({x: measured(x) for x in _SHIPPED}),
+        "shipped": lambda: shipped_table({x: measured(x) for x in _SHIPPED})
     },
     ROOT / "docs" / "pairs-theory.md": {"growth": growth_table},
 }

@@ -18,12 +18,4 @@ from .executors import Executor, executor, in_order
 from .records import Records
 from .running import measure
 
-__all__ = [
-    "Done",
-    "Executor",
-    "Limits",
-    "Records",
-    "executor",
-    "in_order",
-    "measure",
-]
+__all__ = ["Done", "Executor", "Limits", "Records", "executor", "in_order", "measure"]

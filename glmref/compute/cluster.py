@@ -58,11 +58,7 @@ _lock = Lock()
 
 
 def carry_out(
-    function: Function,
-    tasks: Sequence[Task],
-    limits: Limits,
-    expected: dict[str, str],
-    folder: str,
+    function: Function, tasks: Sequence[Task], limits: Limits, expected: dict[str, str], folder: str
 ) -> list[Done] | str:
     """Carry out tasks one after another in a child of this worker, in the client's folder.
 
@@ -112,10 +108,7 @@ class Dask:
         self.dashboard: str = client.dashboard_link if find_spec("bokeh") else ""
 
     def run(
-        self,
-        function: Function,
-        tasks: Iterable[Task],
-        limits: Limits = UNLIMITED,
+        self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
     ) -> Iterator[Results]:
         """Carry out tasks; see :class:`~.executors.Executor`."""
         return _Run(self, function, limits).results(iter(tasks))

@@ -80,10 +80,7 @@ class Here:
     name, dashboard, threads = "here", "", 1
 
     def run(
-        self,
-        function: Function,
-        tasks: Iterable[Task],
-        limits: Limits = UNLIMITED,
+        self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
     ) -> Iterator[Results]:
         """Carry out tasks; see :class:`Executor`."""
         for task in tasks:
@@ -107,10 +104,7 @@ class Local:
         self.name = "local" if processes is None else f"local:{processes}"
 
     def run(
-        self,
-        function: Function,
-        tasks: Iterable[Task],
-        limits: Limits = UNLIMITED,
+        self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
     ) -> Iterator[Results]:
         """Carry out tasks; see :class:`Executor`."""
         usable = physical_cores() if limits.pinned else cores()

@@ -148,10 +148,7 @@ def scaled_kepler(length: object = "1e-150", eccentricity: object = "3/5") -> Pr
         source="HLW, section I.2.2, in other units",
         parameters=parameters,
         force=Formula(
-            common=(
-                ("s", "length/sqrt(q[0]*q[0] + q[1]*q[1])"),
-                ("w", "-s*s*s"),
-            ),
+            common=(("s", "length/sqrt(q[0]*q[0] + q[1]*q[1])"), ("w", "-s*s*s")),
             outputs=("w*q[0]", "w*q[1]"),
             variables=("q",),
             parameters=parameters,

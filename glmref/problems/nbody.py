@@ -205,12 +205,7 @@ def arenstorf(orbit: object = 1) -> Problem:
             ("v", "(1 - mu)/(r2*sqrt(r2))"),
             ("w", "mu/(s2*sqrt(s2))"),
         ),
-        outputs=(
-            "y[2]",
-            "y[3]",
-            "y[0] + 2*y[3] - v*a - w*b",
-            "y[1] - 2*y[2] - v*y[1] - w*y[1]",
-        ),
+        outputs=("y[2]", "y[3]", "y[0] + 2*y[3] - v*a - w*b", "y[1] - 2*y[2] - v*y[1] - w*y[1]"),
         parameters={"mu": mu},
     )
     jacobi = (

@@ -218,7 +218,10 @@ def _slip(draw: random.Random, doc: Any) -> Any:
 
 def _exchange(draw: random.Random, doc: Any) -> Any:
     """Two entries exchanged."""
-    paths = _numbers(doc)
+    return _exchanged(draw, doc, _numbers(doc))
+
+
+def _exchanged(draw: random.Random, doc: Any, paths: list[tuple[Any, ...]]) -> Any:
     if len(paths) > 1:
         a, b = draw.sample(paths, 2)
         x, y = _at(doc, a), _at(doc, b)

@@ -12,7 +12,18 @@ from typing import Any
 
 from glmref.errors import GlmrefError
 
-from .files import SENTENCE, VALUES, _at, _broken_text, _places, _put, _ring, _shape, _TooLong
+from .files import (
+    SENTENCE,
+    VALUES,
+    _at,
+    _broken_text,
+    _exchanged,
+    _places,
+    _put,
+    _ring,
+    _shape,
+    _TooLong,
+)
 from .tally import Tally
 
 
@@ -49,11 +60,7 @@ def _lost(draw: random.Random, doc: Any) -> Any:
 def _swapped(draw: random.Random, doc: Any) -> Any:
     """Two parts exchanged."""
     paths = [p for p in _places(doc) if p and not isinstance(_at(doc, p), dict | list)]
-    if len(paths) > 1:
-        a, b = draw.sample(paths, 2)
-        x, y = _at(doc, a), _at(doc, b)
-        _put(_put(doc, a, y), b, x)
-    return doc
+    return _exchanged(draw, doc, paths)
 
 
 def mutated(draw: random.Random, doc: Any, *, text: float = 0.1) -> bytes:

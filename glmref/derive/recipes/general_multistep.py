@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from ...catalogue.reader import load_document
@@ -21,7 +22,7 @@ from ...errors import ExactnessError, UsageError
 from ...findings import Proof
 from ...theory.residues import in_order, residues
 from ..general_multistep import EndedHalf, GeneralHalf, general_document, matching_cosine
-from .record import Derivation, Progress, Statement, prove_claims, shipped_names
+from .record import Derivation, Progress, Statement, in_turn, prove_claims, shipped_names
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": "", "kind": ""}
 
@@ -79,7 +80,9 @@ def half_of(text: str, key: str, *, semi: bool = False) -> GeneralHalf:
     return EndedHalf(cosines, minus_one, key == "p") if semi else GeneralHalf(cosines, minus_one)
 
 
-def _complete(name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]) -> Any:
+def _complete(
+    name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]
+) -> tuple[dict[str, Any], Statement]:
     """Build a document and prove its claims.
 
     Raises
@@ -147,16 +150,14 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     else:
         given = {name: SHIPPED[name] for name in shipped_names(options["name"], SHIPPED)}
         where, matched = "", True
-    documents, statements = [], []
-    for k, (name, roots) in enumerate(given.items()):
-        progress(name, k, len(given))
-        q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
-        if matched and not roots.semi:
+
+    def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Statement]:
+        q, p = half_of(roots.q, "q"), half_of(roots.p, "p")
+        if matched:
             cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
             p = GeneralHalf((cosine, *p.cosines), p.minus_one)
         place = where or f"recipe general-multistep, name = {name}"
-        document, statement = _complete(name, q, p, place, roots.notes)
-        documents.append(document)
-        statements.append(statement)
-    progress("done", len(given), len(given))
-    return Derivation("general-multistep", documents, statements)
+        return _complete(name, q, p, place, roots.notes)
+
+    makers = {name: partial(make, name, roots) for name, roots in given.items()}
+    return in_turn("general-multistep", makers, progress)

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from ...errors import UsageError
@@ -23,6 +24,7 @@ from .record import (
     Derivation,
     Progress,
     Statement,
+    in_turn,
     prove_claims,
     shipped_names,
     survey_notes,
@@ -202,21 +204,19 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         numbers = _Numbers(**given, weight=weight)
         kind = "multivalue" if numbers.slopes else "multistep"
         name = f"{kind}-{'' if numbers.q else 'rkn-'}{2 * len(numbers.p) + 2}-found"
-        progress(name, 0, 1)
         where = f"cosines {options['q']}; {options['p']}"
         if numbers.slopes:
             where += f"; slopes {options['slopes']}, weight {weight}"
-        document, statement = _complete(name, numbers, (), where)
-        return Derivation("multistep", [document], [statement])
-    documents, statements = [], []
-    names = shipped_names(options["name"], SHIPPED)
-    for k, name in enumerate(names):
-        progress(name, k, len(names))
-        shipped = SHIPPED[name]
-        where = f"recipe multistep, name = {name}"
-        notes = [*shipped.notes, *survey_notes(name)]
-        document, statement = _complete(name, shipped.numbers(), notes, where)
-        documents.append(document)
-        statements.append(statement)
-    progress("done", len(names), len(names))
-    return Derivation("multistep", documents, statements)
+        make = partial(_complete, name, numbers, (), where)
+        return in_turn("multistep", {name: make}, progress)
+    makers = {
+        name: partial(
+            _complete,
+            name,
+            SHIPPED[name].numbers(),
+            [*SHIPPED[name].notes, *survey_notes(name)],
+            f"recipe multistep, name = {name}",
+        )
+        for name in shipped_names(options["name"], SHIPPED)
+    }
+    return in_turn("multistep", makers, progress)

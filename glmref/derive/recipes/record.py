@@ -135,6 +135,22 @@ class Derivation:
     refused: bool = False
 
 
+#: Makes a document with what was proved of it.
+Make = Callable[[], tuple[dict[str, Any], Statement]]
+
+
+def in_turn(recipe: str, makers: Mapping[str, Make], progress: Progress) -> Derivation:
+    """Return the derivation of several methods, one after another, by their names."""
+    documents, statements = [], []
+    for k, (name, make) in enumerate(makers.items()):
+        progress(name, k, len(makers))
+        document, statement = make()
+        documents.append(document)
+        statements.append(statement)
+    progress("done", len(makers), len(makers))
+    return Derivation(recipe, documents, statements)
+
+
 _THESIS = (
     "Khan, M. S., G-symplectic partitioned general linear methods for Hamiltonian systems, "
     "MS thesis, COMSATS University Islamabad, Lahore Campus, 2018"
