@@ -236,7 +236,8 @@ def _killer(ended: threading.Event, name: str) -> Iterator[None]:
         while number := os.read(reader, 1):
             if signal.getsignal(number[0]) is _interrupt and not ended.wait(GRACE):
                 end_children()
-                _write_error(name, _sentence(number[0]))
+                if not (number[0] == TIME_OVER and _limited):  # the parent says it
+                    _write_error(name, _sentence(number[0]))
                 os._exit(_code(number[0]))
 
     watcher = threading.Thread(target=watch, daemon=True)
@@ -294,7 +295,7 @@ def guarded(name: str, function: Callable[[], int], bad: int) -> int:
                 sentence = TOO_LONG
         end_groups()
         ended.set()
-        if sentence:
+        if sentence and not (sentence is TOO_LONG and _limited):
             with contextlib.suppress(OSError):
                 print(f"{name}: {sentence}", file=sys.stderr, flush=True)  # noqa: T201
         silence()
@@ -322,6 +323,8 @@ def _outcome(function: Callable[[], int], bad: int) -> tuple[int, str]:
 
 #: Set in the surroundings of a program that :func:`within` runs.
 LIMITED = "_GLMREF_LIMITED"
+#: Whether this process is such a program.
+_limited = False
 
 
 def within(name: str, seconds: float, command: Sequence[str]) -> int:
@@ -350,15 +353,17 @@ def within(name: str, seconds: float, command: Sequence[str]) -> int:
         return TOO_LONG_CODE
     early: list[int] = []
     child: subprocess.Popen[bytes] | None = None
+    over = False
 
     def pass_on(number: int, frame: FrameType | None) -> None:
+        nonlocal over
+        over = over or number == TIME_OVER
         early.append(number) if child is None else child.send_signal(number)
 
     # the handlers come before the child: a signal that finds none would end this process alone
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, TIME_OVER)
     before = {number: signal.signal(number, pass_on) for number in numbers
               if signal.getsignal(number) is not signal.SIG_IGN}  # fmt: skip
-    killed = False
     try:
         child = subprocess.Popen(command, env={**os.environ, LIMITED: str(seconds)})
         for number in early:
@@ -366,16 +371,19 @@ def within(name: str, seconds: float, command: Sequence[str]) -> int:
         try:
             code = child.wait(seconds)
         except subprocess.TimeoutExpired:
+            over = True
             child.send_signal(TIME_OVER)
             try:
                 code = child.wait(2 * GRACE)
             except subprocess.TimeoutExpired:
                 child.kill()
-                code, killed = child.wait(), True
+                child.wait()
+                code = TOO_LONG_CODE
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-    if killed or code == -TIME_OVER:  # the latter before it could react
+    if code == -TIME_OVER or (over and code == TOO_LONG_CODE):  # the former before it could react
+        # said here, once: a child that has said it may still be killed while it ends
         _write_error(name, TOO_LONG)
         return TOO_LONG_CODE
     return 128 - code if code < 0 else code
@@ -386,7 +394,9 @@ def limited_by_parent() -> bool:
 
     The timer that ends it needs no interpreter, and serves where the parent was killed.
     """
+    global _limited
     seconds = os.environ.pop(LIMITED, None)
+    _limited = seconds is not None
     if seconds is not None:
         nowhere = open(os.devnull, "w")  # noqa: SIM115
         faulthandler.dump_traceback_later(2 * float(seconds) + 1, exit=True, file=nowhere)

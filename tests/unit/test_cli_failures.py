@@ -202,7 +202,7 @@ def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
 
 #: The program that is limited; it says itself that its time is over, as on any machine.
 LIMITED = """
-import os, signal, sys, time
+import atexit, os, signal, sys, time
 from collections import deque
 from itertools import repeat
 from glmref.system import process
@@ -221,6 +221,10 @@ def endless():
 def slow():
     over()
     time.sleep(60)
+
+def lingering():  # the interpreter takes long to end
+    atexit.register(time.sleep, 60)
+    slow()
 
 assert limited_by_parent()
 sys.exit(guarded("glmref", {program}, 2))
@@ -258,7 +262,7 @@ def limited(program: str, parent: str = LIMITS) -> subprocess.CompletedProcess[s
 
 
 @posix
-@pytest.mark.parametrize("program", ["endless", "slow"])
+@pytest.mark.parametrize("program", ["endless", "slow", "lingering"])
 def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(program: str) -> None:
     done = limited(program)
     assert (done.returncode, done.stdout, done.stderr) == (
