@@ -3,13 +3,15 @@
 Every integrator gets the largest step size or tolerance of a grid with which its energy error, the
 largest of 97 samples, stays below the goal; a method that does so by luck at one step size has to
 do so at the next two as well. Then the run without samples is timed. heyoka gets r^-3 as one power,
-which is what it is fastest with, and scipy a right-hand side of plain Python numbers.
+which is what it is fastest with, and scipy a right-hand side of plain Python numbers. With names of
+methods and peers, ``python -m tools.measure.compare_kepler NAME...`` prints the rows of these.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -184,9 +186,11 @@ def peer_setting(make: Callable[[float, int], Callable[[], np.ndarray]], goal: f
     return next(x for x in TOLERANCES if energy_error(make(x, SAMPLES)()) <= goal)
 
 
-def settings() -> dict[float, dict[str, tuple[float, float, str]]]:
+def settings(
+    wanted: Sequence[str] = (*METHODS, *PEERS),
+) -> dict[float, dict[str, tuple[float, float, str]]]:
     """For every goal: integrator -> (setting, error, why there is none). Nothing is timed here."""
-    integrators = [Integrator(name) for name in METHODS]
+    integrators = [Integrator(name) for name in wanted if name not in PEERS]
     found: dict[float, dict[str, tuple[float, float, str]]] = {}
     for goal in GOALS:
         found[goal] = {}
@@ -195,7 +199,7 @@ def settings() -> dict[float, dict[str, tuple[float, float, str]]]:
             error, why = min(one.seen.values()) if n is None else one.seen[n]
             found[goal][one.name] = (math.nan if n is None else n, error, why)
         for name, make in PEERS.items():
-            if name == "heyoka" or goal == GOALS[0]:
+            if name in wanted and (name == "heyoka" or goal == GOALS[0]):
                 tolerance = peer_setting(make, goal)
                 error = energy_error(make(tolerance, SAMPLES)())
                 found[goal][name] = (tolerance, error, "")
@@ -225,3 +229,8 @@ def measure_all(
             times = quartiles([1e3 * x for x in spent[name]])
             rows.append(Row(name, goal, *chosen[name][:2], times, *notes[name]))
     return rows
+
+
+if __name__ == "__main__":
+    for row in measure_all(settings(sys.argv[1:]), repeats=25):
+        sys.stdout.write(f"{row}\n")
