@@ -19,8 +19,8 @@ what follows:
 6. *Explicit stages*: their diagonal entry is an equation of the file. Pairs are explicit.
 7. *Start and finish*: :mod:`glmref.prove.starting`.
 
-Redundant to all this, every one of the residuals up to the order is a ball around zero, of width
-below :data:`WIDTH`, over the enclosure of the root.
+Redundant to all this, and evaluated where it is asked for, every one of the residuals up to the
+order is a ball around zero, of width below :data:`WIDTH`, over the enclosure of the root.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from ..exact.expression import parse
 from ..exact.linalg import Matrix
 from ..method.sweep import SweepForm
 from ..theory.error_constants import commutator_row
-from ..theory.trees import trees
+from ..theory.trees import Tree, trees
 from .classes import representatives
 from .equations import Series
 from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk
@@ -68,21 +68,17 @@ class Enclosure:
         The order proved (a lower bound; see ``next_order`` for the upper one).
     nystrom_order : int
         The same on second-order systems; ``order`` for one component.
-    identity : bool
-        Whether the first values are the solution itself, to these orders.
     blocks : Blocks
         What was proved about the start and the finish.
     signs : tuple[tuple[int, ...], ...] or None
         Diagonal of E = V L, the symmetry of the values, by component; ``None`` for a product of
         flows that is not symmetric.
-    width : float
-        Largest magnitude over all residuals up to the order, growth parameters included.
     system : SweepSystem
         The equations.
     form : SweepForm
         The numbers of the sweep form.
-    series : tuple[Series, ...]
-        For each order claimed, in the order of :attr:`~.system.SweepSystem.families`.
+    principal : Mapping[Tree, Any]
+        The principal parts that are unknowns.
     """
 
     values: Mapping[str, Ball]
@@ -90,13 +86,58 @@ class Enclosure:
     root: Krawczyk
     order: int
     nystrom_order: int
-    identity: bool
     signs: tuple[tuple[int, ...], ...] | None
-    width: float
     system: SweepSystem = field(repr=False)
     form: SweepForm = field(repr=False)
-    series: tuple[Series, ...] = field(repr=False)
+    principal: Mapping[Tree, Any] = field(repr=False)
     blocks: Blocks = field(default_factory=Blocks)
+
+    @cached_property
+    def series(self) -> tuple[Series, ...]:
+        """For each order claimed, in the order of :attr:`~.system.SweepSystem.families`."""
+        return tuple(
+            self.system.series(self.form, self.principal, order, family=family, starts=True)
+            for order, family in self.system.families
+        )
+
+    @cached_property
+    def identity(self) -> bool:
+        """Whether the first values are the solution itself, to the orders claimed."""
+        return all(
+            x[0].is_zero() is True
+            for order, family in self.system.families
+            for t, x in self.system.series(
+                self.form, self.principal, order, family=family, wanted=()
+            ).zeta.items()
+            if t.order < order
+        )  # fmt: skip
+
+    @cached_property
+    def width(self) -> float:
+        """Largest magnitude of what the theorems say vanishes.
+
+        Raises
+        ------
+        ExactnessError
+            When it does not.
+        """
+        system = self.system
+        small: list[Any] = [
+            x
+            for (order, _), found in zip(system.families, self.series, strict=True)
+            for t, x in found.residual.items()
+            if t.order <= order
+        ]
+        small += [system.growth(e, self.form) for e in system.equations if e.kind == "growth"]
+        small += [row[0] - 1 for c in self.form.blocks for row in c.U]  # U u = 1
+        width = max(ball(x).magnitude() for x in small)
+        # one by one: the largest of numbers that are no numbers may be any of the others
+        if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
+            raise ExactnessError(
+                f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
+                f"and it must be a ball around zero below {WIDTH}"
+            )
+        return width
 
     @property
     def contraction(self) -> float:
@@ -145,58 +186,21 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         for i, x in enumerate(weights):
             if ball(x).is_zero() is not False:
                 raise ExactnessError(f"`{name}[{i + 1}]` may be zero: {x!r}")
-    series = tuple(
-        system.series(form, principal, order, family=family, starts=True)
-        for order, family in system.families
-    )
     record = Enclosure(
         values=dict(zip(system.unknowns, root.box, strict=True)),
         radius=radius_of(document),
         root=root,
         order=system.claimed,
         nystrom_order=max(system.claimed, system.claimed_second_order),
-        identity=all(
-            x[0].is_zero() is True
-            for (order, _), found in zip(system.families, series, strict=True)
-            for t, x in found.zeta.items()
-            if t.order < order
-        ),
         signs=signs,
-        width=_checked_width(system, form, series),
         system=system,
         form=form,
-        series=series,
+        principal=principal,
     )
-    if "starting" not in document:
-        return record
-    target = Target.of(document, system, series)
-    return replace(record, blocks=prove_blocks(document, target))
-
-
-def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:
-    """Largest magnitude of what the theorems say vanishes.
-
-    Raises
-    ------
-    ExactnessError
-        When it does not.
-    """
-    small: list[Any] = [
-        x
-        for (order, _), found in zip(system.families, series, strict=True)
-        for t, x in found.residual.items()
-        if t.order <= order
-    ]
-    small += [system.growth(e, form) for e in system.equations if e.kind == "growth"]
-    small += [row[0] - 1 for c in form.blocks for row in c.U]  # U u = 1
-    width = max(ball(x).magnitude() for x in small)
-    # one by one: the largest of numbers that are no numbers may be any of the others
-    if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
-        raise ExactnessError(
-            f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
-            f"and it must be a ball around zero below {WIDTH}"
-        )
-    return width
+    if "starting" in document:  # not by `replace`, which would drop the series
+        blocks = prove_blocks(document, Target.of(document, system, record.series))
+        object.__setattr__(record, "blocks", blocks)
+    return record
 
 
 def _checked_signs(system: SweepSystem) -> tuple[tuple[int, ...], ...] | None:

@@ -210,11 +210,10 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
 def _orders(system: SweepSystem, record: Enclosure) -> dict[str, int]:
     """Lower bounds of the orders that the equations give."""
     found: dict[str, int] = {}
-    for (order, family), series in zip(system.families, record.series, strict=True):
-        below = [x for t, x in series.zeta.items() if t.order < order]
+    for order, family in system.families:
         identity = system.identity_through(order - 1, family)
         if not system.is_partitioned:  # then the series itself may show it
-            identity = all(x[0].is_zero() is True for x in below)
+            identity = record.identity
         if family is not Family.SECOND_ORDER:
             found |= {ORDER.key: order, EFFECTIVE_ORDER.key: order}
             if identity:
