@@ -6,6 +6,7 @@ class, a struct, a call with named arguments, or an object whose fields get valu
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -25,6 +26,12 @@ _HEADS = frozenset(
     "while do else try catch switch match unsafe loop template module".split()
 )
 _OWN = frozenset("self this Self cls".split())
+#: Other names of quotients: ``Fraction as F``, ``Q = Rational``, ``#define Q(a, b) (1.0*(a)/(b))``.
+_ALIAS = re.compile(
+    r"\b(?:Fraction|Rational)\s+as\s+(\w+)|^\s*(\w+)\s*=\s*(?:\w+\.)?(?:Fraction|Rational)\s*$"
+    r"|^[ \t]*#[ \t]*define[ \t]+(\w+)\(\w+, ?\w+\)[ \t]*\(?[^\n/]*\w\)?[ \t]*/[^\n/]*$",
+    re.MULTILINE,
+)
 _CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
 
 
@@ -56,6 +63,7 @@ class Block:
     blocks: list[Block] = field(default_factory=list)
     #: Names and whole numbers among the arguments of a call, by their places.
     called: str = ""
+    label: str = ""  #: What a call calls its table.
     arguments: list[tuple[str, int | None]] = field(default_factory=list)
     user: Block | None = None  #: The block that has this one as a value.
     depth: int = 0  # of round brackets around a block in a macro
@@ -80,6 +88,10 @@ class Collector:
     def __init__(self, text: str, language: Language, *, fixed: bool = False) -> None:
         self.text, self.language = text, language
         self.tokens, self.remarks = tokens(text, language, fixed=fixed)
+        quotients = {x for pair in _ALIAS.findall(text) for x in pair if x}
+        if quotients:
+            self.tokens = [x._replace(text="Fraction") if x.text in quotients else x
+                           for x in self.tokens]  # fmt: skip
         self.top = Block("", 1)
         self.block = self.top
         self.count = 0
@@ -376,11 +388,36 @@ class Collector:
             return
         if row[0].text in ("typedef", "using", "import", "from", "use", "package"):
             return
+        if row[0].text.lower() == "data" and self.language.name == "fortran":
+            self._data(row[1:])
+            return
         equal = _equal(row)
         if equal is None:
             self._expression(row)
             return
         self._assign(row, equal)
+
+    def _data(self, row: Sequence[Token]) -> None:
+        """Read ``a(2,1), a(3,1) / 0.5, 0.25 /`` of Fortran."""
+        slashes = [k for k, x in enumerate(row) if x.text == "/"]
+        for start, (low, high) in zip(
+            [0, *(k + 1 for k in slashes[1::2])], zip(slashes[::2], slashes[1::2], strict=False),
+            strict=False,
+        ):  # fmt: skip
+            end = Token("mark", ")", row[low].line, 0, 0, False)
+            targets = _parts(row[start:low])
+            try:
+                values = self._folder([*row[low + 1 : high], end]).items(")")
+            except Unread:
+                values = []
+            if len(targets) == 1 < len(values):
+                values = [values]
+            for k, target in enumerate(targets):
+                found = _target(target, self.language)
+                if found is not None and len(values) == len(targets):
+                    self._store(found[0], found[1], "", plain(values[k]), target[0].line, target)
+                elif found is not None:
+                    self._lose(found[0], "a DATA statement is not understood", target[0].line)
 
     def _assign(self, row: Sequence[Token], equal: int) -> None:
         target = _target(row[:equal], self.language)
@@ -480,6 +517,8 @@ class Collector:
             name, block = block.name, block.parent or block
         if not subscripts or isinstance(value, list):
             if subscripts and not self._declares(subscripts):
+                if isinstance(value, list) and self._part(name, subscripts[0], value, line):
+                    return
                 index = self._index(subscripts)
                 if index is not None and len(index) == 1:
                     self._entry(block, name, index, value, line)  # a row
@@ -499,6 +538,28 @@ class Collector:
             self._lose(name, "an entry is set at run time", line)
             return
         self._entry(block, name, index, value, line)
+
+    def _part(self, name: str, subscripts: Sequence[Token], value: list[Any], line: int) -> bool:
+        """Set a part of a row, as ``A[2, :2] = [..]``; return whether it was understood."""
+        held, at = None, self.block
+        while at is not None and held is None:
+            held, at = at.names.get(name), at.parent
+        end = Token("mark", "]", line, 0, 0, False)
+        try:
+            *index, last = self._folder([*subscripts, end]).indices("]")
+            for k in index:
+                held = held[k.whole() - self.language.base] if isinstance(held, list) else None
+            if not (isinstance(held, list) and isinstance(last, tuple) and len(last) == 2):
+                return False
+            low = 0 if last[0] is None else last[0].whole() - self.language.base
+            high = len(held) if last[1] in (None, "end") else last[1].whole()
+        except (Unread, AttributeError, IndexError):
+            return False
+        high += len(held) if high < 0 else 0
+        if low < 0 or high > len(held) or high - low != len(value):
+            return False
+        held[low:high] = plain(value)
+        return True
 
     def _declares(self, subscripts: list[Sequence[Token]]) -> bool:
         """Return whether subscripts are the sizes of a declaration."""
@@ -602,12 +663,18 @@ class Collector:
         for name, value in record.fields.items():
             last = max(last, self._field(block, name, value, line))
         for name, value in record.values:
-            whole = _whole(value)
+            whole = _whole(
+                value[0] if value and isinstance(value, list) and len(value) < 3 else value
+            )
             block.arguments.append((name, whole))
             if isinstance(value, Record | list):
                 last = max(last, self._field(block, name, value, line))
-            elif isinstance(value, str) and not block.name:
-                block.name = value.strip("\"'")
+            elif not block.label and len(block.arguments) < 3:
+                if isinstance(value, str):
+                    block.label = value.strip("\"'")
+                elif isinstance(value, Unread) and name.isupper():
+                    block.label = name
+                block.name = block.name or block.label
         block.last = max(block.last, last)
 
     def _field(self, block: Block, name: str, value: Any, line: int) -> int:
@@ -728,6 +795,19 @@ def _last_line(x: Any) -> int:
     return max(_places(x), default=0)
 
 
+def _parts(row: Sequence[Token]) -> list[list[Token]]:
+    """Return what stands between the commas outside of brackets."""
+    found: list[list[Token]] = [[]]
+    depth = 0
+    for x in row:
+        depth += (x.text in ("(", "[")) - (x.text in (")", "]"))
+        if x.text == "," and depth == 0:
+            found.append([])
+        else:
+            found[-1].append(x)
+    return [x for x in found if x]
+
+
 def _partner(row: Sequence[Token], at: int) -> int:
     depth = 0
     for k in range(at, len(row)):
@@ -780,6 +860,8 @@ def _named(head: Sequence[Token]) -> str:
         if x.text == "(" and k and head[k - 1].kind == "name":
             inside = head[k + 1] if k + 1 < len(head) else None
             macro = head[-1].text == "," and head[k - 1].text.isupper()
+            if k > 2 and head[k - 2].text == "::" and head[k - 3].kind == "name":
+                return head[k - 3].text  # of a method its class
             return inside.text if macro and inside is not None else head[k - 1].text
     return next((x.text for x in reversed(head) if x.kind == "name"), "")
 

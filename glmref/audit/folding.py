@@ -25,6 +25,8 @@ _CASTS = frozenset(
     "scalar realtype sunrealtype static_cast as_tensor ascontiguousarray constant vector matrix "
     "cast val one_ toreal deepcopy to_array as_array freeze mat row vcat hcat".split()
 )
+#: Calls that make a list of their arguments.
+_LISTS = frozenset("svector mvector tuple vector array list of listof arrayof make_array".split())
 _QUOTIENTS = frozenset(("fraction", "rational", "frac", "rat"))
 _NOTHING = frozenset("None NULL nullptr nothing null undefined nil PETSC_NULLPTR".split())
 _WORDS = frozenset(
@@ -253,7 +255,7 @@ class Folder:
         if t.text == "[":
             return self._square(t)
         if t.text == "(/":
-            return self._items("/)")
+            return self.items("/)")
         if t.text == "{":
             return self._braced("", t.line)
         if t.text == "(":
@@ -296,7 +298,7 @@ class Folder:
                 return plain(self._unary())
         blanks, self.blanks = self.blanks, False
         try:
-            items = self._items(")", keep=True)
+            items = self.items(")", keep=True)
         finally:
             self.blanks = blanks
         comma = any(x.text == "," and self._depth_of(inside, k) == 0 for k, x in enumerate(inside))
@@ -338,7 +340,7 @@ class Folder:
             return found
         return x
 
-    def _items(self, close: str, *, keep: bool = False) -> list[Any]:
+    def items(self, close: str, *, keep: bool = False) -> list[Any]:
         """Read entries parted by commas, through the closing bracket."""
         found: list[Any] = []
         if close == "/)" or close == "]":
@@ -383,7 +385,7 @@ class Folder:
             n = number(self.expression()).whole()
             self.take("]")
             return repeated(x, n)
-        return self._items("]")
+        return self.items("]")
 
     def _of_go(self, close: int) -> Any:
         self.at = close + 1
@@ -613,6 +615,8 @@ class Folder:
                 return self._literal_text(x)
             if isinstance(x, Number | list):
                 return plain(x)
+        if low in _LISTS and len(given) > 1 and all(isinstance(x, Number) for x in given):
+            return [plain(x) for x in given]
         if low in _CASTS and given:
             lists = [x for x in given if isinstance(x, list)]
             if len(lists) == 1:
@@ -633,6 +637,8 @@ class Folder:
             or (given and isinstance(given[0], list))
         ):
             return Record(name, t.line, words, values)
+        if len(given) == 1 and isinstance(given[0], Record) and not words:
+            return given[0]  # a call that looks at what another one returns
         raise Unread(f"the function {name[:40]!r} is not read", t.line)
 
     def _function(self, low: str, given: list[Any], words: Mapping[str, Any]) -> Any:
@@ -653,11 +659,13 @@ class Folder:
             return power(given[0], Number(Exact(2)))
         if low == "inv" and len(given) == 1:
             return power(given[0], Number(Exact(-1)))
+        if low in ("zero", "one") and not any(isinstance(x, Number | list) for x in given):
+            return Number(Exact(int(low == "one")))
         if low in ("zeros", "zero", "ones", "fill", "empty", "zeros_like", "buildarray") and given:
             return self._filled(low, given)
         if low == "getfield" and not given:
             return "field"
-        if low in ("one", "getone", "zero", "getzero"):
+        if low in ("one", "getone", "getzero"):
             return Number(Exact(int(low.endswith("one"))))
         if low in ("transpose", "permutedims"):
             return transposed(given[0])
@@ -710,16 +718,16 @@ class Folder:
                 return x
             if t.text == "[" and isinstance(x, list):
                 self.take()
-                x = self._taken(x, self._indices("]"))
+                x = self._taken(x, self.indices("]"))
             elif t.text == "[" and isinstance(x, Entries):
                 index: list[Any] = []
                 while self.sees("["):
                     self.take()
-                    index += self._indices("]")
+                    index += self.indices("]")
                 x = self._taken(x, index)
             elif t.text == "(" and isinstance(x, list) and self.language.calls_index:
                 self.take()
-                x = self._taken(x, self._indices(")"))
+                x = self._taken(x, self.indices(")"))
             elif t.text in ("'", ".'") and self.language.blanks and not t.spaced:
                 self.take()
                 x = transposed(x)
@@ -752,7 +760,8 @@ class Folder:
             return given[0] if name == "newInstance" and given else x
         raise Unread(f"{name!r} of a value is not read", t.line)
 
-    def _indices(self, close: str) -> list[Any]:
+    def indices(self, close: str) -> list[Any]:
+        """Read indices and ranges through the closing bracket."""
         found: list[Any] = []
         while not self.sees(close):
             if self.sees(","):

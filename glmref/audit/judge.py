@@ -75,6 +75,8 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
 def _judge(table: Table, record: dict[str, Any], library: Library | None, search: bool) -> None:
     method = Trial(table)
     remarks: list[str] = []
+    if table.pair is not None and len(table.rows) == 1:
+        _share(table, method)
     found = _reached(table, method)
     status = _order(table, method, found, record, remarks)
     if method.quadratic:
@@ -120,6 +122,13 @@ def _meant(
     One that is not sure to be meant as it is read is a question, and so is one without a declared
     order where one entry, or a method of the catalogue, says what the table should be.
     """
+    explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
+    rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    if status in ("wrong", "question") and not table.sure and not (
+        explained or rows or one_row_apart(method)
+    ):  # fmt: skip
+        remarks.append("matrix, weights or order may not be meant as they are read")
+        return "unread"
     if status == "wrong" and not table.sure:
         remarks.append(
             table.doubt or "no variable says that this order, or these weights, are meant"
@@ -142,7 +151,7 @@ def _meant(
     return status
 
 
-_ENTRY = re.compile(r"(a|alpha|b|c)(_implicit|_prime)?\[(\d+)\](?:\[(\d+)\])?")
+_ENTRY = re.compile(r"(a|alpha|gamma|beta|b|c|A|B)(_implicit|_prime)?\[(\d+)\](?:\[(\d+)\])?")
 
 
 def _place(table: Table, entry: str) -> tuple[int, str] | None:
@@ -150,14 +159,25 @@ def _place(table: Table, entry: str) -> tuple[int, str] | None:
     m = _ENTRY.fullmatch(entry)
     if m is None:
         return None
-    part, i = int(m[2] is not None), int(m[3]) - 1
+    part, i = int(m[2] is not None or m[1] in ("gamma", "beta", "B")), int(m[3]) - 1
     try:
         if m[4]:
             return table.A[part][i][int(m[4]) - 1].place
-        row = (table.b if m[1] == "b" else table.c)[part]
+        part += m[1] == "b" and table.kind == "splitting"
+        row = (table.c if m[1] == "c" else table.b)[part]
         return row[i].place if row is not None else None
     except IndexError:
         return None
+
+
+def _share(table: Table, method: Trial) -> None:
+    """Give b the lower of two declared orders where it has that one, and the row the other."""
+    low, high = table.pair or (0, 0)
+    table.order = low if low < high else high
+    reached = _reached(table, method).to(method.coarse)
+    table.order = low if reached == low else high
+    (label, row, _), other = table.rows[0], high if reached == low else low
+    table.rows = [(label, row, other)]
 
 
 def _reached(table: Table, method: Trial) -> Reach:

@@ -371,6 +371,11 @@ def _of_tudat(fields: Mapping[str, Any], name: str, line: int) -> Table:
     return table
 
 
+_ORDER_FUNCTION = re.compile(
+    r"\b(\w+)_order\s*\([^(){}]*\)[^(){};]{0,40}\{\s*return\s+(\d{1,2})\s*;"
+)
+
+
 def declared_orders(text: str) -> dict[str, int]:
     """Orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
     places = re.findall(
@@ -393,6 +398,10 @@ def declared_orders(text: str) -> dict[str, int]:
         order = said and (int(said[1]) if said[1] else ORDINALS.get(said[2].lower()))
         if order:
             documented[name] = order
+    found = _ORDER_FUNCTION.findall(text)
+    for inner in re.findall(r"\b[Oo](?:rder|RDER)s?\w*\s*(?::[^=\n]{1,60})?=\s*\{([^{}]*)\}", text):
+        found += re.findall(r"[\"']([\w .-]+)[\"']\s*[:=,]\s*(\d{1,2})\b", inner)
+    documented |= {name: int(n) for name, n in found}
     found = re.findall(r"alg_order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)", text)
     return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
 

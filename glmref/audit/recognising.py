@@ -8,16 +8,17 @@ strict; and what a name forbids, numbers do not allow. See :mod:`.collecting` fo
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from copy import copy
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
-from math import isqrt, nan
+from math import isqrt
 from typing import Any
 
 from ..catalogue.keys import MAX_SIZE
-from .collecting import Block, Collector, Item
-from .folding import Entries, flattened
+from ..exact import Exact
+from .collecting import Block, Collector
+from .entries import SUBJECT, Array, arrays, size
+from .folding import flattened
+from .kinds import others
 from .lexer import Language, Remark
 from .readers import ORDINALS
 from .table import ZERO, Rows, Table
@@ -27,287 +28,22 @@ from .values import Number, Unread
 LOOSE = 4e-3
 #: Part of the rows whose sums must be the nodes.
 MOST_ROWS = 0.6
-#: Words of the subject; a file without any of them holds tables only under plain names.
-SUBJECT = re.compile(
-    r"runge|butcher|tableau|rosenbrock|(?<![a-z])rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
-    r"symplectic|embedded|time.?step|\bode\b|\bodes\b|solver",
-    re.IGNORECASE,
-)
 _PLAIN = re.compile(r"[Rr]unge|RUNGE|[Bb]utcher|BUTCHER|[Tt]ableau")
 _NUMERAL = re.compile(r"\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\"")
 
 
-def may_hold(text: str) -> bool:
+def may_hold(text: str, where: str = "") -> bool:
     """Return whether a text has the numerals and the words of a file with tables."""
     if _PLAIN.search(text) is not None:
         return True
     found = _NUMERAL.finditer(text)
     if sum(1 for _, _ in zip(range(4), found, strict=False)) < 4:
         return False
-    return SUBJECT.search(text) is not None or re.search(r"\b[Aa]\b", text) is not None
-
-
-# --- names ----------------------------------------------------------------------------------------
-
-_ROLES: dict[str, str] = {}
-for _role, _words in {
-    "A": "a aa amat amatrix acoef acoeffs acoefs acoefficients alower matrix geta rka staticA ai "
-         "ae aij aexp aimp aexplicit aimplicit butcher runge at ahat stages ark "
-         "tableauintermediate",
-    "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
-         "bhigh b1 tableaufinal bexp bimp bexplicit bimplicit w",
-    "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
-         "abscissa times ci ch ah",
-    "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "
-                "embweights bls αEEst aeest bloworder weightshat bht bcap bb2",
-    "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh",
-    "gamma": "gamma gam γ",
-    "beta": "beta betas",
-    "diagonal": "adiagonal adiag diagonal diag",
-}.items():  # fmt: skip
-    _ROLES |= {x.lower(): _role for x in _words.split()}
-_SPLIT = re.compile(r"_|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]+)")
-
-
-def role_of(name: str) -> tuple[str, str]:
-    """Return what a name has besides its role, and the role, ``""`` where it has none."""
-    whole = name.replace("_", "").lower()
-    if whole in _ROLES:
-        return "", _ROLES[whole]
-    parts = [x for x in _SPLIT.split(name) if x]
-    for n in (2, 1):
-        for stem, said in ((parts[:-n], parts[-n:]), (parts[n:], parts[:n])):
-            role = _ROLES.get("".join(said).lower())
-            if role and stem:
-                return "_".join(stem).lower(), role
-    return "", ""
-
-
-# --- arrays ---------------------------------------------------------------------------------------
-
-
-@dataclass
-class Array:
-    """Numbers under a name."""
-
-    name: str
-    value: list[Any]
-    line: int
-    last: int
-    at: int
-    lost: str = ""
-    named: bool = False  #: Whether entries have names of their own.
-    stem: str = ""
-    role: str = ""
-
-    def __post_init__(self) -> None:
-        self.stem, self.role = role_of(self.name)
-
-    def with_role(self, role: str) -> Array:
-        """Return the same with another role."""
-        found = copy(self)
-        found.role = role
-        return found
-
-    @property
-    def flat(self) -> bool:
-        """Whether it is a vector."""
-        return not any(isinstance(x, list) for x in self.value)
-
-
-_INDEXED = re.compile(r"^(.*?[^\W\d_])_{0,2}(\d+)(?:_(\d+))?_?$")
-
-
-def arrays(block: Block, language: Language) -> list[Array]:
-    """Return the arrays of a block: lists, entries one by one, names with numbers."""
-    found: list[Array] = []
-    scalars: dict[str, list[tuple[str, str | None, Item]]] = {}
-    lists: dict[str, list[tuple[int, Item]]] = {}
-    base = _base(block, language)
-    for item in block.items:
-        value = item.value
-        match = _INDEXED.match(item.name)
-        if isinstance(value, Entries):
-            made = _of_entries(value, item, base)
-            if made is not None:
-                found.append(made)
-        elif isinstance(value, list):
-            if (
-                match
-                and not match[3]
-                and value
-                and _numeric(value)
-                and not any(isinstance(x, list) for x in value)
-            ):
-                lists.setdefault(match[1], []).append((int(match[2]), item))
-            if value and _numeric(value):
-                if len(value) == 1 and isinstance(value[0], list):
-                    value = value[0]
-                found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
-                                   item.lost))  # fmt: skip
-                found += _parts(item, named=bool(SUBJECT.search(block.called)))
-        elif match and isinstance(value, Number | Unread):
-            scalars.setdefault(match[1], []).append((match[2], match[3], item))
-    for stem, rows in lists.items():
-        found += _of_rows(stem, rows, scalars)
-    for stem, entries in scalars.items():
-        found += _of_scalars(stem, entries)
-    return sorted(found, key=lambda x: x.at)
-
-
-def _base(block: Block, language: Language) -> int:
-    """Return the index of the first entries of the arrays of a block."""
-    low = [min(min(k) for k in x.value) for x in block.items
-           if isinstance(x.value, Entries) and x.value]  # fmt: skip
-    if not low or min(low) == 0:
-        return 0
-    return 1 if language.base == 1 or (min(low) == 1 and len(low) > 1) else 0
-
-
-def _numeric(value: list[Any]) -> bool:
-    flat = flattened(value)
-    numbers = sum(isinstance(x, Number) for x in flat)
-    return (
-        numbers > 0
-        and all(isinstance(x, Number | Unread) for x in flat)
-        and (2 * numbers >= len(flat))
-    )
-
-
-def _parts(item: Item, *, named: bool) -> list[Array]:
-    """Rows of a matrix of two rows under the name of weights."""
-    value = item.value
-    if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
-        return []
-    if not all(isinstance(x, list) and len(x) > len(value) for x in value):
-        return []
-    found = []
-    for k, row in enumerate(value):
-        part = Array(item.name, row, item.line, item.last or item.line, item.at, item.lost)
-        part.role = "b" if k == 0 else "embedded"
-        found.append(part)
-    return found
-
-
-def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
-    """A dense array from entries that are given one by one."""
-    sizes = {len(k) for k in entries}
-    if not entries or len(sizes) > 1 or max(max(k) for k in entries) > MAX_SIZE:
-        return None
-    (n,) = sizes
-    if any(isinstance(x, list) for x in entries.values()):
-        if n != 1:
-            return None
-        rows = [
-            entries[k] if isinstance(entries[k], list) else [entries[k]] for k in sorted(entries)
-        ]
-        return Array(item.name, rows, item.line, item.last, item.at, item.lost)
-    if n == 1:
-        top = max(k[0] for k in entries)
-        value: list[Any] = [entries.get((k,), ZERO) for k in range(base, top + 1)]
-        return Array(item.name, value, item.line, item.last, item.at, item.lost)
-    if n == 2:
-        rows_, columns = zip(*entries, strict=True)
-        if len(set(rows_)) == 1 and rows_[0] < 2 and len(columns) > 1:  # a row as a matrix
-            value = [entries.get((rows_[0], k), ZERO) for k in range(base, max(columns) + 1)]
-            return Array(item.name, value, item.line, item.last, item.at, item.lost)
-        s = max(*rows_, *columns)
-        value = [
-            [entries.get((i, j), ZERO) for j in range(base, s + 1)] for i in range(base, s + 1)
-        ]
-        return Array(item.name, value, item.line, item.last, item.at, item.lost)
-    return None
-
-
-def _of_rows(stem: str, rows: list[tuple[int, Item]], scalars: Any) -> list[Array]:
-    """A matrix from rows of growing length: a2, a3, .. ."""
-    rows = sorted(rows, key=lambda x: x[0])
-    lengths = [len(item.value) for _, item in rows]
-    grows = all(y == x + 1 for x, y in pairwise(lengths))
-    follows = all(y == x + 1 for (x, _), (y, _) in pairwise(rows))
-    if len(rows) < 2 or not (grows and follows):
-        return []
-    value = [item.value for _, item in rows]
-    if lengths[0] == 2:  # the first row is one number
-        first = next(
-            (x for digits, more, x in scalars.get(stem, []) if digits in ("21", "1", "2")), None
-        )
-        value = [[first.value] if first else [_absent(stem)], *value]
-    items = [item for _, item in rows]
-    lost = next((x.lost for x in items if x.lost), "")
-    return [
-        Array(stem, value, items[0].line, max(x.last or x.line for x in items), items[0].at, lost)
-    ]
-
-
-def _absent(stem: str) -> Unread:
-    return Unread(f"the first row of {stem} has no name that is read")
-
-
-def _pair(digits: str, more: str | None) -> list[tuple[int, int]]:
-    if more is not None:
-        return [(int(digits), int(more))]
-    n = len(digits)
-    if n == 2:
-        return [(int(digits[0]), int(digits[1]))]
-    if n == 3:
-        return [(int(digits[:2]), int(digits[2])), (int(digits[0]), int(digits[1:]))]
-    if n == 4:
-        return [(int(digits[:2]), int(digits[2:]))]
-    return []
-
-
-def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Array]:
-    """A matrix from a21, a31, .., and a vector from b1, b2, .. ."""
-    singles: dict[int, Item] = {}
-    doubles: dict[tuple[int, int], Item] = {}
-    words = {digits for digits, more, _ in given if more is None}
-    matrix = any(more is not None for _, more, _ in given) or bool(
-        words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"}
-    )
-    wide = any(len(x) == 4 and x[0] == "0" for x in words)
-    for digits, more, item in given:
-        lone = more is None and (len(digits) == 1 or not matrix or (wide and len(digits) == 2))
-        if lone:
-            singles.setdefault(int(digits), item)
-            continue
-        for i, j in _pair(digits, more):
-            if j <= i <= 40 and (i, j) not in doubles:
-                doubles[i, j] = item
-                break
-    found = []
-    if len(doubles) >= 2:
-        base = 0 if any(j == 0 for _, j in doubles) else 1
-        s = max(i for i, _ in doubles)
-        value: list[Any] = [
-            [doubles[i, j].value if (i, j) in doubles else ZERO for j in range(base, s + 1)]
-            for i in range(base, s + 1)
-        ]
-        found.append(_together(stem, value, list(doubles.values())))
-    if len(singles) >= 2 and max(singles) <= 40:
-        base = 0 if 0 in singles and 1 in singles else 1
-        singles.pop(0, None) if base else None
-        line = [singles[k].value if k in singles else ZERO for k in range(base, max(singles) + 1)]
-        found.append(_together(stem, line, list(singles.values())))
-    return found
-
-
-def _together(stem: str, value: list[Any], items: list[Item]) -> Array:
-    lost = next((x.lost for x in items if x.lost), "")
-    lines = [x.line for x in items]
-    return Array(stem, value, min(lines), max(lines), min(x.at for x in items), lost, named=True)
+    about = SUBJECT.search(text) is not None or SUBJECT.search(where) is not None
+    return about or re.search(r"\b[Aa]\b", text) is not None
 
 
 # --- readings -------------------------------------------------------------------------------------
-
-
-def size(x: Any) -> float:
-    """Return a number as a float, nan for what was not folded."""
-    if not isinstance(x, Number):
-        return nan
-    if x.approximate is None:
-        x.approximate = complex(x.value).real
-    return x.approximate
 
 
 @dataclass
@@ -334,6 +70,8 @@ def readings(array: Array) -> Iterator[Reading]:
     """Yield the matrices that an array may stand for."""
     value = array.value
     if array.flat:
+        if len(value) == 1 and array.role == "A":
+            yield Reading([list(value)])
         yield from _of_flat(value)
         return
     if not all(isinstance(x, list) and not any(isinstance(y, list) for y in x) for x in value):
@@ -341,6 +79,8 @@ def readings(array: Array) -> Iterator[Reading]:
     n, lengths = len(value), [len(x) for x in value]
     width = max(lengths)
     for rows, cost in ((value, 0), ([[], *value], 1)):
+        if array.named and cost:  # the names say which row is the first
+            break
         made = _padded(rows, len(rows)) if width <= len(rows) else None
         if made is not None and (cost == 0 or _strict(made)):
             yield Reading(made, cost=cost)
@@ -383,14 +123,25 @@ def _near(x: float, y: float) -> bool:
     return abs(x - y) < LOOSE * max(1.0, abs(y))
 
 
-def nodes_in(reading: Reading, x: Sequence[Any], power: int = 1) -> float:
+def times_of(x: Array, reading: Reading) -> list[Any] | None:
+    """Return nodes (s,), of which the first, 0, or under names the last may be left out."""
+    s, value = len(reading.A), x.value
+    if x.named and 1 < len(value) < s and size(value[0]) == 0:
+        rows = [row for row in reading.A[len(value) :] if all(isinstance(y, Number) for y in row)]
+        value = [*value, *(Number(sum((y.value for y in row), Exact(0))) for row in rows)]
+    elif len(value) == s - 1:
+        value = [ZERO, *value]
+    return value if len(value) == s else None
+
+
+def nodes_in(reading: Reading, x: Sequence[Any] | None, power: int = 1) -> float:
     """Return the part of the rows whose sums are nodes, or half of their squares."""
     s = len(reading.A)
-    values = [size(v) for v in x]
-    if len(values) == s - 1:
-        values = [0.0, *values]
-    if len(values) != s or s < 2:
+    values = [size(v) for v in x or ()]
+    if len(values) != s:
         return 0.0
+    if s == 1:
+        return float(_near(reading.sums[0], values[0]))
     wanted = [v if power == 1 else v * v / 2 for v in values]
     rows = list(zip(reading.sums, wanted, strict=True))
     live = [(p, q) for p, q in rows if not (p == 0 and q == 0)]
@@ -491,7 +242,7 @@ def _all_readings(array: Array, vectors: list[Array]) -> Iterator[Reading]:
 
 def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidate | None:
     s = len(reading.A)
-    if s > MAX_SIZE or s < 2:
+    if s > MAX_SIZE or (s < 2 and array.role != "A"):
         return None
     match, node = 0.0, None
     if reading.c is not None:
@@ -502,7 +253,7 @@ def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidat
         for x in vectors:
             if x.role in ("b", "embedded", "error") or x is array:
                 continue
-            m = nodes_in(reading, x.value) + 0.01 * (x.role == "c")
+            m = nodes_in(reading, times_of(x, reading)) + 0.01 * (x.role == "c")
             if m > match:
                 match, node = m, x
             if len(x.value) > s and x.role == "c":  # times of a dense output, too
@@ -560,7 +311,13 @@ def _weights(
 
 
 def tables(
-    text: str, language: Language, *, fixed: bool = False, about: bool = False
+    text: str,
+    language: Language,
+    *,
+    fixed: bool = False,
+    about: bool = False,
+    declared: Mapping[str, int] | None = None,
+    where: str = "",
 ) -> list[Table]:
     """Return the tables of a source.
 
@@ -572,6 +329,10 @@ def tables(
         Whether it is Fortran in fixed form.
     about : bool
         Whether the source is known to hold tables; otherwise a word of the subject must say so.
+    declared : Mapping of str to int, optional
+        Orders that other files declare, by the name of the method.
+    where : str, optional
+        Path of the file, which may say what it is about.
     """
     collector = Collector(text, language, fixed=fixed)
     everything = collector.blocks()
@@ -579,7 +340,7 @@ def tables(
         for item in block.items:
             if isinstance(item.value, Block) and item.value.user is None:
                 item.value.user = block
-    about = about or SUBJECT.search(text) is not None
+    about = about or SUBJECT.search(text) is not None or SUBJECT.search(where) is not None
     strong = re.search(r"runge|butcher|tableau", text, re.IGNORECASE) is not None
     found: list[Table] = []
     for block in everything:
@@ -589,12 +350,40 @@ def tables(
             lo, hi = block.line, block.last
             made += [x for x in arrays(block.parent, language) if x.name not in taken
                      and block.kind == "record" and lo <= x.line <= hi]  # fmt: skip
-        found += _of_block(block, made, about=about, strong=strong)
+        found += _of_block(block, made, text, about=about, strong=strong)
     found = _distinct(found)
     found.sort(key=lambda x: x.line)
     _called_with(found, collector.calls)
+    for table in found:
+        for name in (table.name, *reversed(path_of(table)), _SUFFIX.sub("", table.name)):
+            if declared and name in declared and not table.unread:
+                table.order, table.sure = declared[name], True
+                break
+    _used_by(found, everything, collector)
     declare(found, collector.remarks)
-    return found
+    return [x for x in found if x.unread or x.order is not None or len(x.b[0]) > 1]
+
+
+def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> None:
+    """Give tables the order of the blocks that name them, where those agree."""
+    orders = [(x, order) for x in blocks if x.parent and (order := _own_order(x, above=False))]
+    lines: dict[str, list[int]] = {}
+    for token in collector.tokens:
+        if token.kind == "name":
+            lines.setdefault(token.text, []).append(token.line)
+    for table in found:
+        path = path_of(table)
+        if table.unread or table.order is not None or not path:
+            continue
+        used = {order for x, order in orders
+                if any(x.line <= n <= x.last for n in lines.get(path[0], ()))
+                and not x.line <= table.line <= x.last}  # fmt: skip
+        if len(used) == 1:
+            table.order = used.pop()
+
+
+#: Words at the end of a name that are not that of the method.
+_SUFFIX = re.compile(r"(?:ESDIRKIMEX|IMEX|Rodas)?(?:Constant|Constants|Cache|Tableau|Tab)+$")
 
 
 def _distinct(found: list[Table]) -> list[Table]:
@@ -619,6 +408,11 @@ def _distinct(found: list[Table]) -> list[Table]:
     return [x for x in kept if not repeats(x)]
 
 
+def path_of(table: Table) -> list[str]:
+    """Return the names of the blocks around a table."""
+    return table.block.path() if table.block is not None else []
+
+
 def _called_with(found: list[Table], calls: list[Block]) -> None:
     """Take the order from calls that are given a matrix, its name and small whole numbers.
 
@@ -632,6 +426,8 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             names = {name for name, _ in call.arguments if name}
             near = call.line <= table.line <= call.last or 0 <= call.line - table.last <= 25
             if call.called and near and (table.source in names or call is table.block):
+                if call.label and table.name in (table.source, *path_of(table)):
+                    table.name = call.label
                 given.setdefault(call.called, []).append((table, call))
                 break
     for pairs in given.values():
@@ -659,11 +455,12 @@ def _windows(array: Array, made: list[Array]) -> list[Array]:
     if len(same) < 2:
         return made
     k = same.index(array)
-    first = min((x.at for x in made if x.name != array.name), default=0)
-    if first < same[0].at:  # weights come before their matrix
-        low, high = (same[k - 1].at if k else -1), array.at
-        return [x for x in made if low < x.at <= high]
-    high = same[k + 1].at if k + 1 < len(same) else 10**9
+    others = [x.at for x in made if x.name != array.name]
+    low, high = (same[k - 1].at if k else -1), same[k + 1].at if k + 1 < len(same) else 10**9
+    if min(others, default=0) < same[0].at:
+        if max(others, default=0) < same[-1].at:  # weights come before their matrix
+            high = array.at + 1
+        return [x for x in made if low < x.at < high]
     return [x for x in made if array.at <= x.at < high]
 
 
@@ -681,11 +478,21 @@ def _latest(made: list[Array], at: int) -> list[Array]:
 _GUESSES = re.compile(r"predict|dense|interp|extrap", re.IGNORECASE)
 
 
-def _of_block(block: Block, made: list[Array], *, about: bool, strong: bool) -> list[Table]:
+def _of_block(
+    block: Block, made: list[Array], text: str, *, about: bool, strong: bool
+) -> list[Table]:
     found: list[tuple[Candidate, list[Array]]] = []
     unread: list[Table] = []
     used: set[int] = set()
-    for array in made:
+    other = others(block, made, text=text) if about else []
+    for x in other:
+        anchor, table = x.arrays[0], x.table
+        table.name = table.name or _title(block, anchor)
+        table.block, table.source = block, anchor.name
+        table.key = key_of([y.value for y in x.arrays])
+        table.order = _own_order(block)
+        used |= {id(y) for y in x.arrays}
+    for array in [x for x in made if id(x) not in used]:
         if array.flat and array.role != "A":
             continue
         if (
@@ -699,7 +506,7 @@ def _of_block(block: Block, made: list[Array], *, about: bool, strong: bool) -> 
         near = _latest(_windows(array, made), array.at)
         near = [x for x in near if x is not array]
         best = candidates(array, near)
-        called = bool(_PLAIN.search(block.called)) and array.name == ""
+        called = bool(block.called) and array.name == ""
         if best is not None and _is_table(best, about=about, called=called):
             found.append((best, near))
             used.add(id(array))
@@ -715,7 +522,7 @@ def _of_block(block: Block, made: list[Array], *, about: bool, strong: bool) -> 
                 table = Table(_title(block, array), array.line, unread=why)
                 table.key = key_of(array.value)
                 unread.append(table)
-    return [*_built(block, found), *unread]
+    return [*(x.table for x in other), *_built(block, found), *unread]
 
 
 def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
@@ -724,10 +531,15 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
     broken = sum(y != 0 and y == y and y != round(y) for y in entries)
     named = x.array.role == "A" and (x.b is None or x.b.role in ("b", "embedded"))
-    named = named or (called and x.b is not None and x.match == 1)
+    lower = s > 2 and _strict(x.reading.A) and x.match >= MOST_ROWS and x.order > 0
+    named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
     if not broken and s < 4 and not (named and node and x.b is not None):
         return False
+    if s == 1:  # tables() wants a declared order, too
+        return about and named and node and x.b is not None and x.order > 0
+    if s == 2 and x.array.role == "A" and node and x.match >= 1 and x.order >= 2:
+        return about
     if s == 2:
         known = node or x.reading.c is not None or x.order >= 2
         return named and x.b is not None and known and about
@@ -809,6 +621,8 @@ def _additive(x: Candidate, y: Candidate) -> bool:
     """Return whether two matrices are the explicit and the implicit part of one method."""
     if len(x.reading.A) != len(y.reading.A) or x.array.name == y.array.name:
         return False
+    if {x.array.role, y.array.role} != {"A"}:
+        return False
     explicit = [_strict(z.reading.A) for z in (x, y)]
     if sorted(explicit) != [False, True]:
         return False
@@ -827,15 +641,15 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     if lost:
         table.unread = lost
         return table
-    times = x.reading.c if x.c is None else x.c.value[:s]
-    if times is not None and len(times) == s - 1:
-        times = [ZERO, *times]
+    times = x.reading.c
+    if x.c is not None:
+        times = x.c.value[:s] if len(x.c.value) > s else times_of(x.c, x.reading)
     if _is_nystrom(x, near):
         table.unread = "the coefficients of a Nystrom method, in a form that is not read"
         return table
     table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
     table.named = x.array.named
-    table.order, table.sure = _own_order(block), True
+    table.order, table.sure, table.pair = _own_order(block), True, _two_orders(block)
     if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
         table.sure = False
     _further(table, x, near)
@@ -847,7 +661,9 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
     if x.match >= MOST_ROWS:
         return False
     return any(
-        nodes_in(x.reading, y.value, 2) >= MOST_ROWS for y in near if y.flat and y is not x.b
+        nodes_in(x.reading, times_of(y, x.reading), 2) >= MOST_ROWS
+        for y in near
+        if y.flat and y is not x.b
     )
 
 
@@ -913,10 +729,11 @@ _SAID = re.compile(
     r"|\b(first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth)[- ]order\b",
     re.IGNORECASE,
 )
+_PRIMARY = re.compile(r"\b(?:primary|main) order[ :=]+(\d{1,2})\b", re.IGNORECASE)
 
 
-def _own_order(block: Block) -> int | None:
-    """Return the order that a variable or function of a block declares."""
+def _own_order(block: Block, *, above: bool = True) -> int | None:
+    """Return the order that a variable or function of a block, or of one around it, declares."""
     at: Block | None = block
     while at is not None:
         if at.user is not None and (order := _own_order(at.user)) is not None:
@@ -938,10 +755,24 @@ def _own_order(block: Block) -> int | None:
                 found.add(int(value))
         if len(found) == 1:
             return found.pop()
-        if found:
+        if found or not above:
             return None
         at = at.parent
     return None
+
+
+def _two_orders(block: Block) -> tuple[int, int] | None:
+    """Return a lower and a higher order that a block declares, of which row is not said."""
+    found: dict[str, set[int]] = {"low": set(), "high": set()}
+    for at in (block, *block.blocks):
+        for item in at.items:
+            word = re.search(r"(low|high)er_?order", item.name, re.IGNORECASE)
+            if word and isinstance(item.value, Number):
+                value = item.value.value.as_fraction()
+                if value is not None and value.denominator == 1:
+                    found[word[1].lower()].add(int(value))
+    low, high = found["low"], found["high"]
+    return (low.pop(), high.pop()) if len(low) == len(high) == 1 else None
 
 
 def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
@@ -950,15 +781,22 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
     Such an order is doubtful; a table that does not have it is a question.
     """
     last = 0
+    lines = {n for x in remarks for n in range(x.line, x.last + 1)}
     for table in found:
         if not table.unread and table.order is None:
             block = table.block
             first = table.line
             if block is not None and block.parent is not None:
                 first = min(first, block.line)
-            near = [x for x in remarks if max(last, first - 14) < x.last and x.line <= table.line]
+            low = first - 1
+            while low in lines:  # a comment of many lines
+                low -= 1
+            low = max(last, min(low, first - 14))
+            near = [x for x in remarks if low < x.last and x.line <= table.line]
             said = [m for x in near for m in _SAID.finditer(x.text)]
-            orders = {int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said}
+            orders = {int(m[1]) for x in near for m in _PRIMARY.finditer(x.text)} or {
+                int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said
+            }
             if len(orders) == 1:
                 table.order, table.sure = orders.pop(), False
                 table.doubt = "the order is read from a comment"

@@ -178,7 +178,9 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (re.search(_MARKS[form], text) if form else given or may_hold(text)):
+        if not (
+            re.search(_MARKS[form], text) if form else given or may_hold(text, path.name)
+        ):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
                 "given": given}  # fmt: skip
@@ -239,7 +241,9 @@ def _read(
     language = language_of(path)
     if language is None:
         raise DataError(f"the language of a file {path.suffix or 'without an ending'} is not known")
-    found = tables(text, language, fixed=path.suffix in FIXED, about=given)
+    found = tables(
+        text, language, fixed=path.suffix in FIXED, about=given, declared=declared, where=path.name
+    )
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
     special = [x for form in forms for x in read(text, form, declared)]
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
@@ -248,6 +252,12 @@ def _read(
         end = next((n for n in lines if n > x.line), len(text))
         if not (x.unread and any(x.line <= n < end for n in read_at)):
             yield x
+    whole = [x.line for x in found if x.kind == "composition" and x.order is not None]
+    special = [
+        x for x in special if x.kind != "composition" or all(abs(x.line - n) > 3 for n in whole)
+    ]
+    made = [x.line for x in special if x.kind == "composition"]
+    found = [x for x in found if x.kind != "composition" or all(abs(x.line - n) > 3 for n in made)]
     known = {key_of(A) for x in special for A in x.A}
     names = {x.name.lower() for x in special if not x.unread}
     for x in found:

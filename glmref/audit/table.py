@@ -28,6 +28,8 @@ class Table:
     b: list[list[Number]] = field(default_factory=list)
     c: list[list[Number] | None] = field(default_factory=list)
     order: int | None = None  #: The order that the code declares, or ``None``.
+    #: A lower and a higher declared order, where it is not said which row has which.
+    pair: tuple[int, int] | None = None
     doubt: str = ""  #: Why the declared order may not be meant as that of b, or ``""``.
     #: Further weights, each with what it is called and its declared order.
     rows: list[tuple[str, list[Number], int | None]] = field(default_factory=list)

@@ -175,6 +175,34 @@ def runge_kutta(
     )
 
 
+def low_storage(A: Vector, B: Vector, c: Sequence[Scalar] | None = None) -> Scheme:
+    """Scheme of dU = A_i dU + h f(U), U = U + B_i dU, i = 1, .., s: Williamson (1980), A_1 = 0."""
+    s = len(B)
+    rows: list[list[Scalar]] = [[_ZERO] * s]
+    for i in range(s):
+        row, factor = list(rows[-1]), B[i]
+        for j in range(i, -1, -1):
+            row[j] = row[j] + factor
+            factor = factor * A[j]
+        rows.append(row)
+    return runge_kutta(tuple(map(tuple, rows[:s])), tuple(rows[s]), c, apart=True)
+
+
+def shu_osher(alpha: Matrix, beta: Matrix, c: Sequence[Scalar] | None = None) -> Scheme:
+    """Scheme of y_i = sum alpha_ij y_j + h beta_ij f(y_j), j < i, i = 1, .., s: Shu, Osher (1988).
+
+    Row i of alpha and beta (s, s) gives y_i from y_0, .., y_{i-1}; y_s is the new value.
+    """
+    s = len(alpha)
+    rows: list[list[Scalar]] = [[_ZERO] * s]
+    for a, b in zip(alpha, beta, strict=True):
+        row = list(b)
+        for x, before in zip(a, rows, strict=False):
+            row = [y + x * z for y, z in zip(row, before, strict=True)]
+        rows.append(row)
+    return runge_kutta(tuple(map(tuple, rows[:s])), tuple(rows[s]), c, apart=True)
+
+
 def additive(
     parts: Sequence[tuple[Matrix, Vector]], c: Sequence[Sequence[Scalar] | None] = ()
 ) -> Scheme:

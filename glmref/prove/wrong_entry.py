@@ -107,7 +107,7 @@ class Trial:
         self.gap_row = self.gap_part = 0
         for k, given in enumerate(table.c or [None] * len(table.A)):
             c = None if given is None else list(vector(given))
-            if c is not None and k < len(self.A) and table.kind != "nystrom":
+            if c is not None and k < len(self.A) and table.kind not in ("nystrom", "shu-osher"):
                 gaps = [
                     abs(complex(sum(row, Exact(0)) - x))
                     for row, x in zip(self.A[k], c, strict=True)
@@ -149,6 +149,10 @@ class Trial:
             return schemes.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
         if self.kind == "glm":
             return schemes.general_linear(A[0], b)
+        if self.kind == "low-storage":
+            return schemes.low_storage(b[0], b[1], self.c[0] if self.c else None)
+        if self.kind == "shu-osher":
+            return schemes.shu_osher(A[0], A[1], self.c[0] if self.c else None)
         if self.kind in ("splitting", "composition"):
             return schemes.splitting(
                 b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
@@ -158,15 +162,19 @@ class Trial:
     def slots(self) -> Iterator[tuple[str, list[Any], int]]:
         """Entries that may be wrong: how they are called, where they are, and their index."""
         names = {"rk": ("a",), "additive": ("a", "a_implicit"), "rosenbrock": ("alpha", "gamma"),
-                 "nystrom": ("a", "a_prime")}  # fmt: skip
+                 "nystrom": ("a", "a_prime"), "shu-osher": ("alpha", "beta")}  # fmt: skip
         for name, M in zip(names.get(self.kind, ()), self.A, strict=False):
             for i, row in enumerate(M):
                 for j, x in enumerate(row):
                     if complex(x) != 0 or j < i:
                         yield f"{name}[{i + 1}][{j + 1}]", row, j
-        words = {"splitting": ("a", "b"), "nystrom": ("b", "b_prime")}.get(
-            self.kind, ("b", "b_implicit")
-        )
+        if self.kind == "shu-osher":  # the new value is the last row
+            return
+        words = {
+            "splitting": ("a", "b"),
+            "nystrom": ("b", "b_prime"),
+            "low-storage": ("A", "B"),
+        }.get(self.kind, ("b", "b_implicit"))
         for k, b in enumerate(self.b):
             if k and any(b is x for x in self.b[:k]):
                 continue

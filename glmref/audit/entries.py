@@ -1,0 +1,293 @@
+"""Arrays of a source under their names, and what a name says that an array is."""
+
+from __future__ import annotations
+
+import re
+from copy import copy
+from dataclasses import dataclass
+from itertools import pairwise
+from math import nan
+from typing import Any
+
+from ..catalogue.keys import MAX_SIZE
+from .collecting import Block, Item
+from .folding import Entries, flattened
+from .lexer import Language
+from .table import ZERO
+from .values import Number, Unread
+
+#: Words of the subject; a file without any of them holds tables only under plain names.
+SUBJECT = re.compile(
+    r"runge|butcher|tableau|rosenbrock|(?<![a-z])rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
+    r"symplectic|adams|bashforth|moulton|multi.?step|nordsieck|suzuki|embedded|time.?step|\bode\b|\bodes\b|solver",
+    re.IGNORECASE,
+)
+
+
+# --- names ----------------------------------------------------------------------------------------
+
+_ROLES: dict[str, str] = {}
+for _role, _words in {
+    "A": "a aa amat amatrix acoef acoeffs acoefs acoefficients alower matrix geta rka staticA ai "
+         "ae aij aexp aimp aexplicit aimplicit butcher runge at ahat stages ark "
+         "tableauintermediate",
+    "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
+         "bhigh b1 tableaufinal bexp bimp bexplicit bimplicit w",
+    "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
+         "abscissa times ci ch ah",
+    "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "
+                "embweights low lower bls αEEst aeest bloworder weightshat bht bcap bb2",
+    "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh",
+    "gamma": "gamma gam γ",
+    "beta": "beta betas",
+    "diagonal": "adiagonal adiag diagonal diag",
+}.items():  # fmt: skip
+    _ROLES |= {x.lower(): _role for x in _words.split()}
+_SPLIT = re.compile(r"_|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]+)")
+
+
+def role_of(name: str) -> tuple[str, str]:
+    """Return what a name has besides its role, and the role, ``""`` where it has none."""
+    whole = name.replace("_", "").lower()
+    if whole in _ROLES:
+        return "", _ROLES[whole]
+    parts = [x for x in _SPLIT.split(name) if x]
+    for n in (2, 1):
+        for stem, said in ((parts[:-n], parts[-n:]), (parts[n:], parts[:n])):
+            role = _ROLES.get("".join(said).lower())
+            if role and stem:
+                return "_".join(stem).lower(), role
+    return "", ""
+
+
+# --- arrays ---------------------------------------------------------------------------------------
+
+
+@dataclass
+class Array:
+    """Numbers under a name."""
+
+    name: str
+    value: list[Any]
+    line: int
+    last: int
+    at: int
+    lost: str = ""
+    named: bool = False  #: Whether entries have names of their own.
+    stem: str = ""
+    role: str = ""
+
+    def __post_init__(self) -> None:
+        self.stem, self.role = role_of(self.name)
+
+    def with_role(self, role: str) -> Array:
+        """Return the same with another role."""
+        found = copy(self)
+        found.role = role
+        return found
+
+    @property
+    def flat(self) -> bool:
+        """Whether it is a vector."""
+        return not any(isinstance(x, list) for x in self.value)
+
+
+_INDEXED = re.compile(r"^(.*?[^\W\d_])_{0,2}(\d+)(?:_(\d+))?_?$")
+
+
+def arrays(block: Block, language: Language) -> list[Array]:
+    """Return the arrays of a block: lists, entries one by one, names with numbers."""
+    found: list[Array] = []
+    scalars: dict[str, list[tuple[str, str | None, Item]]] = {}
+    lists: dict[str, list[tuple[int, Item]]] = {}
+    base = _base(block, language)
+    for item in block.items:
+        value = item.value
+        match = _INDEXED.match(item.name)
+        if isinstance(value, Entries):
+            made = _of_entries(value, item, base)
+            if made is not None:
+                found.append(made)
+        elif isinstance(value, list):
+            if (
+                match
+                and not match[3]
+                and value
+                and _numeric(value)
+                and not any(isinstance(x, list) for x in value)
+            ):
+                lists.setdefault(match[1], []).append((int(match[2]), item))
+            if value and _numeric(value):
+                if len(value) == 1 and isinstance(value[0], list):
+                    value = value[0]
+                found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
+                                   item.lost))  # fmt: skip
+                found += _parts(item, named=bool(SUBJECT.search(block.called)))
+        elif match and isinstance(value, Number | Unread):
+            scalars.setdefault(match[1], []).append((match[2], match[3], item))
+    for stem, rows in lists.items():
+        found += _of_rows(stem, rows, scalars)
+    for stem, entries in scalars.items():
+        found += _of_scalars(stem, entries)
+    return sorted(found, key=lambda x: x.at)
+
+
+def _base(block: Block, language: Language) -> int:
+    """Return the index of the first entries of the arrays of a block."""
+    low = [min(min(k) for k in x.value) for x in block.items
+           if isinstance(x.value, Entries) and x.value]  # fmt: skip
+    if not low or min(low) == 0:
+        return 0
+    return 1 if language.base == 1 or (min(low) == 1 and len(low) > 1) else 0
+
+
+def _numeric(value: list[Any]) -> bool:
+    flat = flattened(value)
+    numbers = sum(isinstance(x, Number) for x in flat)
+    return (
+        numbers > 0
+        and all(isinstance(x, Number | Unread) for x in flat)
+        and (2 * numbers >= len(flat))
+    )
+
+
+def _parts(item: Item, *, named: bool) -> list[Array]:
+    """Rows of a matrix of two rows under the name of weights."""
+    value = item.value
+    if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
+        return []
+    if not all(isinstance(x, list) and len(x) > len(value) for x in value):
+        return []
+    found = []
+    for k, row in enumerate(value):
+        part = Array(item.name, row, item.line, item.last or item.line, item.at, item.lost)
+        part.role = "b" if k == 0 else "embedded"
+        found.append(part)
+    return found
+
+
+def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
+    """A dense array from entries that are given one by one."""
+    sizes = {len(k) for k in entries}
+    if not entries or len(sizes) > 1 or max(max(k) for k in entries) > MAX_SIZE:
+        return None
+    (n,) = sizes
+    if any(isinstance(x, list) for x in entries.values()):
+        if n != 1:
+            return None
+        rows = [
+            entries[k] if isinstance(entries[k], list) else [entries[k]] for k in sorted(entries)
+        ]
+        return Array(item.name, rows, item.line, item.last, item.at, item.lost)
+    if n == 1:
+        top = max(k[0] for k in entries)
+        value: list[Any] = [entries.get((k,), ZERO) for k in range(base, top + 1)]
+        return Array(item.name, value, item.line, item.last, item.at, item.lost)
+    if n == 2:
+        rows_, columns = zip(*entries, strict=True)
+        if len(set(rows_)) == 1 and rows_[0] < 2 and len(columns) > 1:  # a row as a matrix
+            value = [entries.get((rows_[0], k), ZERO) for k in range(base, max(columns) + 1)]
+            return Array(item.name, value, item.line, item.last, item.at, item.lost)
+        s = max(*rows_, *columns)
+        value = [
+            [entries.get((i, j), ZERO) for j in range(base, s + 1)] for i in range(base, s + 1)
+        ]
+        return Array(item.name, value, item.line, item.last, item.at, item.lost)
+    return None
+
+
+def _of_rows(stem: str, rows: list[tuple[int, Item]], scalars: Any) -> list[Array]:
+    """A matrix from rows of growing length: a2, a3, .. ."""
+    rows = sorted(rows, key=lambda x: x[0])
+    lengths = [len(item.value) for _, item in rows]
+    grows = all(y == x + 1 for x, y in pairwise(lengths))
+    follows = all(y == x + 1 for (x, _), (y, _) in pairwise(rows))
+    if len(rows) < 2 or not (grows and follows):
+        return []
+    value = [item.value for _, item in rows]
+    if lengths[0] == 2:  # the first row is one number
+        first = next(
+            (x for digits, more, x in scalars.get(stem, []) if digits in ("21", "1", "2")), None
+        )
+        value = [[first.value] if first else [_absent(stem)], *value]
+    items = [item for _, item in rows]
+    lost = next((x.lost for x in items if x.lost), "")
+    return [
+        Array(stem, value, items[0].line, max(x.last or x.line for x in items), items[0].at, lost)
+    ]
+
+
+def _absent(stem: str) -> Unread:
+    return Unread(f"the first row of {stem} has no name that is read")
+
+
+def _pair(digits: str, more: str | None) -> list[tuple[int, int]]:
+    if more is not None:
+        return [(int(digits), int(more))]
+    n = len(digits)
+    if n == 2:
+        return [(int(digits[0]), int(digits[1]))]
+    if n == 3:
+        return [(int(digits[:2]), int(digits[2])), (int(digits[0]), int(digits[1:]))]
+    if n == 4:
+        return [(int(digits[:2]), int(digits[2:]))]
+    return []
+
+
+def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Array]:
+    """A matrix from a21, a31, .., and a vector from b1, b2, .. ."""
+    singles: dict[int, Item] = {}
+    doubles: dict[tuple[int, int], Item] = {}
+    twice = ""
+    words = {digits for digits, more, _ in given if more is None}
+    matrix = any(more is not None for _, more, _ in given) or bool(
+        words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"}
+    )
+    if matrix and (
+        any(len(x) == 2 and x[0] == "0" for x in words)
+        or (role_of(stem)[1] not in ("", "A") and any(len(x) == 1 for x in words))
+    ):
+        matrix = False  # b1, b10, b20: a long vector
+    wide = any(len(x) == 4 and x[0] == "0" for x in words)
+    for digits, more, item in given:
+        lone = more is None and (len(digits) == 1 or not matrix or (wide and len(digits) == 2))
+        if lone:
+            held = singles.setdefault(int(digits), item)
+            if size(held.value) != size(item.value) == size(item.value):
+                twice = f"{item.name} is set twice (line {item.line})"
+            continue
+        for i, j in _pair(digits, more):
+            if j <= i <= 40 and (i, j) not in doubles:
+                doubles[i, j] = item
+                break
+    found: list[Array] = []
+    if len(doubles) >= 2:
+        base = 0 if any(j == 0 for _, j in doubles) else 1
+        s = max(i for i, _ in doubles)
+        value: list[Any] = [
+            [doubles[i, j].value if (i, j) in doubles else ZERO for j in range(base, s + 1)]
+            for i in range(base, s + 1)
+        ]
+        found.append(_together(stem, value, list(doubles.values())))
+    if len(singles) >= 2 and max(singles) <= 40:
+        base = 0 if 0 in singles and 1 in singles else 1
+        singles.pop(0, None) if base else None
+        line = [singles[k].value if k in singles else ZERO for k in range(base, max(singles) + 1)]
+        found.append(_together(stem, line, list(singles.values())))
+        found[-1].lost = found[-1].lost or twice
+    return found
+
+
+def _together(stem: str, value: list[Any], items: list[Item]) -> Array:
+    lost = next((x.lost for x in items if x.lost), "")
+    lines = [x.line for x in items]
+    return Array(stem, value, min(lines), max(lines), min(x.at for x in items), lost, named=True)
+
+
+def size(x: Any) -> float:
+    """Return a number as a float, nan for what was not folded."""
+    if not isinstance(x, Number):
+        return nan
+    if x.approximate is None:
+        x.approximate = complex(x.value).real
+    return x.approximate

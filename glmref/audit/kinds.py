@@ -1,0 +1,515 @@
+"""Methods that are no matrix with weights: Rosenbrock, Nystrom, low storage, splittings, multistep.
+
+They are looked for before matrices, so that a part of one is not taken for a Runge-Kutta method.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import isqrt
+from typing import Any
+
+from ..exact import Exact
+from ..prove.schemes import reach
+from ..prove.wrong_entry import Trial
+from .collecting import Block
+from .compositions import of_weights
+from .entries import Array, size
+from .folding import flattened
+from .table import ZERO, Rows, Table
+from .values import Number, Unread
+
+#: How near a sum must be to 1 for a list to be taken for weights.
+LOOSE = 4e-3
+_SPLITTING = re.compile(
+    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|ruth|mclachlan|hamiltonian", re.IGNORECASE
+)
+_STEPS = re.compile(
+    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am|bdf)_?\d|nordsieck|\bbdf\b|\blmm\b",
+    re.IGNORECASE,
+)
+_STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
+_ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
+#: Names of the first and second steps of a splitting.
+_FLOWS = (("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"))
+_LAST_LETTER = re.compile(r"(?:.*[_\d])?([a-z])$", re.IGNORECASE)
+
+
+@dataclass
+class Found:
+    """A table, and the arrays that it is made of."""
+
+    table: Table
+    arrays: list[Array]
+
+
+def _numbers(*arrays: Array) -> None:
+    """Raise the reason why an entry of arrays is not a number."""
+    for x in arrays:
+        if x.lost:
+            raise Unread(f"completed at run time: {x.lost}")
+        for y in flattened(x.value):
+            if not isinstance(y, Number):
+                raise Unread(f"an entry of {x.name or 'an array'} is not read: {y}")
+
+
+def _letter(x: Array) -> str:
+    """Return the letter or word that a name ends with, ``rk4a`` as ``a``."""
+    word = re.sub(r"[_ ]?(?:coeffs?|coefficients|vals|vec)$", "", x.name, flags=re.IGNORECASE)
+    last = _LAST_LETTER.match(word)
+    return (last[1] if last else re.split(r"[_.]", word)[-1]).lower()
+
+
+def _stem(x: Array) -> str:
+    return x.name[: len(x.name) - len(_letter(x))].lower()
+
+
+def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
+    """Return the tables of a block that are of these kinds.
+
+    Parameters
+    ----------
+    block : Block
+    made : list of Array
+        The arrays of the block.
+    text : str
+        The source, whose words say what it is about.
+    """
+    found: list[Found] = []
+    matrices = [x for x in made if not x.flat]
+    vectors = [x for x in made if x.flat]
+    for rule in (_rosenbrock, _transformed, _shu_osher, _nystrom):
+        found += rule(block, matrices, vectors)
+    if not matrices:
+        storage = _low_storage(vectors)
+        found += [x for x in storage if x.table.loose > 1 or _STORAGE.search(text)]
+        if not found and _SPLITTING.search(text):
+            found += _splitting(vectors)
+        if not found:
+            found += _compositions(block, vectors)
+    if not found:
+        found += _multistep(block, made)
+    return found
+
+
+def _square(x: Array, *, strict: bool = False) -> Rows | None:
+    """Return a lower triangular matrix (s, s), padded with zeros."""
+    rows, s = x.value, len(x.value)
+    if any(not isinstance(r, list) or len(r) > s or any(isinstance(y, list) for y in r)
+           for r in rows):  # fmt: skip
+        return None
+    full = [[*r, *([ZERO] * (s - len(r)))] for r in rows]
+    above = all(size(y) == 0 for i, r in enumerate(full) for y in r[i + (not strict) :])
+    return full if above and s > 1 else None
+
+
+def _guarded(name: str, line: int, arrays: list[Array], make: Any) -> Iterator[Found]:
+    table = Table(name, line, general=True, last=max(x.last for x in arrays))
+    try:
+        _numbers(*arrays)
+        make(table)
+    except Unread as error:
+        table.unread = str(error)
+    else:
+        reached = reach(Trial(table).scheme(), 3, stop=1.0)
+        table.loose = reached.to(LOOSE)
+    yield Found(table, arrays)
+
+
+# --- Rosenbrock -----------------------------------------------------------------------------------
+
+
+def _near(anchor: Array, pool: Sequence[Array], role: str, s: int) -> Array | None:
+    fits = [x for x in pool if x.role == role and len(x.value) == s and x is not anchor]
+    return min(fits, key=lambda x: abs(x.at - anchor.at), default=None)
+
+
+def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """A, Gamma and b of Hairer and Wanner (1996), IV.7."""
+    for x in matrices:
+        gamma = _square(x) if x.role == "gamma" else None
+        if gamma is None:
+            continue
+        s = len(gamma)
+        alphas = [y for y in matrices if y.role in ("A", "c") and len(y.value) == s]
+        other = min(alphas, key=lambda y: abs(y.at - x.at), default=None)
+        b = _near(x, vectors, "b", s)
+        alpha = _square(other, strict=True) if other is not None else None
+        if other is None or b is None or alpha is None:
+            continue
+        low = _near(x, vectors, "embedded", s)
+
+        def make(table: Table, alpha: Any = alpha, gamma: Any = gamma, b: Array = b,
+                 low: Array | None = low) -> None:  # fmt: skip
+            table.kind, table.A, table.b, table.c = (
+                "rosenbrock", [alpha, gamma], [b.value], [None])  # fmt: skip
+            if low is not None and abs(sum(map(size, low.value)) - 1) < LOOSE:
+                table.rows = [(low.name, low.value, None)]
+
+        arrays = [other, x, b, *([low] if low else [])]
+        yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+def _packed(x: Array, s: int) -> Rows | None:
+    """Return a strictly lower triangular matrix (s, s) from rows or from one list."""
+    if not x.flat:
+        return _square(x, strict=True) if len(x.value) == s else None
+    given = [*x.value, *([ZERO] * (s * (s - 1) // 2 - len(x.value)))]
+    if len(given) != s * (s - 1) // 2 or (isqrt(8 * len(x.value) + 1) + 1) // 2 > s:
+        return None
+    return [
+        [*given[i * (i - 1) // 2 : i * (i - 1) // 2 + i], *([ZERO] * (s - i))] for i in range(s)
+    ]
+
+
+def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """A, C, m and gamma of the transformed form."""
+    for m in vectors:
+        s = len(m.value)
+        if not (_letter(m) in ("m", "b") and s > 1):
+            continue
+        pool = [x for x in (*matrices, *vectors) if _stem(x) == _stem(m) and x is not m]
+        given = {_letter(x): x for x in pool if _letter(x) in ("a", "c", "e", "btilde")}
+        gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
+            x.value for x in block.items
+            if x.name in ("gamma", "γ", "g", "gam") and isinstance(x.value, Number)
+        ]  # fmt: skip
+        if not ({"a", "c"} <= given.keys() and gammas):
+            continue
+        A, C = _packed(given["a"], s), _packed(given["c"], s)
+        if A is None or C is None or not any(size(y) for row in C for y in row):
+            continue
+        error = given.get("e") or given.get("btilde")
+
+        def make(table: Table, A: Rows = A, C: Rows = C, m: Array = m, g: Any = gammas[0],
+                 error: Array | None = error) -> None:  # fmt: skip
+            low = list(error.value) if error is not None else None
+            low = [*low, *([ZERO] * (len(m.value) - len(low)))] if low else None
+            made = transformed(table.name, table.line, g, A, C, m.value, low)
+            table.kind, table.A, table.b, table.c, table.rows = (
+                made.kind, made.A, made.b, made.c, made.rows)  # fmt: skip
+
+        arrays = [given["a"], given["c"], m, *([error] if error else [])]
+        yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+def transformed(
+    name: str, line: int, g: Number, A: Rows, C: Rows, m: list[Number], e: list[Number] | None
+) -> Table:
+    """Return the method of gamma, A, C (s, s), m and the estimate e: Hairer, Wanner (1996), IV.7.
+
+    C = diag(1 / gamma) - Gamma^-1, alpha = A Gamma, b = m Gamma.
+    """
+    s = len(m)
+    inverse = [
+        [C[i][j].of(-C[i][j].value) if i != j else g.of(Exact(1) / g.value) for j in range(s)]
+        for i in range(s)
+    ]
+    gamma = [[ZERO] * s for _ in range(s)]
+    for j in range(s):  # forward substitution in the columns of the inverse
+        for i in range(j, s):
+            total = Exact(int(i == j))
+            for k in range(j, i):
+                total = total - inverse[i][k].value * gamma[k][j].value
+            gamma[i][j] = g.of(total * g.value)
+
+    def product_of(x: list[Number]) -> list[Number]:
+        found = []
+        for j in range(s):
+            total = sum((x[k].value * gamma[k][j].value for k in range(s)), Exact(0))
+            found.append(g.of(total, next((y for y in x if y.places is not None), g)))
+        return found
+
+    rows = [[product_of(x) for x in A], gamma]
+    table = Table(name, line, "rosenbrock", rows, [product_of(m)], [None])
+    if e is not None:
+        embedded = product_of([x.of(x.value - y.value, y) for x, y in zip(m, e, strict=True)])
+        table.rows = [("m - E", embedded, None)]
+    return table
+
+
+# --- Nystrom --------------------------------------------------------------------------------------
+
+
+_PRIME = re.compile(r"(?:p|prime|dot|d|v|ʹ|')$")
+
+
+def _half_squares(A: Rows, c: Sequence[Any]) -> bool:
+    """Return whether most rows sum to half of the squares of nodes, and few to the nodes."""
+    s = len(A)
+    sums, times = [sum(map(size, row)) for row in A], [size(x) for x in c]
+    if len(times) == s - 1:
+        times = [0.0, *times]
+    if len(times) != s or s < 3:
+        return False
+    live = [(x, y) for x, y in zip(sums, times, strict=True) if x or y]
+    good = sum(abs(x - y * y / 2) < LOOSE for x, y in live)
+    return good > 1 and good >= 0.6 * len(live) and sum(
+        abs(x - y) < LOOSE for x, y in live
+    ) < 0.6 * len(live)  # fmt: skip
+
+
+def _nystrom(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """A, b, b' and c of q'' = g(q), and A' of q'' = g(q, q')."""
+    for x in matrices:
+        A = _square(x, strict=True)
+        times = [y for y in vectors if A is not None and _half_squares(A, y.value)]
+        c = next((y for y in times if y.role == "c"), None)
+        if A is None or c is None:
+            continue
+        s = len(A)
+        rows = [y for y in vectors if len(y.value) == s and y not in times
+                and not re.search(r"tilde|hat|err|low|embed|^[de]", y.name)]  # fmt: skip
+        ends = [y for y in rows if abs(sum(map(size, y.value)) - 1) < LOOSE]
+        halves = [y for y in rows if abs(sum(map(size, y.value)) - 0.5) < LOOSE]
+        ends = ends or [y for y in rows if _PRIME.search(y.name)]
+        halves = halves or [y for y in rows if y.role == "b" and not _PRIME.search(y.name)]
+        velocity = [y for y in matrices if y is not x and _sums_to(_square(y, strict=True), c)]
+
+        def make(table: Table, A: Rows = A, c: Array = c, ends: Any = ends, halves: Any = halves,
+                 velocity: Any = velocity) -> None:  # fmt: skip
+            if len(ends) != 1 or len(halves) != 1 or len(velocity) > 1:
+                raise Unread("the coefficients of a Nystrom method, in a form that is not read")
+            table.kind, table.A = "nystrom", [A, *(_square(y, strict=True) or [] for y in velocity)]
+            table.b = [halves[0].value, ends[0].value]
+            table.c = [[ZERO, *c.value] if len(c.value) < len(A) else c.value]
+
+        yield from _guarded("", x.line, [x, c, *ends, *halves, *velocity], make)
+
+
+def _sums_to(A: Rows | None, c: Array) -> bool:
+    values = [size(x) for x in c.value]
+    if A is None or len(A) - len(values) not in (0, 1):
+        return False
+    sums = [sum(map(size, row)) for row in A]
+    return all(abs(x - y) < LOOSE for x, y in zip(sums[-len(values) :], values, strict=True))
+
+
+# --- Shu-Osher and low storage --------------------------------------------------------------------
+
+
+def _stages(x: Array) -> Rows | None:
+    """Return the rows (s, s) of y_1, .., y_s from a matrix with or without one for y_0."""
+    value = [r if isinstance(r, list) else [r] for r in x.value]
+    if all(size(y) == 0 for y in value[0]) and len(value) > 1:
+        value = value[1:]
+    s = len(value)
+    if any(isinstance(y, list) for r in value for y in r):
+        return None
+    if any(size(y) != 0 for i, r in enumerate(value) for y in r[i + 1 :]):
+        return None
+    return [[*r[:s], *([ZERO] * (s - len(r)))] for r in value]
+
+
+def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """alpha and beta whose rows of alpha sum to 1."""
+    for x in matrices:
+        if _letter(x) != "alpha":
+            continue
+        betas = [y for y in matrices if _letter(y) == "beta"]
+        beta = min(betas, key=lambda y: abs(y.at - x.at), default=None)
+        alpha, other = _stages(x), _stages(beta) if beta is not None else None
+        if beta is None or alpha is None or other is None or len(alpha) != len(other):
+            continue
+        sums = [abs(sum(map(size, r)) - 1) < LOOSE for r in alpha]
+        if len(alpha) < 2 or sum(sums) < 0.6 * len(sums):
+            continue
+
+        def make(table: Table, alpha: Rows = alpha, other: Rows = other) -> None:
+            table.kind, table.A, table.c = "shu-osher", [alpha, other], [None]
+            table.b = [[ZERO] * len(alpha)]
+            gaps = [abs(complex(sum((y.value for y in r), Exact(0))) - 1) for r in alpha]
+            table.identities = [(f"sum of row {k} of alpha = 1", g) for k, g in enumerate(gaps, 1)]
+
+        yield from _guarded("", x.line, [x, beta], make)
+
+
+def _low_storage(vectors: list[Array]) -> Iterator[Found]:
+    """A and B of dU = A dU + h f(U), U = U + B dU: Williamson (1980)."""
+    for x in vectors:
+        if _letter(x) != "a":
+            continue
+        same = [y for y in vectors if _stem(y) == _stem(x)]
+        b = next((y for y in same if _letter(y) == "b"), None)
+        if b is None or len(b.value) < 3 or len(b.value) - len(x.value) not in (0, 1):
+            continue
+        A = [ZERO, *x.value] if len(x.value) < len(b.value) else x.value
+        first = size(A[0]) == 0 and all(size(y) < 0 for y in A[1:])
+        if not first or not 0 < size(b.value[0]) < 1:
+            continue
+        c = next((y for y in same if _letter(y) == "c" and len(y.value) == len(A)), None)
+
+        def make(table: Table, A: Any = A, b: Array = b, c: Array | None = c) -> None:
+            table.kind, table.b = "low-storage", [A, b.value]
+            table.c = [c.value if c is not None else None]
+
+        yield from _guarded("", x.line, [x, b, *([c] if c else [])], make)
+
+
+# --- splittings -----------------------------------------------------------------------------------
+
+
+def _splitting(vectors: list[Array]) -> Iterator[Found]:
+    """Steps of two flows that each sum to 1."""
+    for x in vectors:
+        word = next((q for p, q in _FLOWS if _letter(x) == p), "")
+        y = next((z for z in vectors if word and _letter(z) == word and _stem(z) == _stem(x)), None)
+        if y is None or abs(len(x.value) - len(y.value)) > 1 or len(x.value) + len(y.value) < 4:
+            continue
+        good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
+        if not any(good):
+            continue
+
+        def make(table: Table, x: Array = x, y: Array = y) -> None:
+            first, second = (x, y) if len(x.value) >= len(y.value) else (y, x)
+            n = len(first.value)
+            table.kind = "splitting"
+            table.b = [first.value, [*second.value, *([ZERO] * (n - len(second.value)))]]
+
+        yield from _guarded("", min(x.line, y.line), [x, y], make)
+
+
+# --- multistep ------------------------------------------------------------------------------------
+
+
+def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
+    """Weights of a composition that read the same backwards, or half of them."""
+    for x in vectors:
+        if not _WEIGHTS.search(" ".join([*block.path(), x.name])) or len(x.value) < 3:
+            continue
+        if len(x.value) % 2 == 0 or _letter(x) in ("b", "c", "d"):
+            continue
+        values = [size(y) for y in x.value]
+        same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
+        if abs(sum(values) - 1) > LOOSE and not all(same):
+            continue
+        if sum(same) < len(same) - 2 or min(values) > 0:
+            continue
+
+        def make(table: Table, x: Array = x) -> None:
+            made = of_weights("", 0, x.value)
+            table.kind, table.b = made.kind, made.b
+
+        yield from _guarded("", x.line, [x], make)
+
+
+_WEIGHTS = re.compile(r"suzuki|yoshida|composition|(?<![a-z])sy_", re.IGNORECASE)
+
+
+def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
+    """alpha and beta of linear multistep methods, and rows of Adams methods."""
+    about = " ".join([*block.path(), block.called])
+    named = {_letter(x): x for x in made if x.flat}
+    if {"alpha", "beta"} <= named.keys():
+        a, b = named["alpha"], named["beta"]
+        if len(a.value) > 2 and abs(sum(map(size, a.value))) < LOOSE and _STEPS.search(
+            f"{about} {a.name}"
+        ):  # fmt: skip
+            yield _of_steps(block, [a, b], [(a.value, b.value)], None)
+            return
+    for x in made:
+        if not _STEPS.search(f"{about} {x.name}"):
+            continue
+        rows = [x.value] if x.flat else [r for r in x.value if isinstance(r, list)]
+        rows = [_trimmed(r) for r in rows]
+        adams = _ADAMS.search(f"{about} {x.name}") is not None
+        broken = [y for r in rows for y in r if size(y) != round(size(y) or 0)]
+        if len(broken) < 2 or any(not isinstance(y, Number) for r in rows for y in r):
+            continue
+        sums = [abs(sum(map(size, r)) - 1) < LOOSE for r in rows]
+        if 2 * sum(sums) >= len(sums) and adams:
+            yield _of_steps(block, [x], [([], r) for r in rows], 1)
+        else:
+            table = Table(x.name, x.line, last=x.last, general=True)
+            table.unread = "the coefficients of a multistep method, in a form that is not read"
+            yield Found(table, [x])
+
+
+def _trimmed(row: list[Any]) -> list[Any]:
+    live = [k for k, x in enumerate(row) if size(x) != 0] or [0]
+    return row[live[0] : live[-1] + 1]
+
+
+def _conditions(alpha: list[Fraction], beta: list[Fraction], order: int) -> list[Fraction]:
+    """Return sum alpha_j j^q - q sum beta_j j^(q-1) for q through an order: Dahlquist (1956)."""
+    return [
+        sum((x * j**q for j, x in enumerate(alpha)), Fraction(0))
+        - q * sum((x * j ** (q - 1) for j, x in enumerate(beta) if q), Fraction(0))
+        for q in range(order + 1)
+    ]
+
+
+def _forms(alpha: list[Fraction], beta: list[Fraction]) -> Iterator[tuple[Any, Any]]:
+    """Yield alpha and beta from the oldest step on, as a code may mean them."""
+    for turned, implicit in product((False, True), (False, True)):
+        b = beta[::-1] if turned else beta
+        if alpha:
+            if not implicit:
+                yield (alpha[::-1] if turned else alpha), b
+        elif implicit:
+            yield [*([Fraction(0)] * (len(b) - 2)), Fraction(-1), Fraction(1)][-len(b) :], b
+        else:
+            yield [*([Fraction(0)] * (len(b) - 1)), Fraction(-1), Fraction(1)], [*b, Fraction(0)]
+
+
+def _of_steps(block: Block, arrays: list[Array], rows: Any, least: int | None) -> Found:
+    """Return a table without a tableau: its order, or the one entry that gives the full order."""
+    table = Table(arrays[0].name, arrays[0].line, last=arrays[-1].last, general=True)
+    said: list[str] = []
+    wrong: list[str] = []
+    for alpha, beta in rows:
+        try:
+            a, b = ([_fraction(x) for x in v] for v in (alpha, beta))
+        except Unread as error:
+            table.unread = str(error)
+            return Found(table, arrays)
+        best = max(_order(p, q) for p, q in _forms(a, b))
+        full = len(b) if least else None
+        said.append(str(best))
+        if full and best < full and len(b) > 1:
+            found = _entry(a, b, beta, full)
+            wrong += [found] if found else []
+    table.unread = f"a linear multistep method; by its conditions of order {', '.join(said)}"
+    if wrong:
+        table.unread = f"question: a multistep method: {'; '.join(wrong)}"
+    return Found(table, arrays)
+
+
+def _fraction(x: Any) -> Fraction:
+    value = x.value.as_fraction() if isinstance(x, Number) else None
+    if value is None:
+        raise Unread("an entry of a multistep method is no fraction")
+    return value
+
+
+def _order(alpha: list[Fraction], beta: list[Fraction]) -> int:
+    gaps = _conditions(alpha, beta, 2 * len(beta) + 1)
+    return next((q for q, x in enumerate(gaps) if abs(x) > 1e-9), len(gaps)) - 1
+
+
+def _entry(alpha: list[Fraction], beta: list[Fraction], given: Any, full: int) -> str:
+    """Name the one entry of beta with which all conditions through an order hold."""
+    for k, x in enumerate(beta):
+        for turned, implicit in product((False, True), (False, True)):
+            if alpha and implicit:
+                continue
+            shifts = []
+            for probe in (Fraction(0), Fraction(1)):
+                changed = [*beta[:k], x + probe, *beta[k + 1 :]]
+                forms = list(_forms(alpha, changed))
+                n = turned if alpha else 2 * turned + implicit
+                shifts.append(_conditions(*forms[n], full))
+            slopes = [(v, u - v) for v, u in zip(*shifts, strict=True)]
+            steps = {-v / w for v, w in slopes if w}
+            if len(steps) == 1 and all(v == 0 for v, w in slopes if not w):
+                at = given[k].place
+                line = f" (line {at[0]})" if at else ""
+                return (
+                    f"entry {k + 1} of a row of {len(beta)} is {x} and should be "
+                    f"{x + steps.pop()}{line}"
+                )
+    return ""
