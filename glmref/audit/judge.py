@@ -319,10 +319,15 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
             remarks.append(f"the row {label} is declared of order {declared} and has order {order}")
             remarks += mirrored(method, row, declared)
             status = "wrong"
+        elif table.general and declared is None and order == 0:
+            total = complex(sum(row, Exact(0))).real
+            remarks.append(f"the row {label} sums to {total:.9g}, neither to 1 nor to 0")
+            status = "question" if status in ("right", "digits") else status
         elif declared is not None and size > fine and size > 1e-12 * method.scale:
             remarks.append(f"the row {label} has order {declared} to {size:.1e}")
         more = declared is None or order > declared  # than is said of this row
-        if more and order > found.to(coarse) and table.order and found.to(coarse) < table.order:
+        least = max(found.to(coarse) + 1, table.order or 0 if found.to(coarse) == 0 else 0)
+        if more and order >= least and table.order and found.to(coarse) < table.order:
             said = f", declared is {declared}" if declared is not None else ""
             remarks.append(f"the row {label} has order {order}{said}: the rows may be exchanged")
     return status

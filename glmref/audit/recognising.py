@@ -670,6 +670,7 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
 def _further(table: Table, x: Candidate, near: list[Array]) -> None:
     """Add embedded rows and the weights of error estimates."""
     s = len(x.weights)
+    lower = _lower_order(table.block)
     for y in near:
         if not y.flat or y is x.b or y is x.c or not _stems(y, x.array) or y.lost:
             continue
@@ -682,15 +683,24 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
         if row is None:
             continue
         if y.role == "error" and len(y.value) >= s:
-            if abs(total) < 0.5:
+            explicit = _strict(x.reading.A)  # others may estimate in transformed variables
+            if abs(total) < (0.5 if explicit else LOOSE):
                 table.errors.append(row)
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
             if abs(total) < LOOSE:
                 table.errors.append(row)
-            elif _near(total, 1):
-                table.rows.append((y.name, row, None))
+            elif abs(total - 1) < 0.5:
+                table.rows.append((y.name, row, lower))
+
+
+def _lower_order(block: Block) -> int | None:
+    """Return the order that a block declares for its embedded weights."""
+    word = re.compile(r"(?:low|emb\w*|second\w*)_?order|order_?(?:low|emb)\w*", re.IGNORECASE)
+    given = [x.value for x in block.items if word.search(x.name) and isinstance(x.value, Number)]
+    values = {x.value.as_fraction() for x in given}
+    return next((n for n in range(1, 15) if values == {n}), None)
 
 
 def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) -> Table:

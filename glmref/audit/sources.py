@@ -246,18 +246,18 @@ def _read(
     )
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
     special = [x for form in forms for x in read(text, form, declared)]
-    lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
-    read_at = [x.line for x in found if not x.unread]
-    for x in special:
-        end = next((n for n in lines if n > x.line), len(text))
-        if not (x.unread and any(x.line <= n < end for n in read_at)):
-            yield x
     whole = [x.line for x in found if x.kind == "composition" and x.order is not None]
     special = [
         x for x in special if x.kind != "composition" or all(abs(x.line - n) > 3 for n in whole)
     ]
     made = [x.line for x in special if x.kind == "composition"]
     found = [x for x in found if x.kind != "composition" or all(abs(x.line - n) > 3 for n in made)]
+    lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
+    read_at = [x.line for x in found if not x.unread]
+    for x in special:
+        end = next((n for n in lines if n > x.line), len(text))
+        if not (x.unread and any(x.line <= n < end for n in read_at)):
+            yield x
     known = {key_of(A) for x in special for A in x.A}
     names = {x.name.lower() for x in special if not x.unread}
     for x in found:
