@@ -474,8 +474,11 @@ def _latest(made: list[Array], at: int) -> list[Array]:
     return list(best.values())
 
 
-#: Matrices that are no stages: predictors and dense output.
-_GUESSES = re.compile(r"predict|dense|interp|extrap", re.IGNORECASE)
+#: Matrices that are no stages: predictors, dense output, inverses and eigenvectors.
+_GUESSES = re.compile(
+    r"predict|dense|interp|extrap|inverse|(?:^|_)inv|part_inv|inv$|eigen|transf|(?:^|_)d?T(?:_|$)",
+    re.IGNORECASE,
+)
 
 
 def _of_block(
@@ -510,6 +513,7 @@ def _of_block(
         if best is not None and _is_table(best, about=about, called=called):
             found.append((best, near))
             used.add(id(array))
+    found = [x for x in found if not _is_beside(x[0], [y for y, _ in found])]
     for array in made:
         if (
             id(array) not in used
@@ -523,6 +527,16 @@ def _of_block(
                 table.key = key_of(array.value)
                 unread.append(table)
     return [*(x.table for x in other), *_built(block, found), *unread]
+
+
+def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
+    """Return whether another matrix with the same weights is the method, and this one is not."""
+    if x.b is None or x.match >= MOST_ROWS or x.order > 1 or _strict(x.reading.A):
+        return False
+    return any(
+        y.b is not None and y.b.at == x.b.at and y.b.name == x.b.name and y.order > x.order
+        and y.match >= MOST_ROWS for y in others
+    )  # fmt: skip
 
 
 def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:

@@ -178,9 +178,7 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (
-            re.search(_MARKS[form], text) if form else given or may_hold(text, path.name)
-        ):
+        if not (re.search(_MARKS[form], text) if form else given or may_hold(text, path.name)):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
                 "given": given}  # fmt: skip
