@@ -45,11 +45,14 @@ class Shipped:
         Packages of PyPI that it needs, in addition to glmref.
     system : str
         Packages of Debian that it needs.
+    build : str
+        Commands of a container recipe for what is no package.
     """
 
     place: str
     packages: str = ""
     system: str = ""
+    build: str = ""
 
     @property
     def target(self) -> str:
@@ -57,6 +60,13 @@ class Shipped:
         return f"glmref.conformance.adapters.{self.place}"
 
 
+_RKLIB = """\
+ENV RKLIB=/rklib/src
+RUN git clone --quiet https://github.com/jacobwilliams/roots-fortran /roots \\
+ && git clone --quiet https://github.com/jacobwilliams/rklib /rklib && cd /rklib/src \\
+ && gfortran -O1 -fPIC -cpp -c /roots/src/root_module.F90 rklib_module.F90 rklib_*_steps.f90 \\
+    rklib_*_properties.f90 && ar rcs librklib.a *.o
+"""
 #: Adapters that come with the package.
 SHIPPED: Mapping[str, Shipped] = {
     "reference": Shipped("reference:Adapter"),
@@ -67,10 +77,17 @@ SHIPPED: Mapping[str, Shipped] = {
     "rebound": Shipped("rebound_leapfrog:Adapter", "rebound"),
     "nodepy": Shipped("nodepy_explicit:Adapter", "nodepy six sympy"),
     "extensisq": Shipped("extensisq_steps:Adapter", "extensisq"),
+    "torchdiffeq": Shipped("torchdiffeq_steps:Adapter", "torchdiffeq"),
+    "assimulo": Shipped("assimulo_steps:Adapter", "assimulo-testing"),
+    "jitcode": Shipped("jitcode_steps:Adapter", "jitcode", "gcc libc6-dev"),
+    "sundials": Shipped("sundials_steps:Adapter", system="gcc libc6-dev libsundials-dev"),
+    "rklib": Shipped("rklib_steps:Adapter", system="gfortran git", build=_RKLIB),
     "gsl": Shipped("gsl_steps:Adapter", system="libgsl27"),
     "odeint": Shipped("odeint_steps:Adapter", system="g++ libboost-dev"),
     "exported-c": Shipped("exported:InC", system="gcc libc6-dev"),
     "exported-c++": Shipped("exported:InCpp", system="g++"),
+    "exported-fortran": Shipped("exported:InFortran", system="gfortran"),
+    "exported-julia": Shipped("exported:InJulia", "juliacall"),
     "exported-rust": Shipped("exported:InRust", system="rustc"),
     "exported-python": Shipped("exported:InPython"),
     "planted": Shipped("planted:Adapter"),

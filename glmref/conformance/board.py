@@ -175,7 +175,7 @@ def recipe(name: str) -> str:
     )
     packages = f" {needs.packages}" if needs.packages else ""
     return (
-        f"FROM python:3.12-slim-bookworm\n{system}"
+        f"FROM python:3.12-slim-bookworm\n{system}{needs.build}"
         f"COPY . /glmref\nRUN pip install --no-cache-dir /glmref{packages}\n"
         f'CMD ["glmref", "conformance", "{name}", "--format", "json"]\n'
     )

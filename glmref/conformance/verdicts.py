@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import log2
+from math import inf, log2
 
 import numpy as np
 
@@ -94,8 +94,9 @@ def order_judgement(
 
     The error is ``C h^p (1 + O(h))``, so the slopes ``log2(e(h) / e(h/2))`` tend to an integer. Of
     the last two, the larger decides, since the very last may feel rounding: not below p - 1/3 the
-    claim holds. It is refuted only from below, and only by slopes that have settled (1/4), or by
-    the three of the smallest steps where each is below p - 1: the error of a good method falls
+    claim holds. It is refuted only from below, and only by slopes that have settled (they differ by
+    at most 1/4, and their limit, which a difference that halves with h leaves, is too small), or
+    by the three of the smallest steps where each is below p - 1: the error of a good method falls
     faster than its order for long, where the constant of the leading term is small, and that of
     single precision does not settle. That the order is not higher is a fact of the coefficients,
     not of a run.
@@ -114,7 +115,8 @@ def order_judgement(
         least = min([least, *(max(known[-2:]) - 1 / 3 for _ in known[:1])])
     if slope >= least:
         return Judgement(True, residual=max(0.0, right - slope), declared=right, value=right)
-    steady = len(slopes) > 1 and abs(slopes[-1] - slopes[-2]) <= 1 / 4
+    change = slopes[-1] - slopes[-2] if len(slopes) > 1 else inf
+    steady = abs(change) <= 1 / 4 and slopes[-1] + change < least
     finest = usable[-1][0] == steps[-1]
     steady |= finest and len(slopes) > 2 and max(slopes[-3:]) < least - 2 / 3
     message = f"the error falls like h^{slope:.2f}, not h^{right} ({shown})"

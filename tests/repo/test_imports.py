@@ -43,6 +43,7 @@ VERSION = {"compute", "views", "scenes", "exchange", "report", "cli"}
 
 #: Packages that are not part of Python, and the subpackages that import them.
 OUTSIDE: dict[str, str] = {
+    "assimulo": "conformance",
     "click": "cli",
     "diffrax": "conformance",
     "extensisq": "conformance",
@@ -50,6 +51,8 @@ OUTSIDE: dict[str, str] = {
     "heyoka": "conformance",
     "jax": "conformance",
     "jinja2": "report",
+    "jitcode": "conformance",
+    "juliacall": "conformance",
     "llvmlite": "engine",
     "markupsafe": "report",
     "mpmath": "conformance derive engine exact exchange problems",
@@ -59,6 +62,9 @@ OUTSIDE: dict[str, str] = {
     "pytest": "conformance",
     "rebound": "conformance",
     "scipy": "conformance",
+    "symengine": "conformance",
+    "torch": "conformance",
+    "torchdiffeq": "conformance",
     "tqdm": "cli",
 }
 

@@ -16,6 +16,7 @@ from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.checks import Suite
 from glmref.conformance.subject import Subject
 from glmref.conformance.vectors import file_names
+from glmref.conformance.verdicts import order_judgement
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve
 from glmref.engine.starting_values import starting_values
@@ -332,3 +333,20 @@ def test_an_adapter_that_is_none_is_refused_with_a_sentence(changes: dict, words
     with pytest.raises(UsageError) as caught:
         Suite(Subject(cls()))
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("errors", "holds"),
+    [
+        # rk8_12 of rklib, of order 8: the slopes 7.40, 7.60 have not settled below 8
+        ((0.00619, 1.28e-05, 7.61e-08, 3.91e-10, 1.66e-12), None),
+        # its rk8_10, of order 7: 6.83, 6.95
+        ((0.00181, 3.68e-05, 3.45e-07, 3.03e-09, 2.45e-11), False),
+    ],
+)
+def test_slopes_that_still_rise_refute_no_order(
+    errors: tuple[float, ...], holds: bool | None
+) -> None:
+    subject = Subject(Reference(("rk4",)))
+    steps = [4 << k for k in range(len(errors))]
+    assert order_judgement(steps, errors, 8, subject, "rk4").holds is holds

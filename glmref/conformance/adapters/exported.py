@@ -8,7 +8,7 @@ import numpy as np
 
 from ...exchange.export import export
 from ...exchange.steppers import identifier
-from .foreign import Built
+from .foreign import FORTRAN, Built
 
 _C = """
 #include "stepper.c"
@@ -53,6 +53,14 @@ pub extern "C" fn run(
 """
 
 
+_FORTRAN = "include 'stepper.f90'" + FORTRAN.format(
+    used="use NAME, only: integrate",
+    helpers="",
+    locals="integer :: status",
+    steps="call integrate(slope, t, h, int(steps), y, status)\n    run = status",
+)
+
+
 class _Exported(Built):
     """Explicit Runge-Kutta methods, as functions of a source file."""
 
@@ -89,11 +97,37 @@ class InCpp(_Exported):
     main = ("run.cpp", _CPP)
 
 
+class InFortran(_Exported):
+    """Fortran."""
+
+    compiler = ("gfortran", "-std=f2008", "-O1", "-shared", "-fPIC")
+    language, stepper, main = "fortran", "stepper.f90", ("run.f90", _FORTRAN)
+
+
 class InRust(_Exported):
     """Rust."""
 
     compiler = ("rustc", "--edition=2021", "-O", "--crate-type=cdylib")
     language, stepper, main = "rust", "stepper.rs", ("run.rs", _RUST)
+
+
+class InJulia:
+    """Julia, through juliacall."""
+
+    methods = _Exported.methods
+
+    def __init__(self) -> None:
+        from juliacall import Main  # pyright: ignore[reportMissingImports]
+
+        self._modules = {name: Main.seval(export(name, to="julia")) for name in self.methods}
+
+    def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
+        """One step."""
+
+        def f(s: float, x: Any) -> np.ndarray:
+            return np.array(problem.f(s, np.array(x)))
+
+        return np.array(self._modules[method].integrate(f, t, h, 1, np.array(y)))
 
 
 class InPython:

@@ -17,6 +17,46 @@ _DOUBLES = ctypes.POINTER(ctypes.c_double)
 RHS = ctypes.CFUNCTYPE(None, ctypes.c_double, _DOUBLES, _DOUBLES, ctypes.c_void_p)
 
 
+#: A function of C around Fortran, to be filled in by ``str.format``.
+FORTRAN = """
+module board_run
+  use, intrinsic :: iso_c_binding
+  {used}
+  implicit none
+  abstract interface
+    subroutine right_hand_side(t, y, out, given) bind(c)
+      import c_double, c_ptr
+      real(c_double), value :: t
+      real(c_double), intent(in) :: y(*)
+      real(c_double), intent(out) :: out(*)
+      type(c_ptr), value :: given
+    end subroutine
+  end interface
+  procedure(right_hand_side), pointer, save :: called => null()
+  type(c_ptr), save :: given
+contains
+  subroutine slope(t, y, out)
+    real(c_double), intent(in) :: t, y(:)
+    real(c_double), intent(out) :: out(:)
+    call called(t, y, out, given)
+  end subroutine
+  {helpers}
+  integer(c_int) function run(f, data, d, t, h, steps, y) bind(c)
+    type(c_funptr), value :: f
+    type(c_ptr), value :: data
+    integer(c_int), value :: d
+    real(c_double), value :: t, h
+    integer(c_long), value :: steps
+    real(c_double), intent(inout) :: y(d, 1)
+    {locals}
+    call c_f_procpointer(f, called)
+    given = data
+    {steps}
+  end function
+end module
+"""
+
+
 def right_hand_side(problem: Any, kind: Any = RHS) -> Any:
     """Return a function of C that evaluates the right-hand side; it must outlive its calls."""
     d = problem.dimension
@@ -42,13 +82,16 @@ class Built:
     Attributes
     ----------
     compiler : Sequence of str
-        The command; ``-o LIBRARY FILE`` is appended.
-    methods : tuple of str
+        The command; ``-o LIBRARY FILE`` and the libraries are appended.
+    libraries : Sequence of str
+        What is linked, as words of the compiler.
+    methods
         As of every adapter.
     """
 
     compiler: Sequence[str]
-    methods: tuple[str, ...]
+    libraries: Sequence[str] = ()
+    methods: Sequence[str] | Mapping[str, Mapping[str, object]]
 
     def __init__(self, sources: Mapping[str, Mapping[str, str]]) -> None:
         if shutil.which(self.compiler[0]) is None:
@@ -63,7 +106,7 @@ class Built:
             (place / name).write_text(text, encoding="utf-8")
         library = place / "run.so"
         done = subprocess.run(
-            [*self.compiler, "-o", str(library), next(iter(files))],
+            [*self.compiler, "-o", str(library), next(iter(files)), *self.libraries],
             cwd=place, capture_output=True, text=True, check=False,
         )  # fmt: skip
         if done.returncode:
