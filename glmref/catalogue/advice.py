@@ -15,14 +15,17 @@ from .lookup import document, load
 
 #: How a method carries on over long runs, by what its file says.
 LOST, GROWS, BOUNDED, DRIFTS, UNKNOWN = "lost", "grows", "bounded", "drifts", "not recorded"
-RECORDED = "recorded as bounded"
+RECORDED, PREDICTED = "recorded as bounded", "predicted as bounded"
 #: What these words mean.
 MEANINGS = {
     BOUNDED: "symplectic with one value, so that no parasitic part can grow",
     RECORDED: "not symplectic; the energy error stayed bounded over the ten million steps that the "
     "file records",
     GROWS: "the energy error grows within ten million steps, by the file of the method",
-    LOST: "the orbit is lost within ten million steps, by the file of the method",
+    PREDICTED: "not symplectic; no parasitic part is predicted to become large on this orbit in "
+    "ten million steps",
+    LOST: "the orbit is lost within ten million steps, as predicted on this one or recorded in the "
+    "file of the method",
     DRIFTS: "not symplectic: the energy error grows with time",
     UNKNOWN: "the file records no long run",
 }

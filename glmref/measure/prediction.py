@@ -71,6 +71,10 @@ NUDGE = 1e-5
 NO_GROWTH = 1e-9
 #: Steps beyond which no loss is looked for.
 FOR_EVER = 1e12
+#: Why there is no prediction where growth is slow or the passes for Psi do not converge.
+UNRESOLVED = (
+    "growth of first order on an orbit that is not periodic, or a resonance of two eigenvalues of V"
+)
 LOST, BOUNDED, NONE, OPEN = "lost", "bounded", "no parasitic part", "open"
 
 
@@ -226,13 +230,13 @@ def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray)
     return np.swapaxes((plus - minus) / widths[:, None], 1, 2)
 
 
-def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> np.ndarray:
-    """Psi_n, (N - PASSES, m, m), from the derivatives of N steps."""
+def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray, passes: int = PASSES) -> np.ndarray:
+    """Psi_n, (N + 1 - passes, m, m), from the derivatives of N steps."""
     n, m = b.right.shape
     here = b.right @ b.left
     inverse = np.linalg.inv(V - b.zeta * np.eye(n) + here) @ (np.eye(n) - here)
     C = np.zeros((len(steps) + 1, n, m), dtype=b.right.dtype)
-    for _ in range(PASSES):
+    for _ in range(passes):
         T = b.right + C[:-1]
         after = _times(steps[: len(T)], T)
         psi = b.left @ after / b.zeta
@@ -295,6 +299,12 @@ class _Growing:
             return math.inf
         least = ROUND_OFF * float(np.linalg.norm(product, 2))
         return max(float(np.linalg.norm(product @ self.start)), least)
+
+    def found(self, period: float | None, *, grows: bool) -> tuple[float, float]:
+        """Rate per step and step of loss, in the way that fits; ``grows``: mu is not zero."""
+        if period is not None and period + 3 < len(self.psi):
+            return self.periodic(period)
+        return self.seen() if grows else self.averaged()
 
     def averaged(self) -> tuple[float, float]:
         """Rate per step, and the step of loss, where the propagators are near to I.
@@ -462,25 +472,32 @@ def predict(
     steps = _derivatives(chosen, subject, h, values[:-1])
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
+    length = abs(end - float(subject.t_span[0]))
     level = LEVEL * (float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1))))
     parts = []
     for b in bundles:
-        psi = _propagators(V, b, steps)
-        start = _start(engine, b, psi, values, h)
-        part = _Growing(psi, start, level)
-        if period is not None and period + 3 < len(psi):
-            rate, lost = part.periodic(period)
-        else:
-            rate, lost = part.seen() if b.grows else part.averaged()
-        begins = float(np.linalg.norm(start))
+        found = []
+        for passes in (PASSES - 2, PASSES):
+            with np.errstate(all="ignore"):
+                psi = _propagators(V, b, steps, passes)[:count]
+            if not np.isfinite(psi).all():
+                return Prediction(*given, OPEN, why=UNRESOLVED)
+            part = _Growing(psi, _start(engine, b, psi, values, h), level)
+            found.append(part.found(period, grows=b.grows))
+        (_, before), (rate, lost) = found
+        early, late = sorted((before, lost))
+        if early * abs(h) <= length and late > 2 * early:
+            lost = math.nan  # the passes do not converge
+        begins = float(np.linalg.norm(part.start))
         begins = begins if begins > ROUND_OFF else 0.0
         parts.append(ParasiticPart(complex(b.zeta), begins, rate / h, lost))
-    worst = min(parts, key=lambda part: math.inf if math.isnan(part.steps) else part.steps)
-    if math.isnan(worst.steps):
-        why = "a growth parameter is not zero, the orbit not periodic, and the pilot run too short"
-        return Prediction(*given, OPEN, None, None, tuple(parts), why)
-    verdict = LOST if worst.steps * abs(h) <= abs(end - float(subject.t_span[0])) else BOUNDED
-    return Prediction(*given, verdict, worst.steps, worst.zeta, tuple(parts))
+    known = [part for part in parts if not math.isnan(part.steps)]
+    worst = min(known, key=lambda part: part.steps, default=None)
+    if worst is not None and worst.steps * abs(h) <= length:
+        return Prediction(*given, LOST, worst.steps, worst.zeta, tuple(parts))
+    if worst is None or len(known) < len(parts):
+        return Prediction(*given, OPEN, None, None, tuple(parts), UNRESOLVED)
+    return Prediction(*given, BOUNDED, worst.steps, worst.zeta, tuple(parts))
 
 
 def _depends_on_time(problem: Problem) -> bool:

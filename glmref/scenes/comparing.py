@@ -24,6 +24,7 @@ from ..catalogue.advice import (
     GROWS,
     LOST,
     MEANINGS,
+    PREDICTED,
     RECORDED,
     UNKNOWN,
     candidates,
@@ -33,6 +34,9 @@ from ..catalogue.claims import NYSTROM_ORDER, stated_orders
 from ..catalogue.lookup import document, is_broken, load, names
 from ..engine.starting_values import renewal_of
 from ..errors import GlmrefError, UsageError
+from ..measure.prediction import BOUNDED as EXPECTED_BOUND
+from ..measure.prediction import LOST as EXPECTED_LOSS
+from ..measure.prediction import predict
 from ..measure.work_precision import measure, reference_state
 from ..method import Method
 from ..problems import Problem, from_path
@@ -61,6 +65,8 @@ _LEAST_FACTOR, _MOST_FACTOR = 1.5, 4.0
 #: Steps of the first run per typical time of the problem.
 _FIRST, _MOST_FIRST = 4, 100_000
 _MOST_STEPS = 20_000_000
+#: Steps of the long runs that the labels are about.
+MOST_PREDICTED = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -74,9 +80,9 @@ class Candidate:
     order : int or None
         Order claimed; of Nyström kind where the kinetic energy is quadratic.
     long_runs : str
-        ``"bounded"``: one value, symplectic; ``"lost"``, ``"grows"`` and ``"recorded as
-        bounded"``: the file records it;
-        ``"drifts"``: not symplectic; ``"not recorded"``.
+        ``"bounded"``: one value, symplectic; ``"lost"`` and ``"predicted as bounded"``:
+        :func:`glmref.predict` says so at h; ``"lost"``, ``"grows"`` and ``"recorded as bounded"``:
+        the file records it; ``"drifts"``: not symplectic; ``"not recorded"``.
     h, steps, error, energy_error, seconds, evaluations :
         Of the cheapest run that reaches the tolerance; ``None`` where none does.
     message : str
@@ -107,7 +113,7 @@ class Candidate:
 
     @property
     def fit_for_long_runs(self) -> bool:
-        """Whether the file of the method records no growth."""
+        """Whether neither prediction nor the file of the method says that it grows."""
         return self.long_runs not in (LOST, GROWS)
 
 
@@ -392,10 +398,21 @@ class _Search:
             )
         best = min(reached, key=lambda work: work.evaluations)
         seconds = seconds_at(records, self.error, self.tolerance)
+        if kind != "general" and self.renew:
+            label = self._predicted(best.h, label)
         return Candidate(
             self.method.name, order, label, best.h, best.steps, _error(best, self.error),
             best.energy_error, seconds, best.evaluations, works=tuple(good), renew=self.renew,
         )  # fmt: skip
+
+    def _predicted(self, h: float, label: str) -> str:
+        """The label of long runs at a step size, where a prediction says more than the file."""
+        end = float(self.subject.t_span[0]) + MOST_PREDICTED * h
+        try:
+            verdict = predict(self.method, self.subject, h, end).verdict
+        except GlmrefError:
+            return label
+        return {EXPECTED_LOSS: LOST, EXPECTED_BOUND: PREDICTED}.get(verdict, label)
 
     def _runs(self, order: int) -> None:
         scale = float(self.subject.scales.get("time", 1.0))
@@ -449,11 +466,11 @@ def _recommended(
             f"step sizes; raise the tolerance or shorten the run"
         )
     fit = [one for one in reached if one.fit_for_long_runs]
-    bounded = [one for one in fit if one.long_runs in (BOUNDED, RECORDED)]
+    bounded = [one for one in fit if one.long_runs in (BOUNDED, RECORDED, PREDICTED)]
     choice = (bounded or fit) if kind != "general" else fit
     if not choice:
         names = ", ".join(one.method for one in reached)
-        return None, f"{names} reached the tolerance, but their files record growth on long runs"
+        return None, f"{names} reached the tolerance, but grow on long runs"
     best = choice[0]
     assert best.seconds is not None
     first = (
@@ -461,7 +478,7 @@ def _recommended(
         f"{best.evaluations:,} evaluations at h = {best.h:.4g}"
     )
     sentences = [first]
-    if best.renew and best.long_runs != RECORDED:
+    if best.renew and best.long_runs not in (RECORDED, PREDICTED):
         sentences.append(f"long runs need `renew={best.renew}`, see docs/choose.md")
     others = [one for one in choice[1:] if one.seconds is not None]
     if others:
@@ -477,11 +494,16 @@ def _recommended(
                 "it is not symplectic; over the runs of ten million steps that its file records "
                 "the energy error stays bounded"
             )
+        elif best.long_runs == PREDICTED:
+            sentences.append(
+                "it is not symplectic; no parasitic part is predicted to become large within ten "
+                "million steps"
+            )
         else:
             sentences.append("it is not symplectic: its energy error is that of this run only")
     for one in reached[: reached.index(best)]:
         part = (one.seconds or 0.0) / best.seconds
-        why = "its file records that long runs grow or are lost"
+        why = "its long runs grow or are lost"
         if one.fit_for_long_runs:
             why = f"its long runs: {one.long_runs}"
         elif one.renew:

@@ -89,7 +89,7 @@ def test_multistep_methods_do_not_grow_on_keplers_orbit():
 @pytest.mark.slow
 def test_weak_growth_of_first_order_is_open_where_no_orbit_is_periodic():
     chain = predict("gsymplectic-n", "toda", 0.1)
-    assert chain.verdict == OPEN and "growth parameter" in chain.why
+    assert chain.verdict == OPEN and "not periodic" in chain.why
 
 
 def test_what_is_not_predicted():
