@@ -65,7 +65,7 @@ class Oracle:
                     return self._compare(found, declared)
                 return None if found is None else found == declared
             return rule(declared)
-        except (Undecided, ZeroDivisionError, StopIteration) as error:
+        except (Undecided, ZeroDivisionError, StopIteration, RuntimeError) as error:
             self.why = str(error)
             return None
 
@@ -584,9 +584,9 @@ class Oracle:
     def loosely(values: Vector) -> bool:
         """Return whether numbers that come from eigenvalues vanish."""
         most = max(map(abs, values), default=mp.mpf(0))
-        if 1e-25 < most < 1e-15:
+        if 1e-60 < most < 1e-15:
             raise Undecided("a growth parameter near 0")
-        return bool(most <= 1e-25)
+        return bool(most <= 1e-60)
 
     def _growth(self, declared: list[str]) -> bool:
         if not self._zero_stable():
@@ -669,7 +669,7 @@ class Oracle:
     def _l_stable(self) -> bool:
         if not self._a_stable():
             return False
-        sizes = [max(abs(x) for x, _ in clusters(self.at(-(mp.mpf(10) ** k)))) for k in (20, 30)]
+        sizes = [max(abs(x) for x, _ in clusters(self.at(-(mp.mpf(10) ** k)))) for k in (60, 75)]
         if sizes[1] == 0 or sizes[1] < sizes[0] / 50:
             return True
         if sizes[1] < sizes[0] / 2:

@@ -87,10 +87,21 @@ def test_the_oracle_has_an_opinion_of_hostile_statements() -> None:
     assert denied > max(90, 0.8 * len(FALSE))
 
 
-def test_a_nearly_semisimple_eigenvalue_is_not_taken_for_semisimple() -> None:
-    V = [["1", "1/1" + "0" * 55], ["0", "1"]]
-    glm = {"class": "glm", "A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]], "V": V}
-    assert opinion(glm, "zero-stable", True) is not True
+NEARLY = {
+    "zero-stable": ([["0"]], [["1", "0"]], [["1"], ["0"]], [["1", "1/1" + "0" * 55], ["0", "1"]]),
+    "l-stable": (
+        [["1/2", "0"], ["1/2", "1"]],
+        [["1"]] * 2,
+        [["1/2-1/1" + "0" * 55, "1/2"]],
+        [["1"]],
+    ),
+}
+
+
+@pytest.mark.parametrize("claim", NEARLY)
+def test_what_is_nearly_true_is_not_believed(claim: str) -> None:
+    glm = {"class": "glm", **dict(zip("AUBV", NEARLY[claim], strict=True))}
+    assert opinion(glm, claim, True) is not True
 
 
 def test_drawn_statements_are_never_contradicted() -> None:
