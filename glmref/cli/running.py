@@ -49,7 +49,12 @@ SHORT = {"state error": "state", "energy error": "energy", "largest rest": "rest
     "names", nargs=-1, metavar="[SCENE|CAMPAIGN|FILE]...", shell_complete=complete_scene
 )
 @click.option("--quick", is_flag=True, help="Fewer or shorter runs, as the scene says.")
-@click.option("--plan", "planned", is_flag=True, help="Show what would be run, and run nothing.")
+@click.option(
+    "--plan",
+    "planned",
+    is_flag=True,
+    help="Show what would be run, what it costs, and what is predicted.",
+)
 @click.option("--all", "every", is_flag=True, help="All shipped scenes.")
 @click.option("--list", "listed", is_flag=True, help="List the shipped scenes and campaigns.")
 @click.option("--pages", is_flag=True, help="Of a campaign: make page and table, and run nothing.")
@@ -152,8 +157,15 @@ def _list(scenery: Any, form: str) -> None:
 
 
 def _show_plans(plans: Sequence[Plan], form: str) -> None:
+    from ..scenes.planning import predictions
+
     documents = [plan.as_json() for plan in plans]
     if form == "json":
+        for plan, document in zip(plans, documents, strict=True):
+            document["predicted"] = [
+                {"method": x.method, "h": x.h, "verdict": x.verdict, "text": x.text}
+                for x in predictions(plan.scene)
+            ]
         say(json_text(documents[0] if len(documents) == 1 else documents))
         return
     if form == "csv":
@@ -178,6 +190,8 @@ def _show_plans(plans: Sequence[Plan], form: str) -> None:
         ]
         if plan.absent:
             lines.append(("left out", f"{', '.join(plan.absent)}: not installed"))
+        for k, one in enumerate(predictions(scene)):
+            lines.append(("" if k else "predicted", f"{one.method} h = {one.h:.4g}: {one.text}"))
         say(("\n" if number else "") + style.paint(one_line(scene.name), "bold"))
         say(columns(lines, style=style))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -16,6 +17,7 @@ from ..engine.kernel import choose_form
 from ..engine.shape import shape_of
 from ..errors import GlmrefError
 from ..measure.peers import package_of
+from ..measure.prediction import Prediction, predict
 from ..method import Method
 from ..method.component import GENERAL, SEPARABLE
 from ..problems.model import Problem
@@ -133,6 +135,18 @@ def plan(scene: Scene) -> Plan:
         (*costs, *[None] * (len(tasks) - len(costs))),
         _reference(scene, subject),
     )
+
+
+def predictions(scene: Scene) -> tuple[Prediction, ...]:
+    """Predict when the runs of a scene that asks ``parasitic`` are lost, from their first steps."""
+    if "parasitic" not in scene.ask or scene.renew:
+        return ()
+    found = []
+    for name in scene.methods:
+        for h, _ in scene.grid:
+            with suppress(GlmrefError):  # its task will say why it cannot be run
+                found.append(predict(load(name), scene.subject, h, scene.t_end, start=scene.start))
+    return tuple(found)
 
 
 def _reference(scene: Scene, subject: Problem) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ from glmref.measure import prediction
 from glmref.measure.longtime import follow
 from glmref.measure.parasitic import loss, solution_direction
 from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES
+from glmref.scenes import load_scene
+from glmref.scenes.planning import predictions
 
 PENDULUM = problem("pendulum", q0="23/10")
 
@@ -129,6 +132,13 @@ def test_the_part_of_a_step_is_integrated():
     cells = np.diff(edges).reshape(5, 1, 1)
     found = prediction._inside(cells, 0.3)[0, 0]
     assert found == pytest.approx(math.sin(0.23) - math.sin(0.2), abs=1e-8)
+
+
+def test_the_plan_of_a_scene_says_what_is_lost():
+    scene = load_scene("parasitism")
+    (one,) = predictions(replace(scene, methods=("gsymplectic-p",)))
+    assert (one.verdict, one.steps) == (LOST, predict("gsymplectic-p", PENDULUM, 0.1).steps)
+    assert predictions(load_scene("kepler")) == ()
 
 
 def test_the_example_is_as_printed():
