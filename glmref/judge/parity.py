@@ -13,7 +13,7 @@ from .enclosed_pair import ALTERNATING, Pair
 from .fields import Numbers
 from .grammar import published_decimal
 from .krawczyk import Linear, at_values, only_root
-from .linalg import apply, diagonal, dot, equal, identity, kernel, less, minus, transpose
+from .linalg import apply, diagonal, dot, equal, identity, kernel, minus, transpose
 from .numbers import as_reals, is_nil, total, vanishes
 from .refusals import SIZE, Document, as_list, as_object, keys, require, whole
 from .series import Series
@@ -147,9 +147,9 @@ def start_with_parity(
 
     def gaps(labels: list[Label], values: list) -> list:
         stages = fixed or stage_series(at_values(A, values), q)
-        weights = at_values(B, values)
-        return [dot(rows[k][0], less(apply(weights, stages.derivative(t)), series(t)))
-                for k, t in labels]  # fmt: skip
+        weights, slopes = transpose(at_values(B, values)), cache(stages.derivative)
+        seen = {k: [dot(rows[k][0], column) for column in weights] for k, _ in labels}
+        return [dot(seen[k], slopes(t)) - dot(rows[k][0], series(t)) for k, t in labels]
 
     root = block.root(gaps, wanted, lambda label: label[0] == 0)
     return block, at_values(A, root), at_values(B, root)
@@ -227,7 +227,8 @@ def even_start(
     def gaps(labels: list[Label], values: list) -> list:
         start = Series.of_tables({c: (at_values(A, values), at_values(B, values))
                                   for c, (A, B) in tables.items()})  # fmt: skip
-        return [start.value(t)[k] - zeta[t][k] for k, t in labels]
+        slopes = cache(start.derivative)
+        return [dot(start.part(t[0]).B[k], slopes(t)) - zeta[t][k] for k, t in labels]
 
     block.root(gaps, wanted)
     return most, max(most, nystrom)
