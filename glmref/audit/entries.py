@@ -156,7 +156,9 @@ def _parts(item: Item, *, named: bool) -> list[Array]:
     value = item.value
     if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
         return []
-    if not all(isinstance(x, list) and len(x) > len(value) for x in value):
+    if not all(isinstance(x, list) and len(x) >= len(value) for x in value):
+        return []
+    if any(len(x) == len(value) and abs(sum(map(size, x)) - 1) > 1e-6 for x in value):
         return []
     found = []
     for k, row in enumerate(value):

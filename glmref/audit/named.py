@@ -1,6 +1,6 @@
-"""Tables of C++, Java and Rust: a name for each number, methods that return arrays, and bindings.
+"""Tables of C++ and Java: a name for each number, and methods that return arrays.
 
-What these have in common is that a name says what an array is: ``a21``, ``getA()`` or ``let a``.
+What these have in common is that a name says what an array is: ``a21`` or ``getA()``.
 """
 
 from __future__ import annotations
@@ -206,86 +206,3 @@ def _java_array(text: str, key: str) -> Any:
         return [entries[k] for k in sorted(entries)]
     rows = sorted({i for i, _ in entries})
     return [[entries[k] for k in sorted(entries) if k[0] == i] for i in rows]
-
-
-# --- Rust -----------------------------------------------------------------------------------------
-
-
-def rust(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """Tables of functions that bind ``a``, ``b``, ``c``, and of constants ``NAME_A``, ``NAME_B``.
-
-    The order is what the documentation of the function calls the primary order; that of a constant
-    is the last number of its name.
-    """
-    said = re.findall(r"Primary order: (\d+)(?:(?!pub fn).){0,4000}?pub fn (\w+)", text, re.DOTALL)
-    orders = {name: int(n) for n, name in said}
-    text = bare(text)
-    scope: Scope = {}
-    for name, value in re.findall(
-        r"\bconst\s+(\w+)\s*:[^=]*?=\s*([^;]*(?:;\s*\d+\][^;]*)*);", text
-    ):
-        _bind(name, value, scope)
-    for name in [x.removesuffix("_A") for x in scope if x.endswith("_A")]:
-        place = re.search(rf"\b{name}_A\b", text)
-        line = _line(text, place.start() if place else 0)
-        for table in _guarded(
-            name, line, lambda name=name: _of_rust(scope, f"{name}_", "A B C BE E")
-        ):
-            digits = re.search(r"(\d+)$", name)
-            table.order = int(digits[1]) if digits else None
-            yield table
-    parts = re.split(r"\bfn\s+(\w+)\s*\([^)]*\)[^{;]*\{", text)
-    line = _line(text, len(parts[0]))
-    for name, body in zip(parts[1::2], parts[2::2], strict=True):
-        inner = dict(scope)
-        for target, value in re.findall(
-            r"(?:let\s+(?:mut\s+)?)?\b([a-z]\w*(?:\[\d+\])*)(?::[^=;]*)?\s*=\s*([^;=]*(?:;\s*\w+\][^;=]*)*);",
-            body,
-        ):
-            if ".map(" not in value and "{" not in value:
-                try:
-                    _bind(target, value, inner)
-                except IndexError:
-                    yield Table(name, line, unread=f"{target} lies outside its array")
-                    inner.clear()
-                    break
-        arrays = [inner.get(key) for key in "abc"]
-        if None not in arrays and any(isinstance(x, list) for x in arrays):
-            for table in _guarded(
-                name, line, lambda inner=inner: _of_rust(inner, "", "a b c bh er")
-            ):
-                table.order = orders.get(name)
-                yield table
-        line += body.count("\n")
-
-
-def _bind(target: str, value: str, scope: Scope) -> None:
-    value = re.sub(r"(?<=\d)_?f64\b", "", value)
-    value = re.sub(
-        r"\bSQRT_(\d+)\b(?!_)", lambda m: m[0] if m[0] in scope else f"sqrt({m[1]})", value
-    )
-    value = re.sub(r"\[\s*\[\s*0(?:\.0)?\s*;\s*(\w+)\s*\];\s*(\w+)\s*\]", r"zeros(\2, \1)", value)
-    value = re.sub(r"\[\s*0(?:\.0)?\s*;\s*(\w+)\s*\]", r"zeros(\1)", value)
-    value = re.sub(r"(\d+(?:\.\d+)?|\w+)\.sqrt\(\)", r"sqrt(\1)", value)
-    try:
-        node = ast.parse(target, mode="eval").body
-        assign(node, _value(value, scope), scope)
-    except SyntaxError:
-        pass  # a word of Python is no name of a table
-    except Unread as error:
-        scope[target.partition("[")[0]] = error
-
-
-def _of_rust(scope: Scope, stem: str, keys: str) -> Table:
-    A, b, c, low, error = (scope.get(stem + k) for k in keys.split())
-    for x in (A, b, c):
-        if isinstance(x, Unread):
-            raise x
-    weights = vector(b)
-    s = len(weights)
-    table = Table("", 0, A=[_leading(A, s)], b=[weights], c=[None if c is None else vector(c)[:s]])
-    if isinstance(low, list):
-        table.rows = [("embedded", vector(low), None)]
-    if isinstance(error, list):
-        table.errors = [vector(error)]
-    return table

@@ -17,7 +17,7 @@ from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
 from .compositions import compositions
-from .named import constants, java, rust
+from .named import constants, java
 from .plain import from_csv, from_json
 from .principia import structs
 from .stepper import procedures
@@ -339,36 +339,6 @@ def _openmodelica(text: str) -> Iterator[Table]:
                 yield table
             except Unread as error:
                 yield _unread(name, run.line, error)
-
-
-def _tudat(text: str) -> Iterator[Table]:
-    run = _Run(text, "c")
-    for step, _ in run.steps():
-        if step.kind != "close" or run.depth != 1:
-            continue
-        fields = {k.rpartition(".")[2]: v for k, v in run.scope.items() if ".aCoef" in k or
-                  ".bCoef" in k or ".cCoef" in k or "rder" in k}  # fmt: skip
-        if "bCoefficients" not in fields:
-            continue
-        name = re.sub(r".*initialize(\w+?)(?:Coefficients)?\s*\(.*", r"\1", run.header)
-        try:
-            yield _of_tudat(fields, name, run.line)
-        except Unread as error:
-            yield _unread(name, run.line, error)
-
-
-def _of_tudat(fields: Mapping[str, Any], name: str, line: int) -> Table:
-    weights = _need(fields["bCoefficients"])
-    rows = [vector(x) for x in weights] if isinstance(weights, list) else []
-    if not rows:
-        raise Unread("the weights were not read")
-    s = len(rows[0])
-    orders = [_whole(fields.get(x)) for x in ("lowerOrder", "higherOrder")]
-    table = Table(name, line, A=[_square(_need(fields["aCoefficients"]), s)], b=[rows[0]])
-    table.c = [vector(_need(fields["cCoefficients"]))]
-    table.order = orders[0]
-    table.rows = [("second row", x, orders[1]) for x in rows[1:]]
-    return table
 
 
 _ORDER_FUNCTION = re.compile(
@@ -1092,13 +1062,11 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "julia": _julia,
     "python": _python,
     "openmodelica": _openmodelica,
-    "eigen": _tudat,
     "rklib": _rklib,
     "kpp": _kpp,
     "matlode": _matlode,
     "constants": constants,
     "java": java,
-    "rust": rust,
     "principia": structs,
     "gsl": gsl,
     "odeint": odeint,
@@ -1112,13 +1080,11 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "julia": (".jl",),
     "python": (".py",),
     "openmodelica": (".c",),
-    "eigen": (".cpp",),
     "rklib": (".f90",),
     "kpp": (".f90",),
     "matlode": (".m",),
     "constants": (".cc", ".C", ".cpp", ".hh"),
     "java": (".java",),
-    "rust": (".rs",),
     "principia": (".hpp",),
     "gsl": (".c",),
     "odeint": (".hpp",),

@@ -426,7 +426,8 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             names = {name for name, _ in call.arguments if name}
             near = call.line <= table.line <= call.last or 0 <= call.line - table.last <= 25
             if call.called and near and (table.source in names or call is table.block):
-                if call.label and table.name in (table.source, *path_of(table)):
+                word = not call.label.isupper() or table.source in names
+                if call.label and word and table.name in (table.source, *path_of(table)):
                     table.name = call.label
                 given.setdefault(call.called, []).append((table, call))
                 break
@@ -596,6 +597,8 @@ def key_of(value: Any) -> tuple[float, ...]:
 def _title(block: Block, array: Array) -> str:
     path = [x for x in block.path() if x not in ("if", "else", "for", "while", "switch")]
     base = path[-1] if path else ""
+    if block.kind == "record" and len(base) < 3 and len(path) > 1:  # B->A of a function
+        base = path[-2]
     if array.stem and array.stem.lower() not in base.lower():
         return array.name if not base or not block.parent else f"{base}.{array.name}"
     return base or array.name or "table"

@@ -33,13 +33,11 @@ _MARKS: Mapping[str, str] = {
     "julia": "Tableau|Butcher|ConstantCache",
     "python": r"ButcherTableau|RungeKutta|tableau_intermediate|construct_|\bA\b.*=",
     "openmodelica": "setButcherTableau",
-    "eigen": "aCoefficients",
     "rklib": r"call me%f\(",
     "kpp": "ros_Alpha|rkA",
     "matlode": "ros_Alpha|rkA",
     "constants": r"\b[ab]21\b",
     "java": r"getA\(\)|STATIC_A",
-    "rust": r"\bc\s*[:=]|_A\s*:",
     "principia": "FixedVector<double",
     "gsl": r"_order\s*\(\s*void",
     "odeint": "class",
@@ -223,7 +221,7 @@ def _tables(
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
 _MORE = ("sundials", "petsc", "julia", "openmodelica", "rklib", "kpp", "matlode", "principia",
-         "weights", "gsl", "odeint", "eigen", "java", "constants")  # fmt: skip
+         "weights", "gsl", "odeint", "java", "constants")  # fmt: skip
 
 
 def _read(

@@ -30,7 +30,7 @@ from .output import (
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
     *("json", "csv", "sundials", "petsc", "julia", "python"),
-    *("openmodelica", "eigen", "rklib", "kpp", "matlode", "constants", "java", "rust"),
+    *("openmodelica", "rklib", "kpp", "matlode", "constants", "java"),
     *("principia", "gsl", "odeint", "weights"),
 )
 

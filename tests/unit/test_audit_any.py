@@ -299,7 +299,6 @@ SAMPLES = [
     (source("python.txt"), "python", "python", 4),
     (source("openmodelica.c"), "openmodelica", "c", 1),
     (source("named-b.cpp"), "constants", "c", 1),
-    (source("rust.rs"), "rust", "rust", 2),
     (source("matlode.m"), "matlode", "matlab", 1),
 ]
 
