@@ -75,56 +75,10 @@ def test_references_agree_with_another_implementation_to_32_digits(name, t):
 
 # name, parameters, t, digits as printed, relative difference that the printed digits allow, source
 PRINTED = [
-    (
-        "pleiades",
-        {},
-        3,
-        {0: ".3706139143970502", 2: "3.237284092057233", 4: "-3.222559032418324"},
-        5e-15,
-        "Test set, Pleiades: x1, x2, x3, which are components 0, 2, 4 body by body",
-    ),
-    (
-        "van-der-pol",
-        {},
-        2,
-        {0: "1.706167732170483", 1: "-0.8928097010247975"},
-        3e-14,
-        "Test set, release 2.4, Van der Pol (RADAU, quadruple precision)",
-    ),
-    (
-        "robertson",
-        {},
-        10**11,
-        {0: "2.083340149701255e-8", 1: "8.333360770334713e-14", 2: "0.9999999791665050"},
-        2e-14,
-        "Test set, release 2.4, Robertson",
-    ),
-    (
-        "hires",
-        {},
-        "321.8122",
-        {
-            0: "7.371312573325668e-4",
-            1: "1.442485726316185e-4",
-            2: "5.888729740967575e-5",
-            3: "1.175651343283149e-3",
-            4: "2.386356198831331e-3",
-            5: "6.238968252742796e-3",
-            6: "2.849998395185769e-3",
-            7: "2.850001604814231e-3",
-        },
-        1e-15,
-        "Test set, release 2.4, HIRES (RADAU5, relative tolerance 1.1e-18)",
-    ),
-    (
-        "oregonator",
-        {},
-        360,
-        {0: "1.000814870318523", 1: "1228.178521549917", 2: "132.0554942846706"},
-        2e-13,
-        "deTestSet, Oregonator",
-    ),
-]
+    (*(row[x] for x in ("name", "parameters", "t")), {int(k): x for k, x in row["digits"].items()},
+     row["allowed"], row["source"])
+    for row in json.loads(_FILE.with_name("printed_solutions.json").read_text(encoding="utf-8"))
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "parameters", "t", "printed", "allowed", "source"), PRINTED)
