@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -69,11 +68,23 @@ def test_uv_finds_nothing_to_update(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+RECIPE = ROOT / "packaging" / "conda" / "recipe.yaml"
+
+
 def recipe() -> dict[str, Any]:
-    """The recipe as conda-build reads it: a template first, then YAML."""
+    """The recipe, with its one variable put in."""
     yaml = pytest.importorskip("yaml")
-    text = (ROOT / "packaging" / "conda" / "meta.yaml").read_text(encoding="utf-8")
-    return yaml.safe_load(jinja2.Template(text).render(PYTHON="python"))
+    text = RECIPE.read_text(encoding="utf-8")
+    version = yaml.safe_load(text)["context"]["version"]
+    return yaml.safe_load(text.replace("${{ version }}", version))
+
+
+def test_the_conda_recipe_is_rendered() -> None:
+    rattler_build = pytest.importorskip("rattler_build")
+    (variant,) = rattler_build.Stage0Recipe.from_yaml(RECIPE.read_text("utf-8")).render()
+    assert (variant.recipe.package.name, variant.recipe.package.version) == tuple(
+        recipe()["package"].values()
+    )
 
 
 def bounds(requirements: Iterable[str]) -> dict[str, frozenset[str]]:
@@ -91,7 +102,7 @@ def test_the_conda_recipe_asks_for_what_the_project_asks_for() -> None:
     assert bounds(found["requirements"]["host"]) == host
     assert found["package"] == {"name": project["name"], "version": project["version"]}
     ((name, target),) = project["scripts"].items()
-    assert found["build"]["entry_points"] == [f"{name} = {target}"]
+    assert found["build"]["python"]["entry_points"] == [f"{name} = {target}"]
     assert found["about"]["license"] == project["license"]
     # the wheel holds the data, too
     assert {x.stem for x in (ROOT / "LICENSES").iterdir()} < set(project["license"].split(" AND "))
