@@ -136,19 +136,28 @@ def write_value(path: Path, value: Any) -> None:
         write_entry(path, json.dumps(value, allow_nan=False).encode())
 
 
+#: Endings of what the package reads of itself.
+_READ = (".py", ".toml", ".json", ".in")
+
+
 @cache
 def sources(*parts: str) -> str:
-    """Return the checksum of modules of this package.
+    """Return the checksum of modules of this package, and of the tables that they read.
 
     Parameters
     ----------
     parts : str
-        Subpackages and modules, as paths below the package; all without any.
+        Subpackages and modules, as paths below the package; without any all but the catalogue,
+        which an installed package holds as `data`.
     """
     package = Path(__file__).parents[1]
+    catalogue = package / "data"
     found = hashlib.sha256()
     for place in (package / part for part in parts or (".",)):
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+        inside = sorted(
+            x for x in place.rglob("*") if x.suffix in _READ and catalogue not in x.parents
+        )
+        for path in inside if place.is_dir() else [place]:
             content = path.read_bytes()
             found.update(f"{path.relative_to(package).as_posix()} {len(content)} ".encode())
             found.update(content)

@@ -218,3 +218,16 @@ def test_code_that_moves_to_another_module_is_other_code(
             (tmp_path / "exact" / f"{name}.py").write_text(text)
         found.add(cache.sources.__wrapped__("exact", "lone.py"))
     assert len(found) == 4
+
+
+def test_a_table_that_the_package_reads_is_part_of_its_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "__file__", str(tmp_path / "system" / "cache.py"))
+    found = set()
+    for place in ("", "problems/named.toml", "data/methods/euler.json", "problems/note.txt"):
+        (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
+        if place:
+            (tmp_path / place).write_text("x")
+        found.add(cache.sources.__wrapped__())
+    assert len(found) == 2, "the catalogue and notes are no code"
