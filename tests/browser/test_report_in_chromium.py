@@ -125,6 +125,14 @@ def test_a_page_opens_without_error_or_request_and_fits_a_phone(
         assert chromium.execute_script(CUT) == []
 
 
+def test_no_column_of_a_run_is_cut_on_a_small_desktop(chromium: Any, site: Path) -> None:
+    visit(chromium, site / f"run-{NAME}.html", width=1280)
+    room, wide = chromium.execute_script(
+        "const x = document.querySelector('.scroll'); return [x.clientWidth, x.scrollWidth]"
+    )
+    assert wide <= room
+
+
 def test_every_page_of_the_whole_report_opens(chromium: Any, whole: Path) -> None:
     pages = sorted(whole.glob("*.html"))
     assert len(pages) >= len(names("methods")) + 15
