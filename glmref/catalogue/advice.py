@@ -87,8 +87,8 @@ ADVICE: tuple[Advice, ...] = (
         "on the double pendulum, which is not separable, `gauss-4` takes 0.42 to 0.80 of the time "
         "of six G-symplectic methods of order 6 and 8 at an error of 1e-9; the seventh, "
         "`order8-s5i1-w3`, takes 0.87 of its time, {doc}`order6-measurements`; `gauss-5` to "
-        "`gauss-8` were not measured there; of `gauss-3` to `gauss-6` and `gauss-8` the last "
-        "takes the least time on Kepler's orbit with eccentricity 0.6, {doc}`engine`",
+        "`gauss-8` were not measured there; of `gauss-3` to `gauss-8` the last two "
+        "take the least time on Kepler's orbit with eccentricity 0.6, {doc}`engine`",
     ),
     Advice(
         "Hamiltonian, large, stages that require Newton's method",

@@ -35,13 +35,14 @@ from ..exact import Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
-from ..method import Method
+from ..method import Method, PartitionedGLM
 from ..system.arguments import number
 from ..system.budget import READING, left, limited, spend
 from ..system.shown import Shown
 from ..theory.error_constants import error_norm
 from ..theory.order import order_of
 from ..theory.periodicity import periodicity
+from ..theory.reduction import without_idle_stages
 from ..theory.residues import rates_on_one_sign, residues
 from ..theory.stability_interval import imaginary_interval, real_interval
 from .digits import rounded_up
@@ -582,7 +583,7 @@ def _analyzed(q: _Questions) -> Analysis:
         symmetric={"holds": (holds := q.truth(SYMMETRIC.key))}
         | held
         | {"P": exchanges[0] if single else exchanges}
-        | (_reduced(q) if single and holds is False and values != [1] else {}),
+        | (_reduced(q) if holds is False and (not single or values != [1]) else {}),
         growth=q.ask("growth", lambda f: _growth(f, single), []),
         growth_rates=None if single else q.ask("growth rates", _growth_rates),
         abscissae=q.ask("abscissae", lambda f: _vector(f.abscissae)),
@@ -599,9 +600,17 @@ def _reduced(q: _Questions) -> dict[str, Any]:
 
     A multistep method is symmetric where alpha_m = -alpha_(k-m) and beta_m = beta_(k-m), which as
     a tableau carries h f of values that it carries, too (Hairer, Lubich, Wanner 2006, XV.1).
+    A splitting is often written with strokes of length 0, which make stages that are not used.
     """
 
     def known(f: Facts) -> tuple[bool | None, str]:
+        if isinstance(f.method, PartitionedGLM):
+            smaller = without_idle_stages(f.method)
+            if smaller is None:
+                return None, ""
+            less = Facts(smaller)
+            truth = less.kernel.known(SYMMETRIC.key, proposal_for(less, SYMMETRIC.key)).truth
+            return truth, "without the stages whose slopes are not used" if truth else ""
         if f.method.multistep is not None:
             alpha, beta = f.method.multistep
             gaps = [x + y for x, y in zip(alpha, reversed(alpha), strict=True)]
@@ -614,6 +623,8 @@ def _reduced(q: _Questions) -> dict[str, Any]:
         return truth, f.reduction.witness if truth else ""
 
     truth, why = q.ask("symmetric in reduced form", known, None, STABILITY) or (None, "")
+    if truth is None and not q.facts.is_single:  # no stage is idle
+        return {}
     return {"reduced": truth, "why": why}
 
 

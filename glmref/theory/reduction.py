@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
-from ..method import Method
+from ..method import Method, PartitionedGLM
 from ..method.preconsistency import Block, preconsistency_vector
 
 
@@ -78,3 +78,31 @@ def reduction(m: Method) -> Reduction:
     reducible = bool(faults) if certain else None
     witness = "only " + "; ".join(faults) if faults else ""
     return Reduction(reducible, tuple(reached), tuple(seen), witness)
+
+
+def without_idle_stages(m: PartitionedGLM) -> PartitionedGLM | None:
+    """Return a separable pair without the stages whose slopes are not used.
+
+    A stage Q of the first part gives the slope that the columns of A^ and B^ multiply, a stage P
+    that of A and B. ``None`` where the system is not separable, or every slope is used.
+    """
+    if not m.separable:
+        return None
+    q, p = m.components
+    kept = [range(len(q.A)), range(len(p.A))]  # stages Q and P
+    while True:
+        rows = [[*(q.A[i] for i in kept[0]), *q.B], [*(p.A[i] for i in kept[1]), *p.B]]
+        used = [[j for j in kept[1 - n] if any(x[j].is_zero() is not True for x in rows[n])]
+                for n in (1, 0)]  # fmt: skip
+        if [len(x) for x in used] == [len(x) for x in kept]:
+            break
+        kept = used
+    if [len(x) for x in kept] == [len(q.A), len(p.A)] or not all(kept):
+        return None
+    blocks = [
+        (tuple(tuple(c.A[i][j] for j in kept[1 - n]) for i in kept[n]),
+         tuple(c.U[i] for i in kept[n]),
+         tuple(tuple(row[j] for j in kept[1 - n]) for row in c.B), c.V)
+        for n, c in enumerate((q, p))
+    ]  # fmt: skip
+    return PartitionedGLM(*blocks[0], *blocks[1], name=m.name, separable=True)

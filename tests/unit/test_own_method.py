@@ -93,6 +93,18 @@ def test_the_trapezoidal_rule_is_symmetric_however_it_is_written() -> None:
         assert glmref.analyze(method).symmetric["reduced"] is False
 
 
+def test_a_splitting_with_a_stroke_of_length_0_is_symmetric_in_reduced_form():
+    """The usual way to write Störmer-Verlet made "symmetric no" of it."""
+    for a, b, first in (("1 1", "2 0", None), ("2 0", "1 1", "p"), ("3 2 2 3", "4 2 4 0", None)):
+        rows = [[f"{x}/{sum(map(int, v.split()))}" for x in v.split()] for v in (a, b)]
+        found = glmref.analyze(
+            glmref.from_splitting(*rows, **({"first": first} if first else {}))
+        ).symmetric
+        assert (found["holds"], found["reduced"]) == (False, True)
+    found = glmref.analyze(glmref.from_splitting(["1", "0"], ["1", "0"])).symmetric
+    assert (found["holds"], found["reduced"]) == (False, False)
+
+
 def test_zero_printed_with_digits_is_zero(tmp_path: Path) -> None:
     assert parse("0.000", digits=3) == 0 and isinstance(parse("0.000", digits=3), Exact)
     assert not isinstance(parse("0.001", digits=3), Exact)
