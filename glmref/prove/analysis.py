@@ -35,7 +35,7 @@ from ..exact import Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
-from ..method import Method, PartitionedGLM
+from ..method import Method
 from ..system.arguments import number
 from ..system.budget import READING, left, limited, spend
 from ..system.shown import Shown
@@ -604,7 +604,7 @@ def _reduced(q: _Questions) -> dict[str, Any]:
     """
 
     def known(f: Facts) -> tuple[bool | None, str]:
-        if isinstance(f.method, PartitionedGLM):
+        if not f.is_single:
             smaller = without_idle_stages(f.method)
             if smaller is None:
                 return None, ""
