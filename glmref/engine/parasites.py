@@ -141,6 +141,7 @@ class Watch:
         self.scale = np.zeros(len(self.fits))
         self.first: np.ndarray | None = None  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
+        self.canonical = problem.canonical
         self.energy_error = 0.0  #: Of the first steps.
 
     def parasitic(self, solutions: np.ndarray) -> np.ndarray:
@@ -205,9 +206,10 @@ class Watch:
 
     def notice(self, time: float, step: int) -> str:
         """Return the sentence on what was found at a step."""
+        shear = "gauge='auto', " if self.canonical else ""
         return (
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
-            f"against the truncation error, and the orbit is being lost; give gauge='auto', "
+            f"against the truncation error, and the orbit is being lost; give {shear}"
             f"renew=1000, a smaller h, or an implicit method such as gauss-4, see "
             f"docs/nonseparable.md"
         )

@@ -1,5 +1,6 @@
 """Systems q' = f(p), p' = g(q, p): recognised, and run with one evaluation of g a step."""
 
+import json
 from fractions import Fraction
 from typing import Any
 
@@ -9,6 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from glmref import solve
+from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.derive.general_multistep import EndedHalf, GeneralHalf, general_document
 from glmref.engine.ensemble import solve_ensemble
@@ -151,6 +153,49 @@ def test_systems_with_other_velocities_are_refused() -> None:
         solve("shear", PAIR, h=0.05, steps=40)
     with pytest.raises(UsageError, match="`f` and its part `dq` disagree at the start"):
         solve(Problem(f=hidden, dq=lambda p: 2 * p, y0=[1, 0, 0, 0.5]), PAIR, h=0.05, steps=40)
+
+
+def _table(name: str) -> list[list[str]]:
+    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    table = page.partition(f"<!-- table: {name} -->")[2].partition("<!-- end")[0]
+    return [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
+
+
+def test_the_page_prints_what_is_measured() -> None:
+    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    whole = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
+    record, names = whole["semi-separable"], [f"multistep-kinetic-{p}" for p in (6, 8, 10)]
+    counts = {(x["problem"], x["tolerance"]): x["methods"] for x in record["evaluations"]}
+    means: dict[tuple[str, str, float], list[float]] = {}
+    for (_, tolerance), found in counts.items():
+        gauss = min(x for k, x in found.items() if k.startswith("gauss") and x)
+        for name in (*names, "multistep-general-8", "multistep-general-8b"):
+            for rival, x in (("gauss", gauss), ("dop853", found["scipy-dop853"])):
+                if x and found[name]:
+                    means.setdefault((name, rival, tolerance), []).append(found[name] / x)
+    mean = {k: f"{np.exp(np.mean(np.log(x))):.2f}" for k, x in means.items()}
+    eight, ten = names[1:]
+    g = [mean[name, "gauss", t] for t in (1e-9, 1e-6) for name in (eight, ten)]
+    d = [mean[name, "dop853", 1e-9] for name in (eight, ten)]
+    assert f"needs {g[0]} and `{ten}` {g[1]} of the best Gauss" in page
+    assert f"$10^{{-6}}$ {g[2]} and {g[3]}; and {d[0]} and {d[1]} of DOP853" in page
+    general = [mean[f"multistep-general-{x}", "gauss", 1e-9] for x in ("8", "8b")]
+    assert f"come to {general[0]} and {general[1]}" in page
+    for problem_, *cells in _table("semi-separable"):
+        found = counts[problem_, 1e-9]
+        gauss = min(x for k, x in found.items() if k.startswith("gauss") and x)
+        shown = [*(found[name] for name in names), gauss, found["scipy-dop853"]]
+        assert cells == ["—" if x is None else f"{x:,}" for x in shown]
+    longest = {(x["problem"], x["method"]): x for x in record["long"]}  # in order of steps
+    for problem_, *cells in _table("semi-separable-long"):
+        for name, cell in zip(names, cells, strict=True):
+            x = longest[problem_, name]
+            lost = x["energy"] is None or x["energy"] > 1e-3
+            assert x["reported"] is not None or not lost  # no silent loss
+            notice = "" if x["reported"] is None else f", notice {x['reported']:g}"
+            shown = f"lost, {x['reported']:g}" if lost else f"{x['energy']:.1e}{notice}"
+            assert cell == shown
+            assert lost or x["steps"] == 10 ** (6 if name == names[0] else 7)
 
 
 def test_a_growing_parasitic_part_is_reported() -> None:

@@ -45,10 +45,22 @@ _RESIDUES = (
     "systems the method is bounded, see docs/nonseparable.md."
 )
 
+_VELOCITIES = (
+    "For systems q' = f(p), p' = g(q, p), where f is evaluated before the stage of q; only the "
+    "residues of p are rates of parasitic growth, over g_p, see docs/nonseparable.md."
+)
+
 SHIPPED: Mapping[str, Shipped] = {
     "multistep-general-6": Shipped("69/100 -37/100 -1", "-7/100 -43/50", (_RESIDUES,)),
     "multistep-general-8": Shipped("169/200 149/200 7/40 -1", "29/50 -3/200 -81/100", (_RESIDUES,)),
     "multistep-general-8b": Shipped("3/4 21/100 -7/20 -1", "9/25 -9/50 -24/25", (_RESIDUES,)),
+    "multistep-kinetic-6": Shipped("6/25 -1", "3/100 -2/5 -99/100", (_VELOCITIES,), semi=True),
+    "multistep-kinetic-8": Shipped(
+        "22/25 -53/100 -33/50", "69/100 17/50 -2/25 -1", (_VELOCITIES,), semi=True
+    ),
+    "multistep-kinetic-10": Shipped(
+        "71/100 13/25 -47/100 -1", "89/100 41/50 23/50 0 -47/50", (_VELOCITIES,), semi=True
+    ),
 }
 
 _CLAIMS: Mapping[str, Any] = {
@@ -121,7 +133,7 @@ def _complete(
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
         f"{name}: order {order} on all systems, symmetric, one evaluation a step"
-        f"{' where q_dot = f(p)' if semi else ''}; the largest "
+        f"{' where q is moved by p only' if semi else ''}; the largest "
         f"residue is {largest:.4g}, the error constants are {float(q.error_constant):.4g} and "
         f"{float(p.error_constant):.4g}"
     )
