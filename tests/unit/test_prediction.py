@@ -84,7 +84,7 @@ def test_a_start_with_a_larger_parasitic_part_is_lost_earlier():
 
 @pytest.mark.slow
 def test_multistep_methods_do_not_grow_on_keplers_orbit():
-    found = predict("multistep-8", problem("kepler", eccentricity="1/10"), 0.05, 1e6)
+    found = predict("multistep-8", problem("kepler", eccentricity="1/10"), 0.025, 1e6)
     assert found.verdict == BOUNDED and len(found.parts) == 6
     assert max(part.rate for part in found.parts) < 1e-5
 
