@@ -16,13 +16,12 @@ from ..errors import BudgetError, DataError, GlmrefError, UsageError
 from ..findings import Finding, Verdict
 from ..views.annotations import Level, Remark
 from .check import sentence
-from .readers import SUFFIXES
-from .sources import audit, has_marks, read_source
+from .lexer import ENDINGS
+from .recognising import may_hold
+from .sources import audit, read_source
 
 #: Files that hold one tableau each.
 _TABLEAUX = (".json", ".toml")
-#: Formats of sources that are recognised; a table in CSV is read where it is asked for.
-_SOURCES = {form: endings for form, endings in SUFFIXES.items() if form not in ("json", "csv")}
 #: Keys that only a tableau has together.
 _KEYS = (("A", "b"), ("A", "B"), ("A_hat", "b"), ("alpha", "beta"), ("alpha", "gamma"), ("parts",))
 _ENTRY = re.compile(r"\b(\w+)((?:\[\d+\])+) is (\S+) and should be")
@@ -92,10 +91,12 @@ def lint(
             if path.suffix in _TABLEAUX and _is_tableau(path):
                 found.tables += 1
                 found.remarks += _of_file(path, _name(path, root), examine)
-        for form, endings in _SOURCES.items():
-            mine = [x for x in files if x.suffix in endings and has_marks(x, form)]
-            if mine:
-                _of_sources(place, form, mine, root, changed, found)
+        mine = [
+            x for x in files
+            if x.suffix in ENDINGS and (x == place or may_hold(read_source(x) or "", x.name))
+        ]  # fmt: skip
+        if mine:
+            _of_sources(place, mine, root, changed, found)
     unique = {(x.path, x.line, x.message): x for x in found.remarks}
     read = {(x.path, x.line) for x in found.remarks if x.level is not Level.NOTE}
     found.remarks = sorted(
@@ -164,18 +165,17 @@ def _of_file(path: Path, name: str, examine: Callable[[str], list[Finding]]) -> 
 
 def _of_sources(
     place: Path,
-    form: str,
     mine: Collection[Path],
     root: Path,
     changed: Mapping[str, Lines] | None,
     found: Linted,
 ) -> None:
-    """Judge the tables of sources in one format."""
+    """Judge the tables of sources, as `glmref audit` without a format does."""
     base = place if place.is_dir() else place.parent
     rows = [
         (base / x["path"], x)
-        for x in audit(place, form, wanted=mine)
-        if not (x["status"] == "unread" and x["line"] == 1)  # a file that is none of this format
+        for x in audit(place, wanted=mine)
+        if not (x["status"] == "unread" and x["line"] == 1)  # a file that holds none
     ]
     for path, record in rows:
         name, lines = _name(path, root), (read_source(path) or "").splitlines()

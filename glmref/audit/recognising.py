@@ -16,7 +16,7 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import Block, Collector
-from .entries import SUBJECT, Array, arrays, size
+from .entries import SUBJECT, Array, arrays, role_of, size
 from .folding import flattened
 from .kinds import others
 from .lexer import Language, Remark
@@ -706,9 +706,10 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
+            named = role_of(y.name)[1] == "embedded"
             if abs(total) < LOOSE:
                 table.errors.append(row)
-            elif abs(total - 1) < 0.5:
+            elif _near(total, 1) or (named and abs(total - 1) < 0.5):
                 table.rows.append((y.name, row, lower))
 
 

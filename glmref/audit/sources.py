@@ -82,11 +82,6 @@ def read_source(path: Path) -> str | None:
         return None
 
 
-def has_marks(path: Path, form: str) -> bool:
-    """Return whether a file has a word without which it holds no table of a format."""
-    return re.search(_MARKS[form], read_source(path) or "") is not None
-
-
 def _leads_out(root: Path, path: Path) -> bool:
     """Return whether a file of a checkout is a link to one elsewhere, or is reached by one."""
     try:
