@@ -114,30 +114,14 @@ class Enclosure:
 
     @cached_property
     def width(self) -> float:
-        """Largest magnitude of what the theorems say vanishes.
+        """Largest magnitude over all residuals up to the order, growth parameters included.
 
         Raises
         ------
         ExactnessError
-            When it does not.
+            Where one of them does not vanish.
         """
-        system = self.system
-        small: list[Any] = [
-            x
-            for (order, _), found in zip(system.families, self.series, strict=True)
-            for t, x in found.residual.items()
-            if t.order <= order
-        ]
-        small += [system.growth(e, self.form) for e in system.equations if e.kind == "growth"]
-        small += [row[0] - 1 for c in self.form.blocks for row in c.U]  # U u = 1
-        width = max(ball(x).magnitude() for x in small)
-        # one by one: the largest of numbers that are no numbers may be any of the others
-        if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
-            raise ExactnessError(
-                f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
-                f"and it must be a ball around zero below {WIDTH}"
-            )
-        return width
+        return _checked_width(self.system, self.form, self.series)
 
     @property
     def contraction(self) -> float:
@@ -201,6 +185,32 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         blocks = prove_blocks(document, Target.of(document, system, record.series))
         object.__setattr__(record, "blocks", blocks)
     return record
+
+
+def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:
+    """Largest magnitude of what the theorems say vanishes.
+
+    Raises
+    ------
+    ExactnessError
+        When it does not.
+    """
+    small: list[Any] = [
+        x
+        for (order, _), found in zip(system.families, series, strict=True)
+        for t, x in found.residual.items()
+        if t.order <= order
+    ]
+    small += [system.growth(e, form) for e in system.equations if e.kind == "growth"]
+    small += [row[0] - 1 for c in form.blocks for row in c.U]  # U u = 1
+    width = max(ball(x).magnitude() for x in small)
+    # one by one: the largest of numbers that are no numbers may be any of the others
+    if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
+        raise ExactnessError(
+            f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
+            f"and it must be a ball around zero below {WIDTH}"
+        )
+    return width
 
 
 def _checked_signs(system: SweepSystem) -> tuple[tuple[int, ...], ...] | None:
