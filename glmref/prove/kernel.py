@@ -829,7 +829,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
         """Series of the start by tree, and its multiples of y by colour."""
         start: Any = self.method.starting
         if start is None:
-            found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in series.components.items()}
+            found: dict[Any, tuple[Any, ...]] = {
+                c: (1, *(0 for _ in x.u[1:])) for c, x in series.components.items()
+            }
             for n in range(1, p + 1):
                 found |= {t: (0,) * len(found[t.colour]) for t in series.level(n)}
             return found

@@ -9,6 +9,7 @@ import pytest
 
 from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
+from tests.adversary.both_ways import written
 
 from .__main__ import run
 from .claims import Oracle, opinion
@@ -102,6 +103,15 @@ NEARLY = {
 def test_what_is_nearly_true_is_not_believed(claim: str) -> None:
     glm = {"class": "glm", **dict(zip("AUBV", NEARLY[claim], strict=True))}
     assert opinion(glm, claim, True) is not True
+
+
+def test_a_pair_whose_values_do_not_begin_with_y_and_0_has_no_start() -> None:
+    half = {"A": [["1/2"]], "U": [["2/3", "1/3"]], "B": [["1"], ["1"]], "V": [["1/2", "1/2"]] * 2}
+    pair = {"class": "partitioned", "q": half, "p": half, "separable": False}
+    for order, verdict in ((0, "holds"), (2, "fails")):
+        (certificate,) = written(pair, {"starting-order": order})
+        assert certificate["statement"]["verdict"] == verdict
+        assert opinion(pair, "starting-order", order) is (verdict == "holds")
 
 
 def test_drawn_statements_are_never_contradicted() -> None:
