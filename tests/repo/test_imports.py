@@ -452,3 +452,34 @@ def test_code_seldom_asks_of_what_kind_a_method_is() -> None:
         and KINDS & {x.id for x in ast.walk(node.args[1]) if isinstance(x, ast.Name)}
     ]
     assert 0 < len(asked) <= 12, asked
+
+
+def test_nothing_is_unpickled_and_no_connection_is_opened() -> None:
+    """`compute/child.py` asks for the name of the host only; `urllib.parse` writes addresses."""
+    banned = {
+        "pickle",
+        "marshal",
+        "shelve",
+        "socket",
+        "ssl",
+        "http",
+        "ftplib",
+        "smtplib",
+        "requests",
+    }
+    found = {
+        (str(path.relative_to(PACKAGE)), module[0])
+        for path in SOURCES
+        for module in imported(path)
+        if module[0] in banned or module[:2] == ("urllib", "request")
+    }
+    assert found == {("compute/child.py", "socket")}
+    child = text(PACKAGE / "compute" / "child.py")
+    assert child.count("socket.") == child.count("socket.gethostname()") == 1
+    loads = [
+        ast.unparse(node)
+        for path in SOURCES
+        for node in nodes_of(path)
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("np.load", "numpy.load")
+    ]
+    assert loads and all("allow_pickle=False" in x for x in loads)
