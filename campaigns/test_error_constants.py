@@ -30,7 +30,8 @@ def test_residuals_are_those_of_the_textbooks():
 def test_no_residual_is_listed_where_none_is():
     for name, stored in ROWS.items():
         sizes = [abs(x) for _, x in stored["largest"]]
-        if stored["order"] >= MAX_ORDER:  # trees of the next order are not compared
+        most = 8 if name.startswith("multistep-kinetic") else MAX_ORDER
+        if stored["order"] >= most:  # trees of the next order are not compared
             assert (stored["trees"], stored["nonzero"], stored["norm"], sizes) == (0, 0, 0, []), (
                 name
             )
