@@ -87,8 +87,9 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     if not matrices:
         storage = _low_storage(vectors)
         found += [x for x in storage if x.table.loose > 1 or _STORAGE.search(text)]
-        if not found and _SPLITTING.search(text):
-            found += _splitting(vectors)
+        steps = [] if found else list(_splitting(vectors))
+        if steps and _SPLITTING.search(text):
+            found += steps
         if not found:
             found += _compositions(block, vectors)
     if not found:
