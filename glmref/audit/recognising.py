@@ -764,7 +764,7 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
     """Return the order that a variable or function of a block, or of one around it, declares."""
     at: Block | None = block
     while at is not None:
-        if at.user is not None and (order := _own_order(at.user)) is not None:
+        if above and at.user is not None and (order := _own_order(at.user)) is not None:
             return order
         both = [x for x in at.items if x.name in ("q", "p") and isinstance(x.value, Number)]
         if at.kind == "record" and {x.name for x in both} == {"q", "p"}:  # and the embedded one
