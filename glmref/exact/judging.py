@@ -251,6 +251,9 @@ def fast_judge() -> ModuleType:
     )
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    # of a load that was cut off, by Ctrl-C or the end of a budget, parts would belong to no package
+    for part in [x for x in sys.modules if x.startswith(f"{name}.")]:
+        del sys.modules[part]
     sys.modules[name] = module
     parts = {part: importlib.import_module(f"{judge.__name__}.{part}") for part in SHARED}
     for part, shared in {**parts, "arithmetic": sys.modules[__name__]}.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from typing import Any
 
 import pytest
@@ -73,3 +74,11 @@ def test_certificates_of_files_of_several_kinds(name: str, tmp_path: Any) -> Non
         for word in ("holds", "fails"):
             certificate["statement"]["verdict"] = word
             assert verdict(certificate) == judge.verdict(certificate)
+
+
+def test_a_load_after_one_that_was_cut_off_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Modules that were loaded before are not taken for parts of the package."""
+    for x in [x for x in sys.modules if x.startswith("glmref.judge_over_flint")]:
+        monkeypatch.setitem(sys.modules, x, sys.modules[x])  # as it is afterwards
+    load = fast_judge.__wrapped__
+    assert load().rules_digits is not load().rules_digits

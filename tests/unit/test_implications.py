@@ -12,6 +12,7 @@ from glmref.errors import DataError
 from glmref.exact import Exact, linalg
 from glmref.prove import implications
 from glmref.prove.classes import Family, classes
+from glmref.prove.enclosure import Enclosure
 from glmref.prove.implications import (
     _all_growths,
     _check_regular,
@@ -93,7 +94,11 @@ def test_an_order_with_the_identity_needs_every_first_value_below_it_zero(at, fo
     zeta = {
         t: (Exact(int(n in at)), Exact(1)) for n in range(1, 7) for t in trees(n, Family.ROOTED)
     }
-    record = SimpleNamespace(order=6, series=[SimpleNamespace(zeta=zeta)])
+    made = SimpleNamespace(
+        families=system.families, series=lambda *_, **__: SimpleNamespace(zeta=zeta)
+    )
+    given = SimpleNamespace(system=made, form=None, principal=None)
+    record = SimpleNamespace(order=6, identity=Enclosure.identity.func(given))
     found = _orders(system, record)  # type: ignore[arg-type]
     assert found["order"] == 6
     assert found.get("order-identity") == (6 if follows else None)

@@ -164,8 +164,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         where, matched = "", True
 
     def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Statement]:
-        q, p = half_of(roots.q, "q"), half_of(roots.p, "p")
-        if matched:
+        q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
+        if matched and not roots.semi:
             cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
             p = GeneralHalf((cosine, *p.cosines), p.minus_one)
         place = where or f"recipe general-multistep, name = {name}"
