@@ -224,6 +224,7 @@ def test_two_steps_of_one_kick_are_one_of_two():
     assert interval(doubled(angles), 50) == interval(alone, 50)
 
 
+@pytest.mark.slow
 def test_two_kicks_of_a_higher_order_are_found_by_solving_for_it():
     found = counted(3, 10, seed=1, starts=4)
     assert found

@@ -29,6 +29,7 @@ GIVEN = Unknowns(DOUBLED.angles + 0.05, DOUBLED.phases + np.array([0.1, -0.05, 0
 PENDULUM = CASES[4]
 
 
+@pytest.mark.slow
 def test_the_search_steps_the_method_of_the_file():
     found = rational(GIVEN, 512)
     made = weights(unknowns(found))
@@ -79,6 +80,7 @@ def test_the_shipped_methods_are_what_the_descents_ended_with(name, angles, phas
     assert rounded == [*shipped.p, *shipped.slopes, shipped.weight]
 
 
+@pytest.mark.slow
 def test_at_low_accuracy_the_method_of_order_10_beats_two_steps_with_one_kick():
     numbers = SHIPPED["multivalue-rkn-10"].numbers()
     shipped = unknowns(TwoKicks(numbers.p, numbers.slopes, numbers.weight))

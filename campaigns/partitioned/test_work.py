@@ -145,6 +145,7 @@ def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
         assert run["steps"] == 10**7 or (run["outcome"] == "not finite" and not run["bounded"])
 
 
+@pytest.mark.slow
 def test_the_file_holds_every_case_and_every_method():
     record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
     assert [x["case"] for x in record["cases"]] == [case.name for case in CASES]

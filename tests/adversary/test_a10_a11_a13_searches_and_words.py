@@ -166,6 +166,7 @@ def test_a13_an_order_beyond_the_trees_compared_is_at_least() -> None:
     assert MAX_ORDER[0] >= 12 and Kernel is not None
 
 
+@pytest.mark.slow
 @FAST
 @given(st.sampled_from(["rk4", "kutta-3", "heun-2", "gauss-2", "lobatto-iiia-3"]),
        st.integers(1, 100), st.integers(0, 10**6))  # fmt: skip

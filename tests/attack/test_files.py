@@ -23,6 +23,7 @@ QUICK = 30
 PRIMES = files.PRIMES
 
 
+@pytest.mark.slow
 def test_hostile_files_end_in_findings_or_a_sentence(monkeypatch):
     monkeypatch.setattr(files, "BUDGET", 0.1)
     tally = files.attack(QUICK, 7)

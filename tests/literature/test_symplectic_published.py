@@ -76,6 +76,7 @@ def test_no_explicit_runge_kutta_method_is_symplectic() -> None:
     assert {name: computed(name) for name in explicit} == dict.fromkeys(explicit, False)
 
 
+@pytest.mark.slow
 def test_every_splitting_is_symplectic() -> None:
     """Each update is the exact flow of one part: Ruth, IEEE NS-30 (1983) 2669; HLW, II.5."""
     splittings = [name for name in names("methods") if document(name)["class"] == "splitting"]

@@ -46,6 +46,7 @@ def test_the_claim_of_a_broken_file_is_false_or_open(name: str) -> None:
     assert oracle.judge(claim, oracle.document["claims"][claim]) is not True
 
 
+@pytest.mark.slow
 def test_the_oracle_has_an_opinion() -> None:
     """Of the quick methods it leaves less than one claim in ten open."""
     answers = []

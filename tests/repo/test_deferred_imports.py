@@ -11,6 +11,8 @@ import ast
 import sys
 from functools import cache
 
+import pytest
+
 from tests.sources import PACKAGE, SOURCES, nodes, text
 
 ROOT = PACKAGE.parent
@@ -93,6 +95,7 @@ def without_reason(module: str) -> list[str]:
     return [f"{FILES[module].relative_to(ROOT)}:{line}" for line in sorted(found)]
 
 
+@pytest.mark.slow
 def test_an_import_inside_a_function_has_a_reason() -> None:
     found = {
         x: without_reason(x) for x in FILES if x.split(".")[1:2] not in [[y] for y in ON_DEMAND]

@@ -277,6 +277,7 @@ def defined(path: Path) -> set[str]:
 INTERFACES = {"Arithmetic._binary", "Method.weighted"}
 
 
+@pytest.mark.slow
 def test_an_abstract_method_is_defined_in_its_file() -> None:
     found = {
         x for path in SOURCES for x in abstract(path) if x.partition(".")[2] not in defined(path)

@@ -228,6 +228,7 @@ def test_the_face_without_pytest_gives_the_same_findings_as_json(here, monkeypat
     assert module(here, "mine:TimeForgotten", "--known-failures", "known.txt").ret == 0
 
 
+@pytest.mark.slow
 def test_the_face_without_pytest_says_a_bad_adapter_in_one_line(here, monkeypatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:Neither")

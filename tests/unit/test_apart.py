@@ -282,6 +282,7 @@ def test_entries_that_are_not_read_in_time_are_refused(
     assert capsys.readouterr().err.startswith("glmref: heun.json: the entries take more than 2 s")
 
 
+@pytest.mark.slow
 def test_an_analysis_goes_on_with_the_next_question(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

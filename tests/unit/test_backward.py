@@ -491,6 +491,7 @@ def test_drift_of_modified_energies_on_the_pendulum(name):
     assert slopes == pytest.approx([4, 6, 8, 10], abs=0.2)
 
 
+@pytest.mark.slow
 def test_the_oscillation_of_the_energy_is_predicted():
     problem = glmref.problem("pendulum")
     found, h = modified("stormer-verlet", 5), 0.05

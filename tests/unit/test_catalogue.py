@@ -113,6 +113,7 @@ def test_a_method_that_is_wrong_on_purpose_is_refused_by_name_and_runs_as_an_obj
     assert glmref.solve("kepler", "yoshida-4", h=0.01, steps=2).notices == ()
 
 
+@pytest.mark.slow
 def test_an_ensemble_says_so_too() -> None:
     initial = [glmref.problem("kepler").y0] * 3
     with pytest.raises(UsageError, match="wrong on purpose"):

@@ -55,6 +55,7 @@ def test_the_order_of_rk4_names_the_tree_that_refutes_the_next(tmp_path: Path) -
     assert certificates("gsymplectic-n", tmp_path / "n")["order"]["field"]["kind"] == "tower"
 
 
+@pytest.mark.slow
 def test_order_10_is_refuted_above_by_one_tree(tmp_path: Path) -> None:
     """Beyond order 10 the trees of the next order are not listed."""
     at_most = certificates("gauss-5", tmp_path)["order"]["parts"][1]["witness"]

@@ -184,6 +184,7 @@ def test_png_and_pdf_are_written_or_the_missing_extra_is_named(tmp_path):
         assert not path.exists()
 
 
+@pytest.mark.slow
 def test_the_limit_of_a_method_has_its_colour_beside_one_that_only_failed(tmp_path, monkeypatch):
     """Behind a method without a point, PNG and PDF drew limits in the colour of the next one."""
     pytest.importorskip("matplotlib")

@@ -125,6 +125,7 @@ def test_additive_parts_may_hold_and_their_coupling_fail() -> None:
     assert "tree 1[2] of order 2 has residual 0.5" in str(failed.value)
 
 
+@pytest.mark.slow
 def test_nystrom_methods() -> None:
     """Nystrom's method of order 4: Hairer, Norsett, Wanner (1993), table II.14.2."""
     table = {

@@ -81,6 +81,7 @@ def test_an_exception_outside_any_file_is_one_sentence_too(
     assert "Traceback" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @posix
 def test_a_reader_that_goes_away_is_no_error() -> None:
     done = shell("glmref list | head -n 1")
@@ -100,6 +101,7 @@ def test_a_full_disk_is_one_sentence() -> None:
     assert done.stderr.startswith("glmref: the system refused (No space left on device)")
 
 
+@pytest.mark.slow
 @posix
 def test_closed_streams_do_no_harm() -> None:
     assert shell("glmref list >&-").returncode == 0

@@ -450,6 +450,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
 def test_a_run_that_is_killed_and_run_again_loses_nothing_and_does_nothing_twice(
     tmp_path: Path,

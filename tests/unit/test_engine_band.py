@@ -52,6 +52,7 @@ def test_machine_code_of_a_band_has_the_bits_of_the_interpreter():
     np.testing.assert_array_equal(runs[0].y, runs[1].y)
 
 
+@pytest.mark.slow
 def test_a_large_chain_is_solved_by_newton_in_little_memory():
     chain = problem("nonseparable-chain", sites=5_000)
     begin = time.process_time()

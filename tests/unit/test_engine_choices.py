@@ -96,6 +96,7 @@ def _depths(tree: ast.AST, depth: dict[str, int]) -> list[int]:
     return [-99]
 
 
+@pytest.mark.slow
 def test_rounds_of_a_stage_alone_are_priced_by_their_operations(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -198,6 +198,7 @@ def test_lanes_of_large_systems_have_the_bits_of_single_runs(name, method):
     assert found.evaluations == alone.evaluations
 
 
+@pytest.mark.slow
 def test_a_lane_of_a_large_system_that_fails_is_named_and_stands_still():
     growth = Problem(f=tuple(f"y[{i}]*y[{i}]" for i in range(21)), y0=(1.0,) * 21, name="growth")
     y0 = np.array([-1.0, 4.0, 1.0, 0.25])[:, None] * np.linspace(0.9, 1, 21)
@@ -267,6 +268,7 @@ def test_what_has_no_lanes_goes_one_by_one():
     assert width(chain, "gauss-2", 0.4, width=8) == 1, "a single run takes Newton's method there"
 
 
+@pytest.mark.slow
 def test_lanes_that_leave_the_cache_are_taken_for_pairs_of_bodies_only():
     def width(of, **options):
         return solve_ensemble(

@@ -63,6 +63,7 @@ def test_a_relation_of_a_part_looks_at_its_own_stages_only():
     assert opened == [(0, 1, 2)]
 
 
+@pytest.mark.slow
 def test_the_search_ends_with_its_budget() -> None:
     """Two hundred equal stages that no exchange respects but for the last entry."""
     n = 200

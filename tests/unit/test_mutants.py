@@ -89,6 +89,7 @@ def test_a_mutant_that_changes_no_function_is_no_survivor(module):
         exchange(module, wrong.source)
 
 
+@pytest.mark.slow
 def test_what_is_kept_by_identity_is_forgotten(tmp_path, monkeypatch):
     monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
     kept, given = ByIdentity(), object()

@@ -252,6 +252,7 @@ def test_columns_that_are_wrapped_are_all_there() -> None:
 # --- analyzed -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_analyze_tells_stability_and_error_constants(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["analyze", "rk4"]) == 0
     out = capsys.readouterr().out

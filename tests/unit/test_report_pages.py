@@ -116,6 +116,7 @@ def test_a_long_measurement_is_folded_in_parts(tmp_path: Path) -> None:
         assert 'data-looks="{&#34;rk4' in page
 
 
+@pytest.mark.slow
 def test_a_quick_run_says_how_far_its_records_go(tmp_path: Path, records) -> None:
     changed = [{**x, "task": {**x["task"], "t_end": 12.5}} for x in records]
     site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", changed))
