@@ -449,3 +449,9 @@ def test_a_long_line_is_read_in_linear_time(tmp_path, piece):
 
 def _squares(task):
     return {"outcome": "completed", "square": task["n"] ** 2}
+
+
+def test_a_lock_that_is_given_back_leaves_no_file(tmp_path: Path) -> None:
+    with locked(tmp_path / "records.sqlite"):
+        assert list(tmp_path.iterdir())
+    assert not list(tmp_path.iterdir())
