@@ -17,6 +17,7 @@ from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
 from .compositions import compositions
+from .kinds import transformed
 from .named import constants, java
 from .plain import from_csv, from_json
 from .principia import structs
@@ -531,7 +532,7 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         if not isinstance(g, Number):
             raise Unread("gamma is no number")
         low = vector(e, s) if e is not None else None
-        table = _transformed(name, line, g, _wide(A, s), _wide(C, s), m, low)
+        table = transformed(name, line, g, _wide(A, s), _wide(C, s), m, low)
         table.order = order
         return table
     if kind == "IMKGTableau" and len(call.args) in (3, 4):
@@ -1002,45 +1003,11 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
         return [held.entries.get((k + 1,), ZERO) for k in range(s)]
 
     g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
-    table = _transformed(name, line, g, A, C, m, e)
+    table = transformed(name, line, g, A, C, m, e)
     table.order = _order_of_kpp(run.text, name)
     elo = _whole(run.scope.get("ros_ELO", run.scope.get("rosELO")))
     if elo is not None and elo > 1:  # "the minimum between the two orders plus 1"
         table.rows = [(label, row, elo - 1) for label, row, _ in table.rows]
-    return table
-
-
-def _transformed(
-    name: str, line: int, g: Number, A: Rows, C: Rows, m: list[Number], e: list[Number] | None
-) -> Table:
-    """The method of gamma, A, C (s, s), m and the estimate e: Hairer, Wanner (1996), IV.7.
-
-    C = diag(1 / gamma) - Gamma^-1, alpha = A Gamma, b = m Gamma.
-    """
-    s = len(m)
-    inverse = [
-        [C[i][j].of(-C[i][j].value) if i != j else g.of(Exact(1) / g.value) for j in range(s)]
-        for i in range(s)
-    ]
-    gamma = [[ZERO] * s for _ in range(s)]
-    for j in range(s):  # forward substitution in the columns of the inverse
-        for i in range(j, s):
-            total = Exact(int(i == j))
-            for k in range(j, i):
-                total = total - inverse[i][k].value * gamma[k][j].value
-            gamma[i][j] = g.of(total * g.value)
-
-    def product(x: list[Number]) -> list[Number]:
-        found = []
-        for j in range(s):
-            total = sum((x[k].value * gamma[k][j].value for k in range(s)), Exact(0))
-            found.append(g.of(total, next((y for y in x if y.places is not None), g)))
-        return found
-
-    table = Table(name, line, "rosenbrock", [[product(x) for x in A], gamma], [product(m)], [None])
-    if e is not None:
-        embedded = product([x.of(x.value - y.value, y) for x, y in zip(m, e, strict=True)])
-        table.rows = [("m - E", embedded, None)]
     return table
 
 
