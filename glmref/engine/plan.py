@@ -131,6 +131,21 @@ def step_size(h: Any) -> float:
     return value
 
 
+def check_direction(time: float, t0: float, what: str, h: float) -> None:
+    """Refuse a time that steps of h from t0 lead away from.
+
+    Raises
+    ------
+    UsageError
+        Naming the time as ``what``.
+    """
+    if (time - t0) * math.copysign(1, h) < 0:
+        raise UsageError(
+            f"{what} is {'before' if h > 0 else 'after'} t0 = {t0!r}, which steps of h = {h!r} do "
+            f"not reach; change the sign of h"
+        )
+
+
 def _whole(time: float, t0: float, what: str, h: float) -> int:
     """Steps of h from t0 to a time."""
     span = time - t0
@@ -141,12 +156,9 @@ def _whole(time: float, t0: float, what: str, h: float) -> int:
             f"be counted, give another h"
         )
     n = round(x)
-    if x < 0 and n < 0:
-        raise UsageError(
-            f"{what} is {'before' if h > 0 else 'after'} t0 = {t0!r}, which steps of h = {h!r} do "
-            f"not reach; change the sign of h"
-        )
-    if n < 0 or abs(x - n) > _WHOLE * max(1, n):
+    if n < 0:
+        check_direction(time, t0, what, h)
+    if abs(x - n) > _WHOLE * max(1, n):
         hint = f"; with h = {span / max(1, round(x))!r} it would be" if x > 0.5 else ""
         raise UsageError(
             f"{what} is {span!r} from t0, which is not a whole number of steps of h = {h!r}{hint}"

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..catalogue.strict_json import parse_json, shown
 from ..errors import DataError
+from ..system.files import read_text
 from .feed import VERSION
 
 #: Keys of problems and vectors whose texts are for people.
 _PROSE = frozenset({"about", "notes", "source", "what"})
+#: Size of a file beyond which it is not read.
+MOST_BYTES = 200_000_000
 _Rows = Mapping[str, Mapping[str, Any]]
 
 
@@ -36,7 +39,7 @@ def changes(old: Path, new: Path) -> Changes:
     Raises
     ------
     DataError
-        For a folder without a feed.
+        For a folder without a feed, and for a file of it that is not as ``glmref feed`` writes it.
     """
     found = Changes()
     before, after = (_index(x / VERSION) for x in (old, new))
@@ -103,7 +106,7 @@ def _compare(name: str, a: Mapping[str, Any], b: Mapping[str, Any], found: Chang
             continue
         if key in _PROSE:
             found.allowed.append(f"{name}: {key} is described in other words")
-        elif key == "states" and all(state in y for state in x):
+        elif key == "states" and isinstance(y, list) and all(state in y for state in x):
             found.allowed.append(f"{name}: more {key}")
         else:
             found.broken.append(f"{name}: other {key}")
@@ -121,41 +124,66 @@ def _compare_audits(before: _Rows, after: _Rows, found: Changes) -> None:
             found.allowed.append(f"{name}: {old} as before, other {', '.join(keys)}")
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path, /, **members: type) -> dict[str, Any]:
+    """Return the object of a file, in which these members have these types."""
+    document = parse_json(_text(path), str(path), float)
+    return _checked(path, "the file", document, members)
+
+
+def _text(path: Path) -> str:
     if not path.is_file():
         raise DataError(f"{path} is missing; give the folder that `glmref feed --output` wrote")
-    return json.loads(path.read_bytes())
+    return read_text(path, MOST_BYTES)
+
+
+def _checked(path: Path, what: str, row: Any, members: Mapping[str, type]) -> dict[str, Any]:
+    if isinstance(row, dict):
+        wrong = [key for key, kind in members.items() if not isinstance(row.get(key), kind)]
+        if not wrong:
+            return row
+        what += f" has no `{wrong[0]}` of type {members[wrong[0]].__name__}"
+    else:
+        what += f" must be an object, got {shown(row)}"
+    raise DataError(f"{path}: {what}; write the feed again with `glmref feed --output`")
+
+
+def _rows(path: Path, key: str, /, **members: type) -> list[dict[str, Any]]:
+    """Return the objects of a list in a file, each with these members."""
+    rows = _read(path, **{key: list})[key]
+    return [_checked(path, f"{key}[{i}]", row, members) for i, row in enumerate(rows)]
 
 
 def _index(root: Path) -> dict[str, dict[str, Any]]:
     """Return the rows of the index by name, each with its coefficients."""
-    rows = _read(root / "index.json")["methods"]
-    return {row["name"]: {**row, "numbers": _read(root / row["path"])["blocks"]} for row in rows}
+    rows = _rows(root / "index.json", "methods", name=str, path=str, source=dict, verdicts=dict)
+    return {
+        row["name"]: {**row, "numbers": _read(root / row["path"], blocks=dict)["blocks"]}
+        for row in rows
+    }
 
 
 def _files(root: Path) -> set[str]:
     """Return the files of which only the place is promised."""
-    lines = (root / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
     return {
         name
-        for name in (line.split("  ", 1)[1] for line in lines)
+        for name in (line.partition("  ")[2] for line in _text(root / "SHA256SUMS").splitlines())
         if name.startswith(("certificates/", "checkers/", "schema/", "tableaux/"))
     }
 
 
 def _problems(root: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    for name in _read(root / "problems" / "index.json")["names"]:
+    for name in _read(root / "problems" / "index.json", names=list)["names"]:
         yield f"problem {name}", _read(root / "problems" / f"{name}.json")
-    for row in _read(root / "problems" / "trees.json")["problems"]:
+    for row in _rows(root / "problems" / "trees.json", "problems", name=str):
         yield f"problem {row['name']}", row
 
 
 def _vectors(root: Path) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the cases of all methods and their problems, each with the method or None."""
     for path in sorted((root / "vectors").glob("*.json")):
-        document = _read(path)
-        method = document.get("method")
-        for row in document["cases"] if method else document["problems"]:
+        method = _read(path).get("method")
+        rows = _rows(path, "cases", id=str) if method else _rows(path, "problems", name=str)
+        for row in rows:
             key = row["id"] if method else f"problem {row['name']}"
             yield f"vectors, {key}", {"method": method, **row}
 
@@ -163,7 +191,7 @@ def _vectors(root: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 def _tables(root: Path) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the audited tables; those of one name in one file are counted."""
     count: Counter[str] = Counter()
-    for row in _read(root / "audits.json")["tables"]:
+    for row in _rows(root / "audits.json", "tables", code=str, file=str, table=str):
         name = f"{row['code']} {row['file']} {row['table']}"
         count[name] += 1
         yield (name if count[name] == 1 else f"{name}, {count[name]}"), row

@@ -37,7 +37,7 @@ import numpy as np
 from ..engine.clocks import solved_form
 from ..engine.ensemble import solve_ensemble
 from ..engine.kept import stepper_of
-from ..engine.plan import resolved, step_size
+from ..engine.plan import check_direction, resolved, step_size
 from ..engine.reference import Stepper
 from ..engine.solve import solve
 from ..method import Method
@@ -380,7 +380,9 @@ def _period(y: np.ndarray) -> float | None:
         return None
     inner = distance[1:-1]
     least = 1 + np.flatnonzero((inner <= distance[:-2]) & (inner <= distance[2:]))
-    least = least[(least > left[0]) & (least < len(y) - 3) & (distance[least] < AWAY * size)]
+    # three steps on both sides are interpolated
+    least = least[(least > max(left[0], 2)) & (least < len(y) - 3)]
+    least = least[distance[least] < AWAY * size]
     for n in least:
         found = np.polyfit(np.arange(-3, 4), y[n - 3 : n + 4] - y[0], 6)
         slopes = found[:-1] * np.arange(6, 0, -1)[:, None]
@@ -447,7 +449,9 @@ def predict(
     """
     subject, chosen = resolved(problem, method)
     h = step_size(h)
-    end = float(subject.t_span[1]) if t_end is None else number("t_end", t_end)
+    begin, last = (float(x) for x in subject.t_span)
+    end = last if t_end is None else number("t_end", t_end)
+    check_direction(end, begin, "t_end", h)
     given = (chosen.name, subject.name, h, end)
     solved = solved_form(subject, chosen)
     engine = stepper_of(chosen, solved)
@@ -472,7 +476,7 @@ def predict(
     steps = _derivatives(chosen, subject, h, values[:-1])
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
-    length = abs(end - float(subject.t_span[0]))
+    length = abs(end - begin)
     level = LEVEL * (float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1))))
     parts = []
     for b in bundles:
@@ -480,10 +484,10 @@ def predict(
         for passes in (PASSES - 2, PASSES):
             with np.errstate(all="ignore"):
                 psi = _propagators(V, b, steps, passes)[:count]
-            if not np.isfinite(psi).all():
-                return Prediction(*given, OPEN, why=UNRESOLVED)
-            part = _Growing(psi, _start(engine, b, psi, values, h), level)
-            found.append(part.found(period, grows=b.grows))
+                if not np.isfinite(psi).all():
+                    return Prediction(*given, OPEN, why=UNRESOLVED)
+                part = _Growing(psi, _start(engine, b, psi, values, h), level)
+                found.append(part.found(period, grows=b.grows))
         (_, before), (rate, lost) = found
         early, late = sorted((before, lost))
         if early * abs(h) <= length and late > 2 * early:

@@ -214,6 +214,32 @@ def test_a_file_that_is_gone_breaks_the_promise(feed: Path, copy: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        ("index.json", "{", "index.json: line 1, column 2 is not JSON"),
+        ("index.json", "[]", "index.json: the file must be an object, got []"),
+        ("index.json", "{}", "index.json: the file has no `methods` of type list"),
+        ("index.json", '{"methods": [{"name": "a"}]}', "index.json: methods[0] has no `path`"),
+        ("methods/gauss-2.json", "{}", "gauss-2.json: the file has no `blocks` of type dict"),
+        ("audits.json", '{"tables": [3]}', "audits.json: tables[0] must be an object, got 3"),
+        ("problems/kepler.json", "[]", "kepler.json: the file must be an object"),
+        ("vectors/rk4.json", '{"cases": 3}', "rk4.json: the file has no `problems` of type list"),
+    ],
+)  # fmt: skip
+def test_a_damaged_feed_is_refused_in_one_sentence(
+    file: str, text: str, said: str, copy: Path, feed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = copy / VERSION / file
+    before = path.read_bytes()
+    path.write_text(text)
+    codes = {main(["feed", "--diff", str(x), str(y)]) for x, y in ((feed, copy), (copy, feed))}
+    path.write_bytes(before)
+    assert codes == {2}
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 2 and all(said in line for line in lines)
+
+
+@pytest.mark.parametrize(
     ("words", "said"),
     [
         ([], "give either --output DIR or --diff OLD NEW"),

@@ -105,6 +105,9 @@ def test_what_is_not_predicted():
     assert "too many" in predict("g6245", "outer-solar-system", 20.0).text
     with pytest.raises(UsageError, match="`h`"):
         predict("g6245", PENDULUM, 0.0)
+    for h, end, said in ((0.1, -1, "t_end is before t0"), (-0.1, 1, "t_end is after t0")):
+        with pytest.raises(UsageError, match=said):
+            predict("gsymplectic-n", PENDULUM, h, end)
 
 
 @given(rate=st.floats(1e-7, 1e-2), angle=st.floats(0.1, 3.0), start=st.floats(1e-15, 1e-3))
@@ -125,6 +128,13 @@ def test_the_period_of_an_orbit_is_found():
     # quasi-periodic, and away for ever
     assert prediction._period(np.stack([np.cos(t), np.cos(t * math.sqrt(2))], axis=1)) is None
     assert prediction._period(t[:, None] + 1) is None
+    # back after two steps, with less than three before it
+    angles = np.pi * 1.0001 * np.arange(300)
+    assert prediction._period(np.stack([np.cos(angles), np.sin(angles)], axis=1)) != 2
+
+
+def test_steps_that_are_too_large_for_the_orbit_are_no_error():
+    assert predict("gsymplectic-n", "van-der-pol", 0.1).verdict in (LOST, OPEN)
 
 
 def test_the_part_of_a_step_is_integrated():
