@@ -168,23 +168,34 @@ class _Bundle:
     grows: bool  #: Whether a growth parameter is not zero.
 
 
-def _on_values(engine: Stepper) -> tuple[np.ndarray, list[_Bundle]]:
-    """V on the flattened values, (n, n), and its eigenvectors of modulus one but 1."""
-    r, d = engine.shape
-    V = np.zeros((r, d, r, d))
-    halves = []
+def _halves(engine: Stepper) -> list[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
+    """Tableau, V, columns of the values and eigenvalues of V of each part."""
+    found = []
     for c in engine.components[: len(engine.parts)]:
-        matrix, columns = np.array(c.V, dtype=float), np.arange(d)[c.columns]
-        for j in columns:
-            V[: len(matrix), j, : len(matrix), j] = matrix
-        halves.append((c, matrix, columns, np.linalg.eigvals(matrix)))
+        matrix = np.array(c.V, dtype=float)
+        columns = np.arange(engine.shape[1])[c.columns]
+        found.append((c, matrix, columns, np.linalg.eigvals(matrix)))
+    return found
+
+
+def _zetas(engine: Stepper) -> list[complex]:
+    """Eigenvalues of V of modulus one but 1, of nonnegative imaginary part."""
     met: list[complex] = []
-    for z in (z for *_, values in halves for z in values):
+    for z in (z for *_, values in _halves(engine) for z in values):
         wanted = abs(abs(z) - 1) < 1e-9 and abs(z - 1) > 1e-9 and z.imag > -1e-9
         if wanted and all(abs(z - x) > 1e-6 for x in met):
             met.append(complex(z))
-    met.sort(key=lambda z: float(np.angle(z)))
-    return V.reshape(r * d, r * d), [_bundle(z, halves, engine) for z in met]
+    return sorted(met, key=lambda z: float(np.angle(z)))
+
+
+def _on_values(engine: Stepper) -> tuple[np.ndarray, list[_Bundle]]:
+    """V on the flattened values, (n, n), and its eigenvectors of modulus one but 1."""
+    r, d = engine.shape
+    V, halves = np.zeros((r, d, r, d)), _halves(engine)
+    for _, matrix, columns, _ in halves:
+        for j in columns:
+            V[: len(matrix), j, : len(matrix), j] = matrix
+    return V.reshape(r * d, r * d), [_bundle(z, halves, engine) for z in _zetas(engine)]
 
 
 def _bundle(z: complex, halves: Sequence[Any], engine: Stepper) -> _Bundle:
@@ -302,9 +313,10 @@ class _Growing:
 
     def found(self, period: float | None, *, grows: bool) -> tuple[float, float]:
         """Rate per step and step of loss, in the way that fits; ``grows``: mu is not zero."""
-        if period is not None and period + 3 < len(self.psi):
+        near = np.isfinite(_logarithms(self.psi)).all()  # else steps are too large for averages
+        if period is not None and near and period + 3 < len(self.psi):
             return self.periodic(period)
-        return self.seen() if grows else self.averaged()
+        return self.seen() if grows or not near else self.averaged()
 
     def averaged(self) -> tuple[float, float]:
         """Rate per step, and the step of loss, where the propagators are near to I.
@@ -323,6 +335,8 @@ class _Growing:
         whole = int(period)
         part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
         once = _exponential(part) @ self.products[whole]
+        if not np.isfinite(once).all():
+            return self.seen()
         rate = math.log(np.max(np.abs(np.linalg.eigvals(once)))) / period
         done, before = self._repeated(once)
         last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= self.level),
@@ -331,14 +345,16 @@ class _Growing:
 
     def seen(self) -> tuple[float, float]:
         """The same from growth by :data:`CLEAR` within the pilot run; NaN where it is less."""
-        half = len(self.psi) // 2
-        early, late = (self.size(self.products[n]) for n in (half, len(self.psi)))
+        lengths = range(len(self.psi), 0, -1)
+        end = next((n for n in lengths if self.size(self.products[n]) < math.inf), 0)
+        half = end // 2
+        early, late = (self.size(self.products[n]) for n in (half, end))
         lost = next((n for n, x in enumerate(self.products) if self.size(x) >= self.level), None)
         if not late > CLEAR * early:
             return math.nan, math.nan if lost is None else float(lost)
-        rate = math.log(late / early) / (len(self.psi) - half)
+        rate = math.log(late / early) / (end - half)
         further = math.log(self.level / late) / rate
-        return rate, float(lost) if lost is not None else len(self.psi) + further
+        return rate, float(lost) if lost is not None else end + further
 
     def _repeated(self, once: np.ndarray) -> tuple[float, np.ndarray]:
         """How often a product may be taken until phi is large, and what it is then."""
@@ -372,6 +388,7 @@ def _inside(cells: np.ndarray, x: float) -> np.ndarray:
     return (x ** np.arange(5, -1, -1) @ found).reshape(cells.shape[1:])
 
 
+@np.errstate(over="ignore")
 def _period(y: np.ndarray) -> float | None:
     """Number of steps, not whole, after which an orbit (N, d) is back; ``None``: never."""
     distance, size = np.linalg.norm(y - y[0], axis=1), float(np.max(np.linalg.norm(y, axis=1)))
@@ -455,13 +472,14 @@ def predict(
     given = (chosen.name, subject.name, h, end)
     solved = solved_form(subject, chosen)
     engine = stepper_of(chosen, solved)
-    V, bundles = _on_values(engine)
-    if not bundles:
+    if not _zetas(engine):
         return Prediction(*given, NONE, math.inf)
     if solved is not subject or _depends_on_time(subject):
         return Prediction(*given, OPEN, why="the problem depends on time")
-    if LEAST > MOST // V.size:
-        return Prediction(*given, OPEN, why=f"{len(V)} values a step are too many")
+    count = math.prod(engine.shape)
+    if LEAST > MOST // count**2:
+        return Prediction(*given, OPEN, why=f"{count} values a step are too many")
+    V, bundles = _on_values(engine)
     run = solve(subject, chosen, h=h, steps=PILOT, every=1, start=start, history=True)
     if run.steps < LEAST:
         return Prediction(*given, LOST, float(run.steps), why=run.message)
@@ -492,7 +510,7 @@ def predict(
         early, late = sorted((before, lost))
         if early * abs(h) <= length and late > 2 * early:
             lost = math.nan  # the passes do not converge
-        begins = float(np.linalg.norm(part.start))
+        begins = math.hypot(*np.abs(part.start))
         begins = begins if begins > ROUND_OFF else 0.0
         parts.append(ParasiticPart(complex(b.zeta), begins, rate / h, lost))
     known = [part for part in parts if not math.isnan(part.steps)]

@@ -103,6 +103,8 @@ def test_what_is_not_predicted():
         found = predict("gsymplectic-n", subject, 0.1)
         assert (found.verdict, found.steps) == (OPEN, None) and "time" in found.text
     assert "too many" in predict("g6245", "outer-solar-system", 20.0).text
+    assert "too many" in predict("g6245", "long-chain", 0.1).text  # its V would have 298 GiB
+    assert predict("gauss-2", "long-chain", 0.1).verdict == NONE
     with pytest.raises(UsageError, match="`h`"):
         predict("g6245", PENDULUM, 0.0)
     for h, end, said in ((0.1, -1, "t_end is before t0"), (-0.1, 1, "t_end is after t0")):
@@ -133,8 +135,12 @@ def test_the_period_of_an_orbit_is_found():
     assert prediction._period(np.stack([np.cos(angles), np.sin(angles)], axis=1)) != 2
 
 
-def test_steps_that_are_too_large_for_the_orbit_are_no_error():
-    assert predict("gsymplectic-n", "van-der-pol", 0.1).verdict in (LOST, OPEN)
+@pytest.mark.parametrize(
+    ("name", "h"),
+    [("van-der-pol", 0.1), ("van-der-pol", 20.0), ("kaps", 0.3), ("linear-field", 20.0)],
+)
+def test_steps_that_are_too_large_for_the_orbit_are_no_error(name, h):
+    assert predict("gsymplectic-n", name, h).verdict in (LOST, OPEN)
 
 
 def test_the_part_of_a_step_is_integrated():
