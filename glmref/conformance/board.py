@@ -118,7 +118,15 @@ def board(names: Sequence[str] = (), seconds: float = 600) -> Iterator[Run]:
     ------
     Run
         One for each adapter, also where its library is not installed.
+
+    Raises
+    ------
+    UsageError
+        For a name that is not shipped and names no module or program.
     """
+    for name in names:
+        if ":" not in name:
+            _check_shipped(name)
     for name in names or DEFAULT:
         command = f"glmref conformance {name} --format json"
         words = [sys.executable, "-m", "glmref.conformance", name, "--format", "json"]
@@ -151,6 +159,14 @@ def _release(name: str) -> str:
         return ""
 
 
+def _check_shipped(name: str) -> None:
+    if name not in SHIPPED:
+        raise UsageError(
+            f"there is no adapter {name!r}; one of {', '.join(SHIPPED)}"
+            f"{did_you_mean(name, SHIPPED, '; ')}"
+        )
+
+
 def recipe(name: str) -> str:
     """Return the container recipe in which an adapter runs.
 
@@ -161,11 +177,7 @@ def recipe(name: str) -> str:
     UsageError
         For a name that is not shipped.
     """
-    if name not in SHIPPED:
-        raise UsageError(
-            f"there is no adapter {name!r}; one of {', '.join(SHIPPED)}"
-            f"{did_you_mean(name, SHIPPED, '; ')}"
-        )
+    _check_shipped(name)
     needs = SHIPPED[name]
     system = (
         f"RUN apt-get update && apt-get install -y --no-install-recommends {needs.system} \\\n"

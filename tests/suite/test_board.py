@@ -100,6 +100,11 @@ def test_a_recipe_names_what_the_line_of_the_list_names(capsys: Any) -> None:
     assert "scipy" in capsys.readouterr().err
 
 
+def test_a_name_that_is_no_adapter_is_refused(tmp_path: Path, capsys: Any) -> None:
+    assert main(["board", "--output", str(tmp_path / "board"), "exported-pyton"]) == 2
+    assert "there is no adapter 'exported-pyton'" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_what_is_not_there_is_grey_with_the_reason_and_the_planted_one_is_red() -> None:
     nothing, planted, right = board(["nothing.here:Adapter", PLANTED, "exported-python"])
