@@ -1,4 +1,4 @@
-"""How many examples hypothesis tries: all of them in CI, a fifth in the quick run."""
+"""How many examples hypothesis tries: a tenth of them in runs of quick tests only, else all."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def test_what_describes_a_method_takes_every_one(
 @pytest.mark.sampled(4, besides=LONG, whole=len(METHODS) + len(BROKEN))
 @pytest.mark.parametrize("name", [*METHODS, *BROKEN])
 def test_every_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """`verify` and `certify` run on every file in tests/suite/test_catalogue and test_checker."""
+    """`verify` and `certify` have tests/suite/test_catalogue and test_judge_catalogue."""
     assert code_of(capsys, "analyze", name) in (0, 3)
 
 
