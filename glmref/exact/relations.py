@@ -11,11 +11,18 @@ import flint
 from .number import Exact
 
 BITS = 1200  # of the numbers whose relation is looked for
+FACTORED = 128  # bits of the numbers that are factored completely, within a tenth of a second
 
 
 def factorization(n: int) -> dict[int, int]:
-    """Primes of a positive whole number with their powers."""
-    return {int(p): int(k) for p, k in flint.fmpz(n).factor()}
+    """Return coprime factors of a positive whole number with their powers.
+
+    They are primes where the number has at most :data:`FACTORED` bits. Of a longer one, which could
+    take years, only primes of up to 15 bits are found, and what is left is one factor.
+    """
+    whole = flint.fmpz(n)
+    found = whole.factor() if n.bit_length() <= FACTORED else whole.factor_smooth(15)
+    return {int(p): int(k) for p, k in found}
 
 
 def cyclotomic(n: int) -> list[int]:

@@ -119,7 +119,10 @@ class Tower:
         return value.as_fraction()
 
     def _prepare(self, q: Fraction) -> None:
-        """Make generators for sqrt(q): of -1, and of a squarefree number that is independent."""
+        """Make generators for sqrt(q): of -1, and of a number that is independent of the others.
+
+        It is free of squares where its factors are known.
+        """
         if q < 0 and -1 not in self._primes:
             self._primes[-1] = len(self.generators)
             self._add(Exact(-1).sqrt(), [Fraction(1), Fraction(0)], conjugate=True)

@@ -150,6 +150,14 @@ def test_a_field_has_no_more_generators_than_it_needs() -> None:
     assert field.Tower([]).as_json() == {"kind": "rational"}
 
 
+def test_a_radicand_that_cannot_be_factored_is_a_generator() -> None:
+    """Factoring the product of these primes would take years, and no budget ends it."""
+    N = (2**521 - 1) * (2**607 - 1)
+    tower = field.Tower([f"sqrt({12 * N})", f"sqrt({N}/3)", f"sqrt({N**2})"])
+    assert [x["polynomial"] for x in tower.generators] == [[str(-3 * N), "0"]]
+    assert list(tower.radicals.values()) == ["2*g1", "1/3*g1", str(N)]
+
+
 def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
     tower = field.Tower(["sqrt(2)"])
     assert tower.element(Exact(2).sqrt() * 3 - 1) == "-1+3*g1"
