@@ -217,9 +217,10 @@ class Solved(Series):
                 self.fill()
                 if not self.simple:
                     self.settle_all()
-                    self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
                 elif self.free:
                     self.settle()
+                # of the trees of this order a part before may have looked at the stages
+                self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
             if self.last is None:
                 self.order += 1
 

@@ -22,7 +22,7 @@ from glmref.judge.linalg import identity
 from glmref.judge.numbers import Box, apart, live, may_vanish, real, sign, squared, vanishes
 from glmref.judge.refusals import Refused, Undecided
 from glmref.judge.rules_forms import unit_forms
-from glmref.judge.trees import trees
+from glmref.judge.trees import show, trees
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -497,3 +497,27 @@ def test_a_complex_number_times_an_interval_is_a_rectangle():
         {"name": "g1", "polynomial": ["-2", "0"], "real": ["1", "2"], "imag": ["0", "0"]}]}  # fmt: skip
     root = Numbers({**field, "radicals": {}}).number("g1")
     assert {type(x) for x in (root * near_1, near_1 * root, root + near_1)} == {Interval}
+
+
+def test_a_part_about_stages_leaves_nothing_behind_that_an_order_is_judged_with():
+    """Stages are looked at before the principal parts of their order are known."""
+    rk = document("methods/rk/butcher-effective-5.json")
+    s = len(rk["b"])
+    doc = {
+        "name": "effective-5-beside-0", "format": "glmref-method-1", "class": "glm", "A": rk["A"],
+        "U": [["1", "0"]] * s, "B": [rk["b"], ["0"] * s], "V": [["1", "0"], ["0", "0"]],
+    }  # fmt: skip
+
+    def about(claim, declared, verdict, *parts):
+        claims = {**doc, "claims": {}}
+        return certificate(claims, claim, parts, verdict=verdict, declared=declared)
+
+    stages = ("stage-order-at-most", {"q": 3, "tree": "[[[o]]]"})
+    four = about("order", 4, "holds", *order_parts(4, "[[[[o]]]]", "free"))
+    others = [
+        about("order", 4, "holds", *order_parts(4, f"[{show(t)}]", "free"))
+        for t in trees((("o", "o"),), 4)
+    ]
+    for value in (four, *others):
+        assert answer(about("stage-order", 6, "fails", stages))[0]
+        assert not answer(value)[0]
