@@ -288,6 +288,37 @@ def long_table(document: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what to know of each shipped method, in Markdown.
+
+    Parameters
+    ----------
+    documents
+        Records of ``multistep-long``, ``multistep-growth`` and ``multistep-resonances``.
+    """
+    heads = "method, systems, order, values, kicks a step, first resonance, bounded"
+    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 7 + "|"]
+    first = {
+        x["method"]: x["ranges"][0][0]
+        for x in documents["multistep-growth"]["scans"]
+        if x["orbit"].startswith("Kepler")
+    } | {
+        x["method"]: x["holes"][0]
+        for x in documents["multistep-resonances"]["scans"]
+        if x["problem"] == "kepler"
+    }
+    for name, shipped in SHIPPED.items():
+        method = load(name)
+        assert isinstance(method, PartitionedGLM)
+        order = method.claims["order"] if shipped.q else method.claims["nystrom-order"]
+        values = len(method.V) + len(method.V_hat)
+        runs = [x["bounded"] for x in documents["multistep-long"]["runs"] if x["method"] == name]
+        cells = ["separable" if shipped.q else "second order", order, values]
+        cells += [2 if shipped.slopes else 1, f"{first[name]:g}", f"{sum(runs)} of {len(runs)}"]
+        lines.append(f"| `{name}` | {' | '.join(map(str, cells))} |")
+    return "\n".join(lines) + "\n"
+
+
 # --- resonances -----------------------------------------------------------------------------------
 
 

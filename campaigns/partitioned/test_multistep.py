@@ -1,10 +1,10 @@
-"""Multistep methods: the record, the tables of docs/multivalue.md, and the labels of the files.
+"""Multistep methods: the records, the tables of the pages, and the labels of the files.
 
-``python campaigns/partitioned/test_multistep.py`` puts the tables into docs/multivalue.md.
+``python campaigns/partitioned/test_multistep.py`` puts the tables into docs/multivalue.md and
+multistep.md.
 """
 
 import json
-import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from campaigns import world
-from campaigns.pages import measured
+from campaigns.pages import filled, measured, write
 from campaigns.partitioned import error_front, held_out, multistep
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import Case
@@ -25,6 +25,7 @@ from campaigns.partitioned.multistep import (
     mean_table,
     needed,
     scan,
+    shipped_table,
     table,
     twin,
 )
@@ -48,34 +49,102 @@ from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.record import survey_notes
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "multivalue.md"
+PAGE, NOTES = ROOT / "docs" / "multivalue.md", Path(__file__).with_name("multistep.md")
 
 
-def filled(text):
-    tables = {
-        "multistep-1e-09": table(measured("multistep"), "1e-09"),
-        "multistep-1e-06": table(measured("multistep"), "1e-06"),
-        "multistep-means": mean_table(measured("multistep")),
-        "multistep-long": long_table(measured("multistep-long")),
-        "multistep-growth": growth_table(measured("multistep-growth")),
-        "multistep-front": front_table(measured("multistep-front")),
-        "error-front": error_front.table(measured("error-front")),
-        "world": world.table(measured("world")),
-        "held-out-summary": held_out.summary(measured("held-out")),
-        "held-out-singles": held_out.singles(measured("held-out")),
-        "held-out-long": held_out.table(measured("held-out"), "energy"),
-        "held-out-short": held_out.table(measured("held-out"), "state"),
+def of(write, name, *more):
+    """What writes a table from a record."""
+    return lambda: write(measured(name), *more)
+
+
+def answer():
+    """The rows of the summary over long horizons."""
+    lines = held_out.summary(measured("held-out")).splitlines()
+    return "\n".join([*lines[:2], *(x for x in lines if "| long |" in x)])
+
+
+def shipped():
+    return shipped_table(
+        {x: measured(x) for x in ("multistep-long", "multistep-growth", "multistep-resonances")}
+    )
+
+
+#: Page -> name of a table -> what writes it.
+PAGES = {
+    PAGE: {"held-out-answer": answer, "multistep-shipped": shipped},
+    NOTES: {
+        "multistep-1e-09": of(table, "multistep", "1e-09"),
+        "multistep-1e-06": of(table, "multistep", "1e-06"),
+        "multistep-means": of(mean_table, "multistep"),
+        "multistep-long": of(long_table, "multistep-long"),
+        "multistep-growth": of(growth_table, "multistep-growth"),
+        "multistep-front": of(front_table, "multistep-front"),
+        "error-front": of(error_front.table, "error-front"),
+        "world": of(world.table, "world"),
+        "held-out-summary": of(held_out.summary, "held-out"),
+        "held-out-singles": of(held_out.singles, "held-out"),
+        "held-out-long": of(held_out.table, "held-out", "energy"),
+        "held-out-short": of(held_out.table, "held-out", "state"),
+    },
+}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_tables_of_a_page_are_those_of_the_data(page):
+    text = page.read_text(encoding="utf-8")
+    assert filled(text, PAGES[page]) == text
+
+
+def test_the_sentences_of_the_page_are_those_of_the_records():
+    page = " ".join(PAGE.read_text(encoding="utf-8").split())
+    rows = [[y.strip() for y in x.strip("|").split("|")] for x in answer().splitlines()[2:]]
+    ratios = {(x[0], x[2]): [y.split()[0] for y in x[3:]] for x in rows}
+    published, splitting, *_ = ratios["quadratic", "evaluations, $10^{-9}$"]
+    assert (
+        f"the best new method of each problem needs {splitting} of the evaluations of the best "
+        f"splitting and {published} of those of the best published symmetric multistep" in page
+    )
+    assert f"they save {100 * (1 - float(published)):.0f} %" in page
+    assert max(float(ratios[x, "evaluations, $10^{-9}$"][1]) for x in ("quadratic", "other")) < 0.5
+    time, other = (ratios[x, "time, $10^{-9}$"][1] for x in ("quadratic", "other"))
+    assert (
+        f"{time} of the best splitting where $T$ is quadratic, and {other} where it is not" in page
+    )
+    singles = {
+        x.split("`")[1]: [float(y.split()[0]) for y in x.split("|")[2:-1]]
+        for x in held_out.singles(measured("held-out")).splitlines()[2:]
     }
-    for name, lines in tables.items():
-        pattern = rf"(<!-- table: {name} -->\n).*?(<!-- end of table -->)"
-        text, count = re.subn(pattern, rf"\g<1>{lines}\g<2>", text, flags=re.DOTALL)
-        assert count == 1, name
-    return text
+    best = min((x for x in singles if x in SYMMETRIC), key=lambda x: singles[x][3])
+    ratio = singles["multistep-rkn-10"][3] / singles[best][3]
+    assert (
+        f"`multistep-rkn-10`: {ratio:.2f} of the evaluations of `{best}`, the best single" in page
+    )
+    assert min(singles, key=lambda x: singles[x][0]) == "multivalue-rkn-10"
+    short = [
+        x for x in measured("held-out")["cases"]
+        if x["measure"] == "state" and PROBLEMS[x["case"]].quadratic
+    ]  # fmt: skip
+    wins = [sum(held_out.best(x, "new", tol)[0] == name for x in short) for name, tol in (
+        ("multivalue-rkn-12", "1e-09"), ("multivalue-rkn-10", "1e-06"))]  # fmt: skip
+    assert wins == [8, 9] and len(short) == 31
+    assert "`multivalue-rkn-12` is the best new method on eight of 31 problems at $10^{-9}$" in page
+    assert "`multivalue-rkn-10` on nine at $10^{-6}$" in page
+    won = world.winners(measured("world"))
+    assert (sum(won.values()), sum(won.get(x, 0) for x in SHIPPED)) == (16, 12)
+    assert "of sixteen cases new methods for second-order systems are the fastest in twelve" in page
+    first = min(float(x.split("|")[6]) for x in shipped().splitlines()[2:])
+    assert 0.09 < first and "Keep $h \\omega$ below 0.09" in page
 
 
-def test_the_tables_of_the_page_are_those_of_the_data():
-    text = PAGE.read_text(encoding="utf-8")
-    assert filled(text) == text
+def test_the_survey_of_long_runs_is_that_of_the_page():
+    verdicts = [
+        (row["method"], run["verdict"])
+        for row in measured("long-survey")["rows"]
+        for run in row["runs"]
+        if row["steps"] == 10**7 and row["method"] in SHIPPED and not run["renew"]
+    ]
+    assert len(verdicts) == 24 * len(SHIPPED)
+    assert [x for x, verdict in verdicts if verdict != "bounded"] == ["multistep-rkn-12"]
 
 
 def test_every_shipped_method_is_measured():
@@ -90,7 +159,7 @@ def test_every_held_out_problem_is_measured_with_every_method():
     missing = document["not measured"]
     wanted = [x for name in PROBLEMS for x in (name, f"{name}, long") if x not in missing]
     assert list(found) == wanted
-    page = PAGE.read_text(encoding="utf-8")
+    page = NOTES.read_text(encoding="utf-8")
     assert all(f"`{x.removesuffix(', long')}`" in page for x in missing)
     assert all(found[case] == held_out.methods_for(case) for case in wanted)
     assert len(PROBLEMS) == 40 and sum(x.quadratic for x in PROBLEMS.values()) == 31
@@ -249,4 +318,4 @@ def test_ranges_join_neighbours():
 
 
 if __name__ == "__main__":
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    write(PAGES)
