@@ -9,7 +9,7 @@ import click
 from ..views import annotations
 from ..views.annotations import Level
 from ..views.tables import counted
-from .output import FAILED, HOLDS, complain, format_option, say
+from .output import BAD_INPUT, FAILED, HOLDS, complain, format_option, say
 
 _FORMATS = {"table": annotations.text, "github": annotations.github, "sarif": annotations.sarif}
 
@@ -26,6 +26,7 @@ _FORMATS = {"table": annotations.text, "github": annotations.github, "sarif": an
     metavar="FILE",
     help="Write the JSON of a shields.io endpoint, too.",
 )
+@click.option("--allow-empty", is_flag=True, help="Exit with 0 where no table is read.")
 def lint(
     places: tuple[Path, ...],
     since: str | None,
@@ -33,13 +34,15 @@ def lint(
     form: str,
     sarif: Path | None,
     badge: Path | None,
+    allow_empty: bool,
 ) -> int:
     """Check all tableaux in files and folders, by default the folder where this runs.
 
     Method files and plain tableaux (JSON, TOML) are checked as by `glmref verify`, sources in the
     formats that their ending and words suggest as by `glmref audit`; other files are left out. An
     error is a claim that fails; a warning is a question, or a claim that is not decided; a note is
-    what looks like a table and could not be read. Exit code 1 for errors.
+    what looks like a table and could not be read. Exit code 1 for errors, 2 when no table is read
+    (0 with --since and --allow-empty).
     """
     from ..audit.lint import changed_since
     from ..audit.lint import lint as find
@@ -57,4 +60,11 @@ def lint(
     levels = [x.level for x in found.remarks]
     counts = ", ".join(counted(levels.count(x), str(x)) for x in Level)
     complain(f"{counted(found.tables, 'table')}: {counts}")
-    return FAILED if Level.ERROR in levels or (strict and levels) else HOLDS
+    if Level.ERROR in levels or (strict and levels):
+        return FAILED
+    if found.tables or allow_empty or since is not None:
+        return HOLDS
+    where = ", ".join(map(str, places)) or "this folder"
+    more = "" if strict else "; --strict lists what looks like a table and could not be read"
+    complain(f"no table is found in {where}{more}; --allow-empty accepts that")
+    return BAD_INPUT

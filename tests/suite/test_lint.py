@@ -109,11 +109,11 @@ def test_a_table_of_which_a_line_was_taken_out_is_judged(repository: Path, capsy
         ("x.json", '{"A": [[0]], "b": [1], "b": [2]}', 1, "x.json:1: error: "),
         ("x.json", '{"A": [[0, 1]], "b": [1], "order": 1}', 1, "error: "),
         ("x.json", '{"A": [[0]], "b": [1]}', 0, "warning: nothing is said"),
-        ("x.json", '{"A": "a", "b": [1]}', 0, ""),
-        ("x.json", '{"format": "glmref-scene-1"}', 0, ""),
+        ("x.json", '{"A": "a", "b": [1]}', 2, ""),
+        ("x.json", '{"format": "glmref-scene-1"}', 2, ""),
         ("x.toml", 'A = [[0, 0], [1, 0]]\nb = ["1/2", "1/2"]\norder = 3\n', 1, "x.toml:3: error: "),
-        ("x.py", "class Table:\n    A = object()\n", 0, ""),
-        ("x.csv", "name,b\nx,1\n", 0, ""),
+        ("x.py", "class Table:\n    A = object()\n", 2, ""),
+        ("x.csv", "name,b\nx,1\n", 2, ""),
     ],
 )
 def test_what_is_a_tableau_and_what_is_said_of_it(
@@ -122,8 +122,10 @@ def test_what_is_a_tableau_and_what_is_said_of_it(
     monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text(content)
     assert main(["lint"]) == code
-    out = capsys.readouterr().out
+    out, err = capsys.readouterr()
     assert words in out and bool(out) is bool(words)
+    assert ("no table is found in this folder" in err) is (code == 2)
+    assert main(["lint", "--allow-empty"]) == (code if code == 1 else 0)
 
 
 @pytest.mark.parametrize(
@@ -231,6 +233,11 @@ def test_the_hook_runs_in_pre_commit(repository: Path, tmp_path: Path) -> None:
     git(repository, "add", ".")
     done = committed()
     assert done.returncode == 0, done.stdout
+    git(repository, "commit", "--quiet", "-m", "mended")
+    (repository / "plain.py").write_text("x = 1\n")
+    git(repository, "add", ".")
+    done = committed()
+    assert done.returncode == 0 and "Passed" in done.stdout, done.stdout
 
 
 def test_the_hook_takes_every_ending_that_is_read() -> None:
