@@ -8,7 +8,9 @@ import shutil
 import signal
 import sys
 import tempfile
+import time
 from collections import defaultdict
+from collections.abc import Iterator
 from zlib import crc32
 
 import pytest
@@ -19,6 +21,11 @@ QUICK = 10
 
 #: Cases of a family that are run at all where its mark does not say how many.
 WHOLE = 30
+
+#: Seconds after which a test that waits for something is failed where it stands.
+PATIENCE = 900
+
+BEGUN = time.monotonic()
 
 #: Processes that the whole suite runs on where the machine has as many cores.
 PROCESSES = 4
@@ -83,6 +90,30 @@ def pytest_configure(config: pytest.Config) -> None:
         max_examples=100 if whole else QUICK,
     )
     settings.load_profile("glmref")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol() -> Iterator[None]:
+    """End a test that hangs, so that the report names it and says where it stood."""
+
+    def late(number: int, frame: object) -> None:
+        raise TimeoutError(f"the test had not ended after {PATIENCE} s")
+
+    if not hasattr(signal, "SIGALRM"):
+        return (yield)
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(PATIENCE)
+    try:
+        return (yield)
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def pytest_runtest_setup() -> None:
+    """Skip what is left when ``GLMREF_SECONDS`` are over: a slow machine shows less, not nothing."""
+    if BEGUN + float(os.environ.get("GLMREF_SECONDS", "inf")) < time.monotonic():
+        pytest.skip("the time that GLMREF_SECONDS allows is over")
 
 
 def pytest_collection_finish() -> None:
