@@ -251,7 +251,7 @@ def prepare(
         which is faster and has the bits of the processor, not of the source; ``"quick"``: rounds
         of the fixed point end where the next change, as the last two predict it, would be below
         rounding, which saves a quarter of the evaluations and lets invariants drift
-        (docs/engine.md); ``"compensated"``: A,
+        (docs/engine-measurements.md); ``"compensated"``: A,
         U, B, V with compensated summation and the tableau's rounding residue; ``"naive"``: neither.
     solver : str
         One of :data:`SOLVERS`.

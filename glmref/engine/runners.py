@@ -29,7 +29,7 @@ from .solver_choice import choose_solver
 
 WIDTHS = (8, 16, 32)
 _FAST_MEMORY = 40 * 1024  # bytes of work array per block, about a first-level cache
-#: Bytes of a block of vectors up to which lanes lost nowhere (docs/engine.md); beyond, about a
+#: Bytes of a block of vectors up to which lanes lost nowhere (tools/measure); beyond, about a
 #: quarter of a second-level cache, they gain with a force of all bodies on all others only.
 _VECTOR_MEMORY = 256 * 1024
 _CHUNK_SECONDS = 0.1

@@ -2,12 +2,12 @@
 
 ``tools/measure/c/textbook.c`` states each method by its formulas, in an order of operations of its
 own, so that bits differ; its author had not read the engine, but for that of ``g6245-w3``. Names
-are of methods and problems; ``--write`` puts the table of all of them into docs/engine.md. Four
-kinds of it are compiled, with and without compensated sums and with and without fused operations,
+are of methods and problems; ``--write`` puts the table of all of them into the ``README.md`` of
+this folder. Four kinds of it are compiled, with and without compensated sums and fused operations,
 each at ``-O3`` and at ``-O2``, of which the faster one counts. The engine stands beside them with
 ``arithmetic="strict"`` and ``"fused"``, which both compensate. Processor time of one thread, least
-of interleaved repetitions, of the loop over steps alone: the runs are so long that the call itself,
-some ten microseconds on the side of the engine, is below a hundredth.
+of interleaved repetitions, of the loop over steps alone: the runs are so long that the call
+itself, some ten microseconds on the side of the engine, is below a hundredth.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ KINDS = {
     "plain, fused": (CONTRACTED,),
 }
 _NEAR = 1e-9
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "engine.md"
+PAGE = Path(__file__).with_name("README.md")
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ Four comparisons: ``c`` and ``sweep`` of :mod:`tools.measure.compare_c`, ``lanes
 :mod:`tools.measure.compare_lanes` and ``kepler`` of :mod:`tools.measure.compare_kepler`; where
 some are named, only these are measured, and the rows of the others are those of the record. Prints
 the tables; with ``--write`` it stores them in data/measurements/engine.json and in
-docs/engine.md and campaigns/partitioned/README.md; without names also the table of
-:mod:`tools.measure.compare_textbook`, so that one command renews the page. Needs a C compiler,
-heyoka, scipy.
+tools/measure/README.md, docs/engine.md and campaigns/partitioned/README.md; without names
+also the table of :mod:`tools.measure.compare_textbook`, so that one command renews the pages. Needs
+a C compiler, heyoka, scipy.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ from typing import Any
 from glmref.catalogue.strict_json import write_json
 from glmref.measure.timing import circumstances
 from tools.measure import compare_c, compare_kepler, compare_lanes, compare_textbook
-from tools.measure.engine_tables import PAIR_TABLES, TABLES, filled
+from tools.measure.engine_tables import PAIR_TABLES, SHORT_TABLES, TABLES, filled
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
+NOTES = Path(__file__).with_name("README.md")
 PAGE = ROOT / "docs" / "engine.md"
 PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
 
@@ -118,7 +119,7 @@ def main() -> None:
         sys.stdout.write(write(document["rows"]) + "\n\n")
     if "--write" in sys.argv[1:]:
         write_json(RECORD, document)
-        for page, tables in ((PAGE, TABLES), (PAIR_PAGE, PAIR_TABLES)):
+        for page, tables in ((NOTES, TABLES), (PAGE, SHORT_TABLES), (PAIR_PAGE, PAIR_TABLES)):
             text = filled(page.read_text(encoding="utf-8"), document["rows"], tables)
             page.write_text(text, encoding="utf-8")
         if len(wanted) == len(COMPARISONS):

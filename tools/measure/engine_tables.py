@@ -1,4 +1,4 @@
-"""The tables of docs/engine.md, and one of campaigns/partitioned/README.md: the engine's speed."""
+"""Tables of the engine's speed in tools/measure, docs/engine.md and campaigns/partitioned."""
 
 from __future__ import annotations
 
@@ -88,6 +88,23 @@ def kepler(rows: list[Row]) -> str:
     return table(head, body)
 
 
+def kepler_in_short(rows: list[Row]) -> str:
+    """Milliseconds of the integrators of :data:`SHORT`, and their ratio to heyoka's."""
+    goals = sorted({x["goal"] for x in rows if x["comparison"] == "kepler"}, reverse=True)
+    found = {(x["name"], x["goal"]): x for x in rows if x["comparison"] == "kepler"}
+    head, body = ["integrator"], []
+    for goal in goals:
+        head += [f"{goal:.0e}: ms", "over heyoka"]
+    for name in SHORT:
+        line = [name]
+        for goal in goals:
+            times = found[name, goal]["milliseconds"] if (name, goal) in found else []
+            peer = found["heyoka", goal]["milliseconds"][1]
+            line += [f"{times[1]:.4g}", f"{times[1] / peer:.2f}"] if times else ["", ""]
+        body.append(line)
+    return table(head, body)
+
+
 def against_c_in_short(rows: list[Row]) -> str:
     """Time of C over time of the engine for pairs and splittings, one column for each problem."""
     mine = {(x["method"], x["problem"]): x for x in rows if x["comparison"] == "sweep"}
@@ -99,8 +116,15 @@ def against_c_in_short(rows: list[Row]) -> str:
     return table(["method", *problems], body)
 
 
-#: Name in the page -> what writes it: docs/engine.md, then campaigns/partitioned/README.md.
+#: Integrators in the table of docs/engine.md.
+SHORT = (
+    "gauss-4", "gauss-5", "gauss-6", "gauss-8", "kahan-li-8", "blanes-moan-rkn-6-14",
+    "pair-rkn-6-9", "g6245", "order8-s5-w3", "s4-symmetric", "heyoka", "scipy DOP853",
+)  # fmt: skip
+#: Name in the page -> what writes it: tools/measure/README.md, then docs/engine.md, then
+#: campaigns/partitioned/README.md.
 TABLES: Tables = {"steps": steps, "sweeps": sweeps, "lanes": lanes, "kepler": kepler}
+SHORT_TABLES: Tables = {"kepler-short": kepler_in_short}
 PAIR_TABLES: Tables = {"against-c": against_c_in_short}
 
 
