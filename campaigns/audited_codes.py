@@ -1,6 +1,6 @@
-"""Tables of docs/audit.md from the records of ``data/audits``: counts by code, and what is wrong.
+"""Tables of docs/audit.md and docs/audit/tables.md from the records of ``data/audits``.
 
-``python -m campaigns.audited_codes`` writes them into the page.
+``python -m campaigns.audited_codes`` writes them into the pages.
 """
 
 from __future__ import annotations
@@ -16,7 +16,17 @@ from campaigns.pages import write
 
 ROOT = Path(__file__).parents[1]
 AUDITS = ROOT / "data" / "audits"
-PAGE = ROOT / "docs" / "audit.md"
+SHORT = ROOT / "docs" / "audit.md"
+PAGE = ROOT / "docs" / "audit" / "tables.md"
+#: Tables that the short page shows: code, name.
+SHOWN_FIRST = (
+    ("petsc", "TSARKIMEXBPR3"), ("openmodelica", "FEHLBERG12"),
+    ("torchdiffeq", "_TSITOURAS_TABLEAU"), ("torchdiffeq", "_GAUSS_LEGENDRE_4_TABLEAU"),
+    ("ordinarydiffeq.jl", "Feagin12"), ("ordinarydiffeq.jl", "Kvaerno3ESDIRKIMEXTableau"),
+    ("ordinarydiffeq.jl", "SIR54ConstantCache"), ("ariadne", "CooperSayfy5"),
+    ("desolver", "RadauIIA3"), ("principia", "Fine1987RKNG34"), ("nodepy", "Lambert65"),
+    ("rungekutta.jl", "RK42"),
+)  # fmt: skip
 STATUSES = ("right", "digits", "found", "wrong", "question", "unread")
 #: Entries unlike those of the nearest method that are written one by one, at most.
 SHOWN = 7
@@ -81,15 +91,31 @@ def findings() -> str:
     return "\n".join(lines)
 
 
-#: Name of a table of the page -> what writes it.
+def first() -> str:
+    """Some wrong tables, each with the first thing that the audit names."""
+    known, lines = (
+        records(),
+        [row(["code", "table", "declared", "found", "named"]), "|---" * 5 + "|"],
+    )
+    for code, name in SHOWN_FIRST:
+        found = next(
+            x for x in known[code]["tables"] if x["name"] == name and x["status"] == "wrong"
+        )
+        said = named(found).partition("; ")[0]
+        lines.append(row([code, name, found["declared"], found["found"], said]))
+    return "\n".join(lines)
+
+
+#: Name of a table of a page -> what writes it: of the short page, then of the long one.
+SHORT_TABLES = {"audit-short": first}
 TABLES = {"audit-codes": counts, "audit-findings": findings}
 
 
 def main(given: Sequence[str]) -> None:
-    """Write the tables into the page."""
+    """Write the tables into the pages."""
     if given:
         raise SystemExit("python -m campaigns.audited_codes takes no arguments")
-    write({PAGE: TABLES})
+    write({SHORT: SHORT_TABLES, PAGE: TABLES})
 
 
 if __name__ == "__main__":

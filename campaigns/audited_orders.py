@@ -6,7 +6,7 @@ logarithm of the ratio of two errors, the last one above round-off. Where the pa
 installed, it solves a problem too, by itself, with the method of that name.
 
 ``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``);
-``python -m campaigns.audited_orders --page`` puts the table into ``docs/audit.md``.
+``python -m campaigns.audited_orders --page`` puts the table into ``docs/audit/tables.md``.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from tests.suite.real_defects import DEFECTS, mended, published
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
-PAGE = ROOT / "docs" / "audit.md"
+PAGE = ROOT / "docs" / "audit" / "tables.md"
 #: Numbers of steps, and the error below which round-off takes part.
 STEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
 ROUND_OFF = 2e-13

@@ -1,4 +1,4 @@
-"""The tables of docs/audit.md are those of the records, and the records hold the known defects."""
+"""The tables of the pages on the audit are those of the records, which hold the known defects."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from campaigns.audited_codes import PAGE, TABLES, named, records
+from campaigns.audited_codes import PAGE, SHORT, SHORT_TABLES, STATUSES, TABLES, named, records
 from campaigns.pages import filled
 from glmref.audit.judge import judge
 from glmref.audit.readers import read
@@ -49,8 +49,19 @@ KNOWN = [
 
 
 def test_the_tables_of_the_page_are_those_of_the_records() -> None:
-    page = PAGE.read_text("utf-8")
-    assert filled(page, TABLES) == page
+    for path, tables in ((SHORT, SHORT_TABLES), (PAGE, TABLES)):
+        page = path.read_text("utf-8")
+        assert filled(page, tables) == page
+
+
+def test_the_counts_in_the_sentence_are_those_of_the_records() -> None:
+    n = {x: sum(r["counts"].get(x, 0) for r in RECORDS.values()) for x in STATUSES}
+    said = (
+        f"Of {sum(n.values())} tables in {len(RECORDS)} codes {n['right']} are right, {n['digits']} "
+        f"right to fewer digits, {n['wrong']} wrong, and {n['question']} a question; {n['found']} "
+        f"declare no order, and {n['unread']} could not be read. Several of the {n['wrong']} wrong"
+    )
+    assert said in " ".join(SHORT.read_text("utf-8").split())
 
 
 @pytest.mark.parametrize(("code", "name", "status", "said"), KNOWN, ids=[x[1] for x in KNOWN])
@@ -90,9 +101,7 @@ beta[6,:]=[zero,-8*one/45,zero,2*one/3,zero,7*one/90]
 """
 
 
-@pytest.mark.parametrize(
-    "text", [PAGE, PAGE.parent / "audit" / "nodepy.md"], ids=["page", "letter"]
-)
+@pytest.mark.parametrize("text", [PAGE, PAGE.parent / "nodepy.md"], ids=["page", "letter"])
 def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(text) -> None:
     rows = re.findall(r"^ *(beta\[[2-5],.*)$", text.read_text("utf-8"), re.M)
     assert len(rows) == 4
@@ -103,7 +112,7 @@ def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(text) -> Non
 
 
 def test_the_weights_that_are_printed_for_thermostats_have_order_4() -> None:
-    letter = (PAGE.parent / "audit" / "gromacs-openmm-jax-md.md").read_text("utf-8")
+    letter = (PAGE.parent / "gromacs-openmm-jax-md.md").read_text("utf-8")
     lists = re.findall(r"^ +[35]: +(.*)$", letter, re.M)
     text = "// Suzuki\n" + "\n".join("{" + x + "}" for x in lists)
     assert [judge(x)["found"] for x in read(text, "weights", {})] == [4, 4]

@@ -1,4 +1,4 @@
-"""The orders that tables of the audit show in runs, and their place in docs/audit.md."""
+"""The orders that tables of the audit show in runs, and their place in docs/audit/tables.md."""
 
 from __future__ import annotations
 
