@@ -202,24 +202,28 @@ HEAD = {
 
 FILE = data_root() / "measurements" / "long-survey.json"
 PAGE = Path(__file__).parents[1] / "docs" / "choose.md"
+NOTES = Path(__file__).with_suffix(".md")
 
 
 def advice() -> str:
-    """Return the table of what to take."""
+    """Return the table of what to take first."""
     lines = ["| your problem | take | why |", "|---|---|---|"]
+    return "\n".join(lines + [f"| {x.need} | `{x.take[0]}` | {x.why} |" for x in ADVICE])
+
+
+def also() -> str:
+    """Return what else to take, a list."""
+    lines = []
     for one in ADVICE:
-        take = [
-            f"`{x}`" + (f" (up to {SHORT:,} steps)" if one.limited(x) else "") for x in one.take
-        ]
-        why = "; ".join(filter(None, (one.why, one.more)))
-        lines.append(f"| {one.need} | {', '.join(take)} | {why} |")
+        others = [f"`{x}`{f' (up to {SHORT:,} steps)' * one.limited(x)}" for x in one.take[1:]]
+        lines.append(f"* *{one.need}*: {', '.join(others)}. {one.more}")
     return "\n".join(lines)
 
 
-#: Name of a table of the page -> what writes it.
-TABLES = {
-    "advice": advice,
-    "long-survey": lambda: table(json.loads(FILE.read_text(encoding="utf-8"))["rows"]),
+#: Page -> name of a table -> what writes it.
+PAGES = {
+    PAGE: {"advice": advice, "also": also},
+    NOTES: {"long-survey": lambda: table(json.loads(FILE.read_text(encoding="utf-8"))["rows"])},
 }
 
 
@@ -236,7 +240,7 @@ def main(path: Path, steps: int = STEPS, methods: Sequence[str] | None = None) -
 
 
 if __name__ == "__main__" and sys.argv[1:] == ["page"]:
-    write({PAGE: TABLES})
+    write(PAGES)
 elif __name__ == "__main__":
     file, *words = arguments(sys.argv[1:])
     main(Path(file), int(words[0]) if words else STEPS, words[1:] or None)

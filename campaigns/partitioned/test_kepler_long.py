@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from campaigns.long_survey import advice
+from campaigns.long_survey import advice, also
 from campaigns.pages import measured
 from campaigns.partitioned.long_runs import (
     FURTHER,
@@ -167,11 +167,12 @@ def test_no_page_recommends_a_growing_method_without_a_limit():
     stored = measured("kepler-long")
     grows = grown(stored["runs"])
     limited = set()
-    for row in advice().splitlines()[2:]:
-        _, _, take, why, _ = row.split("|")
+    for row in [*advice().splitlines()[2:], *also().splitlines()]:
+        take, _, more = row.partition(". ")
         named = re.findall(rf"`([^`]+)`( \(up to {LIMIT}\))?", take)
         named += [
-            x[::-1] for x in re.findall(rf"(for up to {LIMIT} )?also (?:take )?`([^`]+)`", why)
+            x[::-1]
+            for x in re.findall(rf"(for up to {LIMIT} )?also (?:take )?`([^`]+)`", more, re.I)
         ]
         assert not {name for name, limit in named if not limit} & set(grows), row
         limited |= {name for name, limit in named if limit}

@@ -39,10 +39,10 @@ class Advice:
 
     need: str  #: The problem, in words.
     take: tuple[str, ...]  #: Methods, the first choice first.
-    why: str  #: In one clause.
+    why: str  #: Why the first choice, in one clause of at most twenty words.
     kind: str = ""  #: What `compare` calls it, ``""`` where it cannot tell.
     compared: tuple[str, ...] = ()  #: Further methods that `compare` measures.
-    more: str = ""  #: What docs/choose.md adds, in Markdown.
+    more: str = ""  #: What docs/choose.md adds, in whole sentences of Markdown.
 
     def limited(self, name: str) -> bool:
         """Return whether a method is for short runs only, as its file records."""
@@ -53,62 +53,58 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "second order, q'' = g(q)",
         ("multistep-rkn-8", "blanes-moan-rkn-6-14", "kahan-li-8", "pair-rkn-6-8b"),
-        "no stage equation to solve; the multistep method needs the fewest force evaluations, at "
-        "small constant steps, and is not symplectic; the splittings are",
+        "no stage equation, and the fewest force evaluations, at small constant steps; not "
+        "symplectic (the splittings are)",
         "second order",
         ("multistep-rkn-10", "stormer-verlet", "blanes-moan-rkn-6-11", "gauss-4", "gauss-5"),
-        "shorter runs, or `renew=10_000`, also take `multistep-rkn-10`, see {doc}`multivalue`; of "
-        "the explicit partitioned general linear methods (called pairs in the file names) for up "
-        "to 100,000 steps also `pair-rkn-6-7b`, see {doc}`pairs`: at 1e-9 the best pair needs "
-        "fewer force evaluations than ten splittings on 17 of 19 problems, with cheap forces not "
-        "always less time; both pairs lose Kepler's orbit, or their energy error grows, within "
-        "ten million steps",
+        "Shorter runs, or `renew=10_000`, also take `multistep-rkn-10` ({doc}`multivalue`). Of the "
+        "explicit partitioned general linear methods, called pairs, for up to 100,000 steps also "
+        "`pair-rkn-6-7b`. At 1e-9 the best pair needs fewer force evaluations than ten splittings "
+        "on 17 of 19 problems, with cheap forces not always less time ({doc}`pairs`).",
     ),
     Advice(
         "separable p' = -V'(q), q' = T'(p)",
         ("multistep-8", "blanes-moan-6", "kahan-li-8", "pair-6-8"),
-        "explicit; the multistep method needs the fewest evaluations",
+        "explicit, and needs the fewest evaluations; not symplectic (the splittings are)",
         "separable",
         ("stormer-verlet", "blanes-moan-4", "gauss-4", "gauss-5"),
-        "see {doc}`multivalue`; for up to 100,000 steps also `pair-6-9`: at 1e-9 the best general "
-        "pair needs fewer force evaluations than the best general splitting on 15 of 19 problems; "
-        "the `rkn` pairs have order 4 only here; Yoshida's triple jump is `forest-ruth-4` as an "
-        "explicit splitting, and `yoshida-4` with implicit midpoint steps",
+        "For up to 100,000 steps also `pair-6-9`. At 1e-9 the best general pair needs fewer force "
+        "evaluations than the best general splitting on 15 of 19 problems. The `rkn` pairs have "
+        "order 4 only here. Yoshida's triple jump is `forest-ruth-4` as an explicit splitting, and "
+        "`yoshida-4` with implicit midpoint steps.",
     ),
     Advice(
         "Hamiltonian, not separable",
         ("gauss-4", "gauss-5", "gauss-8"),
-        "symplectic, of high order, stages side by side; for short runs "
-        "`multistep-general-8`, explicit, needs fewer evaluations; of eighteen such systems it was "
-        "lost on eight within a million steps, on two of them within 600, each time with a notice, "
-        "see {doc}`nonseparable`",
+        "symplectic and of high order; its stages are computed side by side",
         "Hamiltonian",
         ("gauss-2", "gauss-3", "s5i1-w3"),
-        "on the double pendulum, which is not separable, `gauss-4` takes 0.42 to 0.80 of the time "
-        "of six G-symplectic methods of order 6 and 8 at an error of 1e-9; the seventh, "
-        "`order8-s5i1-w3`, takes 0.87 of its time, {doc}`order6-measurements`; `gauss-5` to "
-        "`gauss-8` were not measured there; of `gauss-3` to `gauss-8` the last two "
-        "take the least time on Kepler's orbit with eccentricity 0.6, {doc}`engine`",
+        "For short runs `multistep-general-8`, explicit, needs fewer evaluations. Of eighteen such "
+        "systems it was lost on eight within a million steps, on two of them within 600, each time "
+        "with a notice ({doc}`nonseparable`). On the double pendulum, at 1e-9, `gauss-4` takes "
+        "0.42 to 0.80 of the time of six G-symplectic methods; the seventh, `order8-s5i1-w3`, "
+        "takes 0.87 of its time ({doc}`order6-measurements`). On Kepler's orbit with eccentricity "
+        "0.6 `gauss-7` and `gauss-8` are the fastest of `gauss-3` to `gauss-8` ({doc}`engine`).",
     ),
     Advice(
         "Hamiltonian, large, stages that require Newton's method",
         ("gauss-3", "gauss-4"),
         "symplectic; the engine separates the stages",
         more="`s5i2-w3` and `s5i1-w3` have smaller matrices, but no gain in time at equal error "
-        "was found since; both lose Kepler's orbit within ten million steps, `s5i1-w3` the "
-        "pendulum too",
+        "was found since. Both lose Kepler's orbit within ten million steps, `s5i1-w3` the "
+        "pendulum too.",
     ),
     Advice(
         "quadratic invariants (rigid body, angular momentum)",
         ("gauss-2", "gauss-3"),
         "conserved exactly in y itself",
-        more="a G-symplectic method conserves them in the form of G only",
+        more="A G-symplectic method conserves them in the form of G only.",
     ),
     Advice(
         "stiff and dissipative",
         ("radau-iia-3", "sdirk-4", "tr-bdf2"),
         "L-stable; no symplectic method is",
-        more="a symplectic method does not damp stiff transients, see {doc}`scene-results`",
+        more="A symplectic method does not damp stiff transients ({doc}`scene-results`).",
     ),
     Advice(
         "not stiff, short time, no invariant to conserve",
@@ -116,7 +112,7 @@ ADVICE: tuple[Advice, ...] = (
         "explicit; in an adaptive code such as scipy's DOP853 where there is one",
         "general",
         ("cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
-        "conservation properties are of no use there",
+        "Conservation properties are of no use there.",
     ),
 )
 

@@ -20,7 +20,6 @@ REFERENCE = {"api", "certificates", "coq", "feed", "multivalue-theory", "pairs-t
 NOT_YET: dict[str, set[str]] = {
     "campaigns": {"paragraph", "sentence", "words"},
     "certificates": {"paragraph", "sentence"},
-    "choose": {"rows", "sentence", "words"},
     "conformance": {"paragraph", "rows", "sentence", "words"},
     "coq": {"sentence"},
     "derive": {"sentence"},

@@ -63,6 +63,7 @@ def test_advice_names_methods_and_those_that_grow_are_labelled():
             assert label != "recorded as bounded" or "stays bounded" in said
             assert one.limited(name) == (label in ("lost", "grows"))
         assert not one.limited(one.take[0])  # the first choice has no limit
+        assert len(one.why.split()) <= 20
     kinds = [one.kind for one in ADVICE if one.kind]
     assert sorted(kinds) == sorted({*kinds}) == sorted(comparing._WORDS)
 
