@@ -26,12 +26,10 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace glmref {
 using u64 = std::uint64_t;
-using i64 = std::int64_t;
 using u128 = unsigned __int128;
 using Error = std::runtime_error;
 using Texts = std::vector<std::string>;
@@ -47,8 +45,7 @@ struct Row {               // what is known of one row of weights
 struct Report { int stages; bool exact, has_c, row_sums; std::vector<Row> rows; };
 
 // --- numbers: where `modulus` is 0 an interval, rounded outwards, or else a rest of that division
-inline thread_local u64 modulus = 0;  // at most 2^61, and not always prime
-struct NoInverse { u64 factor; };
+inline thread_local u64 modulus = 0;  // at most 2^61, without small divisors
 struct Number {
   double lo = 0, hi = 0;
   u64 rest = 0;  // in what `decide` returns: whether the number is not 0
@@ -73,25 +70,20 @@ inline Number operator*(Number a, Number b) {
   const auto ends = std::minmax({a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi});
   return outwards(ends.first, ends.second);
 }
+inline Number power(Number a, u64 n) {
+  return n == 0 ? whole(1) : n % 2 ? a * power(a, n - 1) : power(a * a, n / 2);
+}
 inline Number inverse(Number a) {
   if (!modulus && a.lo <= 0 && a.hi >= 0) throw Error("a division by zero");
   if (!modulus) return outwards(1 / a.hi, 1 / a.lo);
-  auto r = static_cast<i64>(modulus), next = static_cast<i64>(a.rest);
-  i64 times = 0, step = 1;  // Euclid: r is times * a.rest
-  while (next != 0) {
-    const i64 quotient = r / next;
-    r = std::exchange(next, r - quotient * next);
-    times = std::exchange(step, times - quotient * step);
-  }
-  if (r != 1) throw NoInverse{static_cast<u64>(r)};
-  return modular(static_cast<u64>(times + static_cast<i64>(modulus)));
-}
-inline Number power(Number a, long n) {
   Number found = whole(1);
-  while (n-- > 0) found = found * a;
+  for (u64 x = a.rest; x != 1; x = modulus % x) {  // x (modulus / x) + modulus % x is 0
+    if (x == 0) throw Error("a divisor of the modulus");
+    found = found * Number{0, 0, modulus - modulus / x};
+  }
   return found;
 }
-inline Number root(Number a, long n) {
+inline Number root(Number a, u64 n) {
   if (n < 1 || n > 60) throw Error("a root of a degree that is not 1 to 60");
   if (a.lo < 0) throw Error("a root of a negative number");
   double lo = std::pow(a.lo, 1.0 / n), hi = std::pow(a.hi, 1.0 / n);
@@ -112,7 +104,7 @@ inline Number dot(const Numbers& x, const Numbers& y) {
 // --- entries
 struct Parser {
   const std::string& text;
-  int digits;            // of decimals, 0 where they are exact
+  std::size_t digits;    // of decimals, 0 where they are exact
   bool rational = true;  // no root and no decimal of a number
   std::size_t at = 0;
 
@@ -134,7 +126,7 @@ struct Parser {
     const bool decimal = point != std::string::npos;
     if (size == decimal || token.rfind('.') != point)
       throw Error("'" + text.substr(at, size + !size) + "' is not read");
-    const int places = decimal ? static_cast<int>(size - point - 1) : 0;
+    const std::size_t places = decimal ? size - point - 1 : 0;
     if (decimal && places < digits)
       throw Error("'" + token + "' has fewer than " + std::to_string(digits) + " digits");
     at += size;
@@ -148,7 +140,7 @@ struct Parser {
     const double x = std::strtod(token.c_str(), nullptr);
     if (!decimal || !digits) return size < 16 && !decimal ? Number{x, x} : outwards(x, x);
     rational = false;
-    const double unit = outwards(0, std::pow(10.0, -digits) * (1 + 1e-15)).hi;
+    const double unit = inverse(power(whole(10), digits)).hi;
     return outwards(x, x) + Number{-unit, unit};
   }
   Number atom() {
@@ -160,7 +152,7 @@ struct Parser {
     want(")");
     if (!square && !any) return inside;
     rational = false;
-    return root(inside, static_cast<int>(std::min(degree.lo, 99.0)));
+    return root(inside, static_cast<u64>(std::min(degree.lo, 99.0)));
   }
   Number factor() {
     if (take("-")) return -factor();
@@ -186,12 +178,12 @@ struct Parser {
 };
 
 // --- tableaux
+struct Line { std::string name; Texts entries; };
 struct Tableau {
-  Texts names;                       // of the rows of weights
-  std::vector<Texts> rows;           // the weights, the s rows of A and, where it is given, c
-  std::vector<Numbers> intervals;    // their values
-  std::size_t s = 0, denominator = 0;  // at most so many figures has the common denominator
-  int digits = 0;
+  std::vector<Line> rows;               // of weights, the s rows of A and, where it is given, c
+  std::vector<Numbers> intervals;       // their values
+  std::size_t weights = 0, s = 0, digits = 0;
+  std::size_t denominator = 0;          // at most so many figures has the common denominator
   bool has_c = false, rational = true;
 };
 
@@ -213,47 +205,44 @@ inline Texts split(const std::string& line) {  // at blanks, commas, semicolons 
 }
 inline Tableau read(const std::string& text) {
   Tableau tab;
-  std::vector<Texts> A, c;
+  std::vector<Line> A, c;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     line = line.substr(0, line.find('#'));
-    const auto colon = line.find(':');
-    const std::string name = colon == std::string::npos ? "" : trim(line.substr(0, colon));
-    const Texts row = split(colon == std::string::npos ? line : line.substr(colon + 1));
+    const auto colon = line.find(':'), after = colon == std::string::npos ? 0 : colon + 1;
+    const std::string name = trim(line.substr(0, after ? colon : 0));
+    const Texts row = split(line.substr(after));
     if (row.empty()) continue;
     if (name == "digits") {
-      tab.digits = std::atoi(row[0].c_str());
-      if (tab.digits < 1 || tab.digits > 150)
-        throw Error("`digits` must be a whole number from 1 to 150");
+      const int digits = std::atoi(row[0].c_str());
+      if (digits < 1 || digits > 150) throw Error("`digits` must be a whole number from 1 to 150");
+      tab.digits = static_cast<std::size_t>(digits);
     } else if (name.empty()) {
-      A.push_back(row);
+      A.push_back({"row " + std::to_string(A.size() + 1) + " of A", row});
     } else if (name == "c") {
-      c = {row};
+      c = {{name, row}};
     } else if (name == "b" || name.rfind("b_hat", 0) == 0) {
       const std::string rest = name == "b" ? "" : trim(name.substr(5));
-      tab.names.push_back(rest.empty() ? name : rest);
-      tab.rows.push_back(row);
+      tab.rows.push_back({rest.empty() ? name : rest, row});
     } else {
       throw Error("'" + name + "' is none of b, c, b_hat NAME, digits");
     }
   }
   const std::string s = std::to_string(tab.s = A.size());
   if (A.empty() || A.size() > MOST_STAGES) throw Error("A must have 1 to 60 rows, got " + s);
-  Texts names = tab.names;
-  if (!std::count(names.begin(), names.end(), "b")) throw Error("the row `b: ...` is missing");
-  for (std::size_t k = 1; k <= tab.s; ++k) names.push_back("row " + std::to_string(k) + " of A");
-  names.push_back("c");
+  if (std::none_of(tab.rows.begin(), tab.rows.end(), [](auto& x) { return x.name == "b"; }))
+    throw Error("the row `b: ...` is missing");
+  tab.weights = tab.rows.size();
   tab.has_c = !c.empty();
   tab.rows.insert(tab.rows.end(), A.begin(), A.end());
   tab.rows.insert(tab.rows.end(), c.begin(), c.end());
   std::set<std::string> divisors;  // a divisor that is there twice counts once
   std::size_t places = 0;
-  for (const Texts& row : tab.rows) {
-    const std::string& name = names[tab.intervals.size()];
-    if (row.size() != tab.s)
-      throw Error(name + " has " + std::to_string(row.size()) + " entries and must have " + s);
-    Numbers values;
-    for (const auto& entry : row) {
+  for (const auto& [name, entries] : tab.rows) {
+    if (entries.size() != tab.s)
+      throw Error(name + " has " + std::to_string(entries.size()) + " entries and must have " + s);
+    Numbers& values = tab.intervals.emplace_back();
+    for (const auto& entry : entries) {
       const std::string k = std::to_string(values.size() + 1);
       if (entry.size() > 500) throw Error(name + ": entry " + k + " has more than 500 characters");
       Parser parser{entry, tab.digits};
@@ -266,12 +255,10 @@ inline Tableau read(const std::string& text) {
       // No part of the fraction that an entry is has more figures than the entry has letters: a
       // product at most adds up the figures of its factors, and for one more of a sum is its sign.
       const auto slash = entry.find('/'), point = entry.find('.');
-      const bool quotient = slash != std::string::npos;
       const std::string divisor = slash < point ? entry.substr(slash + 1) : entry;  // before: whole
-      if (!quotient && point != std::string::npos) places = std::max(places, entry.size());
-      if (quotient && divisors.insert(divisor).second) tab.denominator += divisor.size();
+      if (slash == std::string::npos) places = std::max(places, point < slash ? entry.size() : 0);
+      else if (divisors.insert(divisor).second) tab.denominator += divisor.size();
     }
-    tab.intervals.push_back(values);
   }
   tab.denominator += places;
   return tab;
@@ -302,7 +289,7 @@ inline std::vector<Tree> trees(bool timed) {
 // A 1 - c in row 0 where there are no trees; else Phi(t) - 1/gamma(t) in row 1 + r for weights r.
 inline std::vector<Numbers> residuals(const Tableau& tab, const std::vector<Numbers>& rows,
                                       const std::vector<Tree>& trees) {
-  const std::size_t weights = tab.names.size();
+  const std::size_t weights = tab.weights;
   const Numbers ones(tab.s, whole(1));
   std::vector<Numbers> found(1 + weights), product, times_A;
   for (std::size_t i = 0; trees.empty() && tab.has_c && i < tab.s; ++i)
@@ -331,33 +318,28 @@ inline std::vector<Numbers> decide(const Tableau& tab, const std::vector<Tree>& 
   // L^n at most, and gamma(t), which divides 8! < 2^16
   const double figures = static_cast<double>((trees.empty() ? 1 : MOST) * tab.denominator);
   double left = std::log2(largest) + std::log2(10) * figures + 18;
-  std::vector<u64> used{2 * 3 * 5 * 7};
+  // moduli, and behind the product of the primes below 50
+  std::vector<u64> used{614889782588491410};
   for (u64 p = (u64{1} << 61) - 1; left > 0; p -= 2) {
     if (std::any_of(used.begin(), used.end(), [p](u64 q) { return std::gcd(p, q) > 1; })) continue;
     modulus = p;
     try {
       std::vector<Numbers> rests;
       std::map<std::string, Number> known;
-      for (const Texts& row : tab.rows) {
-        rests.emplace_back();
-        for (const auto& entry : row) {
+      for (const Line& row : tab.rows) {
+        Numbers& values = rests.emplace_back();
+        for (const auto& entry : row.entries) {
           const auto [at, fresh] = known.try_emplace(entry);
           if (fresh) at->second = Parser{entry, tab.digits}.all();
-          rests.back().push_back(at->second);
+          values.push_back(at->second);
         }
       }
       rests = residuals(tab, rests, trees);
-      bool undecided = false;
       for (std::size_t r = 0; r < found.size(); ++r)
-        for (std::size_t m = 0; m < found[r].size(); ++m) {
-          found[r][m].rest |= rests[r][m].rest;
-          undecided = undecided || !found[r][m].rest;
-        }
-      if (!undecided) break;
+        for (std::size_t m = 0; m < found[r].size(); ++m) found[r][m].rest |= rests[r][m].rest;
       used.push_back(p);
       left -= 60;
-    } catch (const NoInverse& shared) {  // with a denominator
-      used.push_back(shared.factor);
+    } catch (const Error&) {  // with a denominator it has a divisor in common
     }
   }
   modulus = 0;
@@ -372,9 +354,9 @@ inline Report check(const std::string& text) {
   for (const Number& sum : sums[0]) report.row_sums = report.row_sums && !sum.rest;
   const auto listed = trees(!report.row_sums);
   const auto found = decide(tab, listed);
-  for (std::size_t r = 0; r < tab.names.size(); ++r) {
+  for (std::size_t r = 0; r < tab.weights; ++r) {
     Row row;
-    row.name = tab.names[r];
+    row.name = tab.rows[r].name;
     for (std::size_t m = 0; m < listed.size(); ++m) {
       const Number& x = found[1 + r][m];
       const bool fails = x.rest != 0;
