@@ -1,4 +1,4 @@
-"""The page on the suite is true: its adapters pass, its slip is named, its protocol is ours."""
+"""The pages on the suite are true: their adapters pass, the slip is named, the protocol is ours."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from glmref.conformance.checks import RESTS_ON
 from glmref.conformance.pipe import OFFERS
 from glmref.conformance.vector_problems import problems
 
-PAGE = Path(__file__).parents[2] / "docs" / "conformance.md"
-if not PAGE.is_file():
+PAGES = [Path(__file__).parents[2] / "docs" / f"{x}.md" for x in ("conformance", "adapters")]
+if not PAGES[0].is_file():
     pytest.skip("the documentation is not part of this copy", allow_module_level=True)
-TEXT = PAGE.read_text(encoding="utf-8")
+TEXT = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder with the files of the page."""
+    """A folder with the files of the pages."""
     adapters, program = [block for kind, block in BLOCKS if kind == "python"]
     (tmp_path / "mine.py").write_text(adapters, encoding="utf-8")
     (tmp_path / "midpoint.py").write_text(program, encoding="utf-8")

@@ -1,4 +1,4 @@
-/* An exported stepper as an adapter of the conformance suite: f over the pipe of docs/conformance.md.
+/* An exported stepper as an adapter of the conformance suite: f over the pipe of docs/adapters.md.
    NAME is the stepper's prefix, TITLE the method's name, ROWS how many values it carries. */
 #include <stdio.h>
 #include <stdlib.h>
