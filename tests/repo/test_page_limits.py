@@ -36,7 +36,6 @@ NOT_YET: dict[str, set[str]] = {
     "feed": {"paragraph", "sentence"},
     "modified": {"paragraph", "sentence", "words"},
     "need": {"paragraph"},
-    "nonseparable": {"paragraph", "rows", "sentence", "words"},
     "order6": {"paragraph", "rows", "sentence", "words"},
     "pairs-theory": {"paragraph", "sentence"},
     "pairs": {"paragraph", "rows"},

@@ -251,7 +251,7 @@ def test_the_page_prints_what_is_measured() -> None:
 
 
 def test_the_page_prints_the_long_runs() -> None:
-    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    page = (data_root().parent / "docs/nonseparable/long-runs.md").read_text(encoding="utf-8")
     table = page.partition("<!-- table: nonseparable-long -->")[2].partition("<!-- end")[0]
     rows = [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
     record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
@@ -269,6 +269,8 @@ def test_the_page_prints_the_long_runs() -> None:
     assert f"In {len(lost) - len(late)} of the {len(lost)}" in page
     assert (len(late), late[0], late[-1]) == (5, 160, 800)
     assert [sum(x["method"] == m for x in lost) for m in GENERAL] == [8, 8, 12]
+    first = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    assert f"All {len(lost)} of {len(record)} runs" in first
 
 
 def test_ensembles_in_lanes_do_what_single_runs_do() -> None:

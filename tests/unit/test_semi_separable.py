@@ -156,13 +156,13 @@ def test_systems_with_other_velocities_are_refused() -> None:
 
 
 def _table(name: str) -> list[list[str]]:
-    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    page = (data_root().parent / "docs/velocities.md").read_text(encoding="utf-8")
     table = page.partition(f"<!-- table: {name} -->")[2].partition("<!-- end")[0]
     return [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
 
 
 def test_the_page_prints_what_is_measured() -> None:
-    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
+    page = (data_root().parent / "docs/velocities.md").read_text(encoding="utf-8")
     whole = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
     record, names = whole["semi-separable"], [f"multistep-kinetic-{p}" for p in (6, 8, 10)]
     counts = {(x["problem"], x["tolerance"]): x["methods"] for x in record["evaluations"]}
