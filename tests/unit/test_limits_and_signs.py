@@ -28,7 +28,7 @@ def test_a_zero_with_a_derivative_is_not_called_zero() -> None:
 def test_a_root_of_zero_and_forty_one_roots_are_refused() -> None:
     with pytest.raises(DataError, match="positive"):
         parse("root(0,3)")
-    assert parse("+".join(["sqrt(4)"] * 40)) == 80  # the limits of docs/security.md
+    assert parse("+".join(["sqrt(4)"] * 40)) == 80  # the limits of docs/limits.md
     with pytest.raises(DataError, match="41 roots"):
         parse("+".join(["sqrt(4)"] * 41))
 
