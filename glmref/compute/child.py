@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import signal
 import socket
 import time
@@ -25,15 +24,13 @@ from time import perf_counter
 from typing import Any
 
 from ..errors import GlmrefError, UsageError
-from ..system.cache import lock_folder
 from ..system.files import reason
 from ..system.process import end_with_parent
 
 try:
-    import fcntl
     import resource
-except ImportError:  # not POSIX: there are no limits of memory, and nothing is pinned
-    fcntl = resource = None  # type: ignore[assignment]
+except ImportError:  # not POSIX: there are no limits of memory
+    resource = None  # type: ignore[assignment]
 
 Task = Mapping[str, Any]
 #: What carries out a task: a function of a module, which another process can import.
@@ -168,14 +165,14 @@ class Child:
         pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.limits, self.folder))
         self._pool = pool
         with _starting, _surroundings():
-            ready = pool.submit(_ready, self.limits)
+            ready = pool.submit(_ready, self.limits.pinned)
         try:
             if not self._ended and not ready.result():
                 raise UsageError(
                     "timed tasks need a core each, and all cores have one; ask for fewer "
                     "processes, or wait until the other run has ended"
                 )
-        except (OSError, BrokenProcessPool, UsageError) as error:
+        except (OSError, CancelledError, BrokenProcessPool, UsageError) as error:
             self._kill()
             if isinstance(error, BrokenProcessPool) and not self._ended:
                 raise UsageError(
@@ -184,21 +181,26 @@ class Child:
                 ) from None
             if not self._ended:
                 raise
-        if self._ended:  # while it was started
-            self._kill()
+        if self._ended:  # while it was started: whoever ended it may have found no process yet
+            _stop(pool)
         return pool
 
     def _kill(self) -> None:
         pool, self._pool = self._pool, None
         if pool is not None:
-            for process in list((pool._processes or {}).values()):
-                process.kill()
-            pool.shutdown(wait=False, cancel_futures=True)
+            _stop(pool)
 
     def end(self) -> None:
         """End the process, whatever it does; a task that it had is not tried again."""
         self._ended = True
         self._kill()
+
+
+def _stop(pool: ProcessPoolExecutor) -> None:
+    """Kill the processes of a pool, which takes no task any more on return."""
+    for process in list((pool._processes or {}).values()):
+        process.kill()
+    pool.shutdown(wait=False, cancel_futures=True)
 
 
 # --- inside of the child --------------------------------------------------------------------------
@@ -219,11 +221,6 @@ def _begin(limits: Limits, folder: str) -> None:
             resource.setrlimit(resource.RLIMIT_DATA, (limits.memory, most))
 
 
-def _ready(limits: Limits) -> bool:
-    """Return whether there is a core, where one is needed."""
-    return not limits.pinned or _pin()
-
-
 def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
     if limit is None or not hasattr(signal, "setitimer"):
         return attempt(function, task)
@@ -236,32 +233,33 @@ def _attempt_in(function: Function, task: Task, limit: float | None) -> Done:
         signal.setitimer(signal.ITIMER_REAL, 0)
 
 
-_core: list[int] = []  # the descriptor of the lock; it is held as long as the process lives
+#: What holds the core of this process, until it ends.
+_core: list[socket.socket] = []
 
 
-def _pin() -> bool:
-    """Stay on a physical core that no other timed task of this user has; wait a while for one."""
-    if fcntl is None or not hasattr(os, "sched_setaffinity"):
+def _ready(pinned: bool) -> bool:
+    """Stay on a physical core that no other timed task of this user has; wait a while for one.
+
+    A core is held by a name among the local sockets of Linux, which ends with its process and is
+    no file. Nothing is sent.
+
+    Returns
+    -------
+    bool
+        Whether there is a core; elsewhere than on Linux, and where no core is needed, always.
+    """
+    if not pinned or not hasattr(os, "sched_setaffinity"):
         return True
-    folder = lock_folder()
-    if folder is None:
-        raise UsageError(
-            "timed tasks lock their cores in a folder that only you can write, and neither the "
-            "user cache nor the temporary directory has one; set XDG_CACHE_HOME to a folder of "
-            "yours"
-        )
-    host = re.sub(r"[^\w.-]", "_", socket.gethostname())  # homes may be shared
-    own, begun = physical_cores(), perf_counter()
-    while perf_counter() - begun < _WAIT:
-        for core in own:
-            path = folder / f"core-{host}-{core}.lock"
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+    mine, until = physical_cores(), perf_counter() + _WAIT
+    while perf_counter() < until:
+        for core in mine:
+            holder = socket.socket(socket.AF_UNIX)
             try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                holder.bind(f"\0glmref-{os.getuid()}-core-{core}")
             except OSError:
-                os.close(descriptor)
+                holder.close()
                 continue
-            _core.append(descriptor)
+            _core.append(holder)
             os.sched_setaffinity(0, {core})
             return True
         time.sleep(0.1)
@@ -274,28 +272,26 @@ def _pin() -> bool:
 @contextlib.contextmanager
 def _surroundings() -> Iterator[None]:
     """What a child inherits: one thread, and a deaf ear for Ctrl-C from its first moment on."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
+    before = {name: os.environ[name] for name in _ONE_THREAD if name in os.environ}
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     # a worker that Dask's nanny started counts as a daemon, and such may have no children; ours
     # end with their parent whatever happens to it
     config = current_process()._config  # type: ignore[attr-defined]
     daemon, config["daemon"] = config.get("daemon"), False
-    masks = hasattr(signal, "pthread_sigmask")
-    if masks:
+    heard = None
+    if hasattr(signal, "pthread_sigmask"):
         # spawning would start it otherwise, which unblocks SIGINT before the child is there
         resource_tracker.ensure_running()
-    heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
+        heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        if masks:
+        if heard is not None:
             signal.pthread_sigmask(signal.SIG_SETMASK, heard)
         config["daemon"] = daemon
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+        for name in _ONE_THREAD:
+            del os.environ[name]
+        os.environ.update(before)
 
 
 def cores() -> list[int]:

@@ -3,9 +3,8 @@
 A *task* is a JSON-ready mapping that says what to measure; its key is a hash of its canonical text.
 A record is the task with what was measured, and a checksum over both. SQLite brings a record to the
 disk before it counts, and undoes what a killed process or a full disk left half written. A record
-whose checksum disagrees is measured again; where the file itself is damaged, what can be read of it
-is moved to a new one. Only the process that holds the lock writes. The records of earlier versions,
-JSON objects one a line, are taken over.
+whose checksum disagrees is measured again. Only the process that holds the lock writes. Records
+that are JSON objects one a line, as ``--format jsonl`` prints them, are read as well.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import hashlib
 import json
 import math
 import os
-import re
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -23,31 +21,19 @@ from typing import Any
 
 from ..catalogue.canonical import compact
 from ..errors import DataError, UsageError
-from ..system.files import (
-    make_folder,
-    one_name,
-    printable,
-    read_bytes,
-    require_regular,
-    write_bytes,
-)
+from ..system.files import make_folder, one_name, printable, read_bytes, require_regular
 
 Record = dict[str, Any]
 
 FORMAT = "glmref-record-1"
-#: The field with the checksum of a record; records of version 0.1.0 and before have none.
+#: The field with the checksum of a record; a record in a line may lack it.
 CHECKSUM = "sha256"
 SUFFIX = ".sqlite"
 #: Bytes of a record, and of a file of records in lines.
 MAX_RECORD, MAX_BYTES = 1 << 26, 1 << 30
-#: Bytes that a record has at least: its format, its key and its checksum.
-_LEAST = 150
 #: Seconds to wait for a reader that holds the file.
 _PATIENCE = 30.0
 _TABLE = "CREATE TABLE record (key TEXT PRIMARY KEY, record TEXT NOT NULL)"
-_INSERT = "INSERT OR REPLACE INTO record VALUES (?, ?)"
-_HEXADECIMAL = re.compile("[0-9a-f]{64}")
-
 #: What a damaged file raises: a message of SQLite may hold bytes of the file that are no text.
 DAMAGE = (sqlite3.DatabaseError, UnicodeDecodeError)
 
@@ -83,11 +69,8 @@ def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> Record:
     return {**record, CHECKSUM: checksum(record)}
 
 
-# --- reading a text -------------------------------------------------------------------------------
-
-
 def parsed(text: bytes) -> Record:
-    """Return the record that a text holds; one of version 0.1.0 has no checksum.
+    """Return the record that a text holds.
 
     Raises
     ------
@@ -96,25 +79,18 @@ def parsed(text: bytes) -> Record:
     """
     try:
         record = json.loads(text.decode("utf-8"))
-    except (ValueError, RecursionError):
+    except (ValueError, RecursionError, AttributeError):  # in a damaged table also what is no text
         raise ValueError("it is not JSON") from None
     if not isinstance(record, dict) or not record:
         raise ValueError("it is not a record")
-    last = record[next(reversed(record))]
-    # a checksum of which the name is damaged
-    summed = CHECKSUM in record or (isinstance(last, str) and _HEXADECIMAL.fullmatch(last))
-    if record.get("format") != FORMAT and not summed:
-        raise ValueError(
-            f"its format is {str(record.get('format'))[:40]!r}, and this version reads {FORMAT!r}"
-        )
     try:
         # two texts can be one number, so that the checksum agrees although a digit has changed
-        changed = summed and (
-            record.get(CHECKSUM) != checksum(record) or compact(record) != text.strip()
+        damaged = CHECKSUM in record and (
+            record[CHECKSUM] != checksum(record) or compact(record) != text.strip()
         )
     except ValueError:  # NaN, which is never written
-        changed = True
-    if changed:
+        damaged = True
+    if damaged:
         raise ValueError("it is damaged: its checksum does not agree with its content")
     if record.get("format") != FORMAT:
         raise ValueError(
@@ -144,25 +120,9 @@ def lines_of(path: Path) -> Iterator[tuple[int, Record | None, str]]:
             try:
                 yield number, parsed(line), ""
             except ValueError as error:
-                whole = line.endswith((b"\n", b"\r"))
-                yield (
-                    number,
-                    None,
-                    str(error) if whole else "the run was stopped while it was written",
-                )
-
-
-def earlier(path: Path) -> list[Path]:
-    """Return the files in lines that the records of a path were kept in by earlier versions."""
-    base = path.with_suffix("")
-    found = [base.with_suffix(".jsonl")]
-    with contextlib.suppress(OSError, ValueError):
-        parts = re.compile(re.escape(base.name) + r"-\d{6}\.jsonl")
-        found += sorted(x for x in path.parent.iterdir() if parts.fullmatch(x.name))
-    return [x for x in found if os.path.lexists(x)]
-
-
-# --- the file -------------------------------------------------------------------------------------
+                torn = not line.endswith((b"\n", b"\r"))
+                why = "the run was stopped while it was written" if torn else str(error)
+                yield number, None, why
 
 
 class Records:
@@ -174,9 +134,8 @@ class Records:
     Parameters
     ----------
     path : Path or None
-        The file, created with its folder when something is written. For ``NAME.jsonl``, where an
-        earlier version kept records in lines, it is ``NAME.sqlite``. ``None`` keeps records in
-        memory only.
+        The file, created with its folder when something is written. Where it is missing, sound
+        records of ``NAME.jsonl`` are taken over. ``None`` keeps records in memory only.
 
     Attributes
     ----------
@@ -190,29 +149,27 @@ class Records:
     """
 
     def __init__(self, path: Path | None) -> None:
-        self.path = path.with_suffix(SUFFIX) if path and path.suffix == ".jsonl" else path
+        self.path = path
         self.notices: list[str] = []
         self._memory: dict[str, Record] = {}
         self._file: sqlite3.Connection | None = None
         self._held = False
-        self._place: tuple[int, int] | None = None  # device and inode while the lock is held
-        if self.path is not None and not self._open():
-            for lines in earlier(self.path):
-                self._take_over(lines)
+        if path is not None and not self._open() and os.path.lexists(path.with_suffix(".jsonl")):
+            self._take_over(path.with_suffix(".jsonl"))
 
     def _take_over(self, path: Path) -> None:
         """Have the records of a file in lines in memory, until the table is made."""
-        first, faults = "", 0
+        faults = []
         for number, record, why in lines_of(path):
             if record is None:
-                first, faults = first or f"{path.name}: line {number}: {why}", faults + 1
+                faults.append(f"{one_name(path)}: line {number}: {why}")
             else:
                 self._memory.setdefault(key_of(record["task"]), record)
-        if faults and not self._memory and "stopped" not in first:  # somebody's
-            raise DataError(f"{first}; move the file away to measure anew")
+        if faults and not self._memory:
+            raise DataError(f"{faults[0]}; move the file away to measure anew")
         if faults:
-            more = f", and {faults - 1} lines more" if faults > 1 else ""
-            self._notice(f"{first}{more}; what cannot be read is measured again")
+            more = f", and {len(faults) - 1} lines more" if faults[1:] else ""
+            self._notice(f"{faults[0]}{more}; what cannot be read is measured again")
 
     def _notice(self, text: str) -> None:
         if text not in self.notices:
@@ -239,17 +196,34 @@ class Records:
     def __del__(self) -> None:
         self.close()
 
+    def _rows(self, question: str, *values: str) -> Iterator[tuple[Any, ...]]:
+        file = self._open()
+        try:
+            yield from file.execute(question, values) if file is not None else ()
+        except DAMAGE as error:
+            raise self._damaged(error) from None
+
+    def _damaged(self, why: object) -> DataError:
+        return DataError(
+            f"{one_name(self.path or Path())} is damaged ({why}); save what can be read with "
+            f"`.recover` of the program sqlite3, or move it away to measure anew"
+        )
+
+    def _sound(self, text: bytes) -> Record | None:
+        """Return the record in a row, ``None`` where it is damaged."""
+        with contextlib.suppress(ValueError):
+            if CHECKSUM in (record := parsed(text)):
+                return record
+        self._notice(f"{one_name(self.path or Path())}: a record is damaged and is measured again")
+        return None
+
     def find(self, task: Mapping[str, Any]) -> Record | None:
         """Return the record of a task, if there is a sound one."""
         key = key_of(task)
-        if key in self._memory or (file := self._open()) is None:
-            return self._memory.get(key)
-        try:
-            row = file.execute("SELECT record FROM record WHERE key = ?", (key,)).fetchone()
-            return None if row is None else parsed(row[0])
-        except (sqlite3.Error, ValueError) as error:
-            self._damaged(error)
-            return None
+        if key in self._memory:
+            return self._memory[key]
+        rows = self._rows("SELECT record FROM record WHERE key = ?", key)
+        return next((self._sound(text) for (text,) in rows), None)
 
     def missing(self, tasks: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
         """Yield the tasks without a record, in order."""
@@ -258,36 +232,26 @@ class Records:
     def __iter__(self) -> Iterator[Record]:
         """Yield the sound records in the order in which they were written."""
         yield from list(self._memory.values())
-        if (file := self._open()) is not None:
-            for record in _rows(file):
-                if record is None:
-                    self._damaged("")
-                elif key_of(record["task"]) not in self._memory:
-                    yield record
+        for (text,) in self._rows("SELECT record FROM record ORDER BY rowid"):
+            if (record := self._sound(text)) and key_of(record["task"]) not in self._memory:
+                yield record
 
     def __len__(self) -> int:
         """Return the number of records in the file and in memory."""
-        try:
-            file = self._open()
-            count = "SELECT count(*) FROM record"
-            return len(self._memory) + (file.execute(count).fetchone()[0] if file else 0)
-        except DAMAGE:
-            return sum(1 for _ in self)
-
-    def _damaged(self, why: object) -> None:
-        assert self.path is not None
-        self._notice(f"{one_name(self.path)} is damaged; what cannot be read is measured again")
+        return len(self._memory) + sum(n for (n,) in self._rows("SELECT count(*) FROM record"))
 
     # --- writing
 
     @contextlib.contextmanager
     def exclusive(self) -> Iterator[None]:
-        """Hold the lock, repair what is damaged, and be the only writer.
+        """Hold the lock, and be the only writer.
 
         Raises
         ------
         UsageError
             Where another process holds the lock, and where the folder cannot be written.
+        DataError
+            For a file that is damaged.
         """
         if self.path is None or self._held:
             yield
@@ -295,39 +259,32 @@ class Records:
         make_folder(self.path.parent)
         with locked(Path(os.path.realpath(self.path))):  # one lock, whatever link leads to it
             self.close()
+            self._file = file = _connected(self.path, "rwc")
             self._held = True
             try:
-                self._begin(self.path)
+                self._begin(file)
                 yield
             finally:
                 self._held = False
                 with contextlib.suppress(sqlite3.Error):  # a file at rest has no other beside it
-                    if self._file is not None:
-                        self._file.execute("PRAGMA user_version = 0")
-                        self._file.execute("PRAGMA journal_mode = DELETE")
+                    file.execute("PRAGMA journal_mode = DELETE")
                 self.close()
 
-    def _begin(self, path: Path) -> None:
-        """Open the file for writing, a repaired one where it is damaged."""
+    def _begin(self, file: sqlite3.Connection) -> None:
         try:
-            self._file = file = _connected(path, "rwc")
-            try:
-                sound = file.execute("PRAGMA integrity_check(1)").fetchone() == (b"ok",)
-            except DAMAGE:
-                sound = False
-            if not sound:
-                self._damaged("")
-                _rewrite(path, file)
-                self._file = file = _connected(path, "rwc")
+            (found,) = file.execute("PRAGMA integrity_check(1)").fetchone()
+        except DAMAGE as error:
+            raise self._damaged(error) from None
+        if found != b"ok":
+            raise self._damaged(printable(found.decode("utf-8", "replace")))
+        try:
             file.execute("PRAGMA journal_mode = WAL")
             file.execute("PRAGMA synchronous = FULL")
             file.execute(_TABLE.replace("TABLE", "TABLE IF NOT EXISTS"))
-            file.execute(f"PRAGMA user_version = {os.getpid()}")
-            _insert(file, self._memory.values())
-        except (sqlite3.Error, OSError) as error:
+        except sqlite3.Error as error:
             raise self._refusal(error) from None
+        self._insert(self._memory.values())
         self._memory.clear()
-        self._place = _place(path)
 
     def _refusal(self, error: object) -> UsageError:
         kept = "records"
@@ -337,6 +294,23 @@ class Records:
             f"{printable(self.path or '')}: the record of a task cannot be written ({error}); the "
             f"{kept} before it are kept, so make room and run the same command again"
         )
+
+    def _insert(self, records: Iterable[Record]) -> None:
+        """Write records in one transaction."""
+        assert self._file is not None and self.path is not None
+        if not self.path.exists():
+            raise UsageError(
+                f"{printable(self.path)}: another program has moved or deleted the file while this "
+                f"one was writing it; run the same command again"
+            )
+        rows = [
+            (key_of(x["task"]), compact({**x, CHECKSUM: checksum(x)}).decode()) for x in records
+        ]
+        try:
+            with self._file as file:
+                file.executemany("INSERT OR REPLACE INTO record VALUES (?, ?)", rows)
+        except sqlite3.Error as error:
+            raise self._refusal(error) from None
 
     def append(self, task: Mapping[str, Any], measured: Mapping[str, Any]) -> Record:
         """Add one record; see :meth:`append_all`."""
@@ -359,16 +333,7 @@ class Records:
             self.remember(*records)
         elif records:
             with self.exclusive():
-                if _place(self.path) != self._place:
-                    raise UsageError(
-                        f"{printable(self.path)}: another program has moved or deleted the file "
-                        f"while this one was writing it; run the same command again"
-                    )
-                assert self._file is not None
-                try:
-                    _insert(self._file, records)
-                except sqlite3.Error as error:
-                    raise self._refusal(error) from None
+                self._insert(records)
         return records
 
     def remember(self, *records: Record) -> None:
@@ -397,86 +362,30 @@ def _connected(path: Path, mode: str) -> sqlite3.Connection:
             require_regular(path, os.stat(path).st_mode)
         uri = f"{path.absolute().as_uri()}?mode={mode}"
         file = sqlite3.connect(uri, timeout=_PATIENCE, uri=True, check_same_thread=False)
-        file.text_factory = bytes
-        file.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_RECORD)
     except (sqlite3.Error, OSError, ValueError) as error:
         raise DataError(f"{name}: the file cannot be read ({error})") from None
+    file.text_factory = bytes
+    file.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_RECORD)
     try:
         # nothing but this table: a view or a trigger of somebody would be run
         schema = file.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL").fetchall()
+        if schema in ([(_TABLE.encode(),)], []):
+            return file
+        why: object = "it has other tables"
     except DAMAGE as error:
-        file.close()
-        name_of_error = getattr(error, "sqlite_errorname", "SQLITE_CORRUPT")
-        if name_of_error in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
-            raise _foreign(name, error) from None
-        raise DataError(f"{name}: the file cannot be read ({error})") from None
-    if schema not in ([(_TABLE.encode(),)], []):
-        file.close()
-        raise _foreign(name, "it has other tables")
-    return file
-
-
-def _foreign(name: str, why: object) -> DataError:
-    return DataError(f"{name} is not a file of records ({why}); move it away to measure anew")
-
-
-def _insert(file: sqlite3.Connection, records: Iterable[Record]) -> None:
-    """Write records in one transaction."""
-    rows = [
-        (key_of(x["task"]), compact(x if CHECKSUM in x else {**x, CHECKSUM: checksum(x)}).decode())
-        for x in records
-    ]
-    with file:
-        file.executemany(_INSERT, rows)
-
-
-def _rows(file: sqlite3.Connection) -> Iterator[Record | None]:
-    """Yield the records in order, ``None`` for what is damaged."""
-    pages, size = (file.execute(f"PRAGMA {x}").fetchone()[0] for x in ("page_count", "page_size"))
-    most = pages * size // _LEAST
-    try:
-        most = min(most, file.execute("SELECT max(rowid) FROM record").fetchone()[0] or 0)
-    except DAMAGE:
-        yield None
-    for number in range(1, most + 1):  # one by one: a scan ends at the first damaged page
-        try:
-            row = file.execute("SELECT record FROM record WHERE rowid = ?", (number,)).fetchone()
-            if row is not None:
-                yield parsed(row[0])
-        except (sqlite3.DatabaseError, ValueError):
-            yield None
-
-
-def _rewrite(path: Path, file: sqlite3.Connection) -> None:
-    """Move what can be read of a damaged file to a new one; the old one stays beside it."""
-    records = [x for x in _rows(file) if x is not None]
+        why = error
     file.close()
-    new = path.with_name(f".{path.name}.new")
-    new.unlink(missing_ok=True)
-    fresh = sqlite3.connect(new)
-    try:
-        fresh.execute(_TABLE)
-        _insert(fresh, records)
-    finally:
-        fresh.close()
-    write_bytes(path.with_name(f"{path.name}.damaged"), path.read_bytes())
-    for end in ("-wal", "-shm"):
-        path.with_name(path.name + end).unlink(missing_ok=True)
-    os.replace(new, path)
-
-
-def _place(path: Path) -> tuple[int, int] | None:
-    """Return device and inode of a file, ``None`` where there is none."""
-    try:
-        about = os.stat(path)
-    except OSError:
-        return None
-    return about.st_dev, about.st_ino
+    if getattr(why, "sqlite_errorname", "SQLITE_NOTADB") in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
+        raise DataError(f"{name} is not a file of records ({why}); move it away to measure anew")
+    raise DataError(f"{name}: the file cannot be read ({why})")
 
 
 @contextlib.contextmanager
 def locked(path: Path) -> Iterator[None]:
     """Hold the lock of a record file, which the system ends with the process.
+
+    It keeps two runs from measuring the same; that they do not damage the file is SQLite's to see
+    to. So it does no harm that a lock can be taken twice in the moment in which it is given back.
 
     Raises
     ------
@@ -484,55 +393,27 @@ def locked(path: Path) -> Iterator[None]:
         Where another process holds it, or the folder cannot be written.
     """
     place = path.with_name(f".{path.name}.lock")
-    lock, before = None, None
-    # the one who held it may have deleted the file between two of these calls
-    while lock is None or before is None or _place(place) != before:
-        if lock is not None:
-            lock.close()
-            lock = None
-        try:
-            with contextlib.suppress(FileExistsError):
-                place.touch(exist_ok=False)
-            before = _place(place)
+    try:
+        if os.path.lexists(place):
             require_regular(place, os.lstat(place).st_mode)  # what a link leads to is not ours
-            lock = _begun(place)
-        except (DataError, OSError, sqlite3.Error) as error:
-            if getattr(error, "sqlite_errorname", "") == "SQLITE_BUSY":
-                raise UsageError(
-                    f"the record file {printable(path)} is in use by {_holder(path)}; wait until "
-                    f"it has ended, or name another --output"
-                ) from None
-            if isinstance(error, FileNotFoundError) or _place(place) != before:
-                continue
+        lock = sqlite3.connect(place, timeout=0.0)
+        with contextlib.ExitStack() as opened:
+            opened.callback(lock.close)
+            lock.execute("BEGIN EXCLUSIVE")
+            opened.pop_all()
+    except (DataError, OSError, sqlite3.Error) as error:
+        if getattr(error, "sqlite_errorname", "") == "SQLITE_BUSY":
             raise UsageError(
-                f"the output folder {printable(path.parent)} cannot be written ({error}); name "
-                f"another --output"
+                f"the record file {printable(path)} is in use by another process; wait until it "
+                f"has ended, or name another --output"
             ) from None
+        raise UsageError(
+            f"the output folder {printable(path.parent)} cannot be written ({error}); name "
+            f"another --output"
+        ) from None
     try:
         yield
     finally:
         with contextlib.suppress(OSError):  # Windows deletes no file that is open
             place.unlink()
         lock.close()
-
-
-def _begun(place: Path) -> sqlite3.Connection:
-    """Return a connection that holds its file, or fail with nothing left open."""
-    lock = sqlite3.connect(place, timeout=0.0)
-    try:
-        lock.execute("BEGIN EXCLUSIVE")
-    except sqlite3.Error:
-        lock.close()
-        raise
-    return lock
-
-
-def _holder(path: Path) -> str:
-    """Return which process writes a file; it is noted in its head."""
-    with contextlib.suppress(sqlite3.Error, DataError), contextlib.closing(
-        _connected(path, "ro")
-    ) as file:  # fmt: skip
-        number = file.execute("PRAGMA user_version").fetchone()[0]
-        if number:
-            return f"process {number}"
-    return "another process"

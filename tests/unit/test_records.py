@@ -197,27 +197,25 @@ def test_no_bit_of_a_file_flips_unseen(tmp_path):
     path = tmp_path / "records.sqlite"
     right = three(path)
     size = 8 * path.stat().st_size
-    refused = flips(path, right, [*range(0, 8 * 600, 7), *range(8 * 600, size, 41)])
-    assert refused < 1000  # the head of the file and its table of contents
+    bits = [*range(0, 8 * 600, 61), *range(8 * 600, size, 401)]
+    refused = flips(path, right, bits)
+    assert refused < len(bits) / 3  # the head of the file and its table of contents
 
 
-def test_a_damaged_file_is_kept_beside_the_new_one(tmp_path):
+def test_a_damaged_file_is_refused_and_left_as_it_is(tmp_path):
     path = tmp_path / "records.sqlite"
     store = Records(path)
-    with store.exclusive():
-        for n in range(200):
-            store.append({"n": n}, {**DONE, "message": "x" * 200})
+    store.append_all([({"n": n}, {**DONE, "message": "x" * 200}) for n in range(200)])
     store.close()
     content = bytearray(path.read_bytes())
     page = content.find(b'"task":{"n":100}') // 4096  # a page of records in the middle
     content[page * 4096 : page * 4096 + 1000] = b"\xff" * 1000
     path.write_bytes(bytes(content))
-    store = Records(path)
-    assert measure(_squares, [{"n": n} for n in range(200)], store) > 0
-    assert sorted(x["task"]["n"] for x in store) == list(range(200))
-    assert store.notices == ["records.sqlite is damaged; what cannot be read is measured again"]
-    assert path.with_name("records.sqlite.damaged").read_bytes() == content
-    assert sum("square" in x for x in store) < 40  # the others were kept
+    with pytest.raises(DataError, match=r"records.sqlite is damaged \(.*move it away to measure"):
+        measure(_squares, [{"n": n} for n in range(200)], Records(path))
+    with pytest.raises(DataError, match="is damaged"):
+        list(Records(path))
+    assert path.read_bytes() == content
 
 
 @pytest.mark.parametrize(
@@ -259,7 +257,7 @@ def test_a_file_has_one_lock_whatever_links_lead_to_it(tmp_path):
     Records(path).append(TASKS[0], DONE)
     link.parent.mkdir()
     link.symlink_to(path)
-    with Records(link).exclusive(), pytest.raises(UsageError, match="is in use by process"):
+    with Records(link).exclusive(), pytest.raises(UsageError, match="is in use by"):
         Records(path).append(TASKS[1], DONE)
 
 
@@ -275,7 +273,7 @@ with Records(Path(sys.argv[1])).exclusive():
 
 @posix
 @pytest.mark.parametrize("end", ["kill", "close"])
-def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path, end):
+def test_a_lock_ends_with_its_holder(tmp_path, end):
     path = tmp_path / "records.sqlite"
     holder = subprocess.Popen(
         [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
@@ -283,7 +281,7 @@ def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path, end):
     )  # fmt: skip
     assert holder.stdin is not None and holder.stdout is not None
     assert holder.stdout.readline() == b"held\n"
-    with pytest.raises(UsageError, match=rf"is in use by process {holder.pid}; wait until"):
+    with pytest.raises(UsageError, match="is in use by another process; wait until"):
         Records(path).append(TASKS[0], DONE)
     assert list(Records(path)) == []  # it can be read meanwhile
     if end == "kill":
@@ -295,74 +293,15 @@ def test_a_lock_says_who_holds_it_and_ends_with_its_holder(tmp_path, end):
     assert list(tmp_path.iterdir()) == [path]
 
 
-@posix
-@pytest.mark.parametrize("ends", ["before", "after"])
-def test_no_lock_stays_open_where_it_is_refused_or_tried_again(tmp_path, monkeypatch, ends):
-    """Python 3.13 warns of a connection that nothing has closed."""
-    path = tmp_path / "records.sqlite"
-    opened, tried = [], []
-
-    class Counted(sqlite3.Connection):
-        def __init__(self, place, **options):
-            super().__init__(place, **options)
-            opened.append(self)
-            tried.append(place)
-            if len(tried) == 1 and ends == "before":
-                Path(place).unlink()  # its holder ends between the two calls
-
-        def execute(self, *rest):
-            found = super().execute(*rest)
-            if len(tried) == 1 and ends == "after":
-                Path(tried[0]).unlink()
-            return found
-
-        def close(self):
-            opened.remove(self)
-            super().close()
-
-    connect = sqlite3.connect
-    monkeypatch.setattr(
-        sqlite3, "connect", lambda place, **options: connect(place, factory=Counted, **options)
-    )
-    with locked(path):
-        assert len(opened) == 1 < len(tried)
-        with pytest.raises(UsageError, match="is in use by"), locked(path):
-            pass
-        assert len(opened) == 1
-    assert not opened
-
-
-def test_a_lock_that_its_holder_deletes_meanwhile_is_not_taken_twice(tmp_path, monkeypatch):
-    """One of the two would write without a lock."""
-    path = tmp_path / "records.sqlite"
-    connect, first = sqlite3.connect, []
-
-    def late(place, *rest, **options):
-        found = connect(place, *rest, **options)
-        if str(place).endswith(".lock") and not first:
-            first.append(place)
-            place.unlink()  # its holder ends between the two calls
-        return found
-
-    monkeypatch.setattr(sqlite3, "connect", late)
-    with Records(path).exclusive(), pytest.raises(UsageError, match="is in use"):
-        Records(path).append(TASKS[0], DONE)
-
-
-@pytest.mark.parametrize("how", ["deleted", "replaced"])
-def test_a_file_that_another_program_moves_is_not_written_on(tmp_path, how):
+def test_a_file_that_another_program_moves_is_not_written_on(tmp_path):
     path = tmp_path / "records.sqlite"
     store = Records(path)
     with store.exclusive():
         store.append(TASKS[0], DONE)
         path.unlink()
-        if how == "replaced":
-            path.write_bytes(b"of somebody\n")
         with pytest.raises(UsageError, match="moved or deleted"):
             store.append(TASKS[1], DONE)
-    assert (path.read_bytes() if path.exists() else None) == (
-        b"of somebody\n" if how == "replaced" else None
-    )
+    assert not path.exists()
 
 
 # --- files of earlier versions: a record a line ----------------------------------------------------
@@ -379,15 +318,6 @@ def test_records_in_lines_are_taken_over_and_their_file_is_left(tmp_path):
     store.append({"n": 1}, DONE)
     assert list(Records(tmp_path / "records.sqlite")) == [*right, made({"n": 1}, DONE)]
     assert (tmp_path / "records.jsonl").read_bytes() == before
-    # and where the earlier name is given
-    assert len(Records(tmp_path / "records.jsonl")) == 4
-
-
-def test_the_files_of_a_campaign_are_taken_over(tmp_path):
-    for n, task in enumerate(TASKS, start=1):
-        lines(tmp_path / f"records-{n:06}.jsonl", made(task, DONE))
-    lines(tmp_path / "records-quick.jsonl", made({"n": 1}, DONE))  # of another scene
-    assert [x["task"] for x in Records(tmp_path / "records.sqlite")] == TASKS
 
 
 def test_damage_of_lines_costs_the_lines_it_hit(tmp_path):
@@ -395,7 +325,7 @@ def test_damage_of_lines_costs_the_lines_it_hit(tmp_path):
     lines(path, *(made(task, DONE) for task in TASKS))
     first, second, third = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"not a record\n" + first + second.replace(b"0.2", b"0.7") + third[:-9])
-    store = Records(path)
+    store = Records(tmp_path / "records.sqlite")
     assert [x["task"] for x in store] == TASKS[:1] and list(store.missing(TASKS)) == TASKS[1:]
     (said,) = store.notices
     assert said == (
@@ -430,7 +360,8 @@ def test_each_bit_of_a_line_that_flips_is_seen(tmp_path):
     lines(path, made(TASKS[0], {"error": 1.2345e-08, "seconds": 0.0019999999999999914, **DONE}))
     content = path.read_bytes()
     ((_, right, _),) = lines_of(path)
-    for k in range(8 * (len(content) - 1)):
+    name = content.index(b'"sha256"')  # a line without a checksum is read, too
+    for k in {*range(8 * (len(content) - 1))} - {*range(8 * name + 8, 8 * name + 56)}:
         changed = bytearray(content)
         changed[k // 8] ^= 1 << k % 8
         path.write_bytes(changed)

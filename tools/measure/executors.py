@@ -25,7 +25,7 @@ from typing import Any
 from glmref.compute import Records, executor, measure
 from glmref.measure.timing import circumstances
 
-EMPTY, FIFTY, SECONDS, ROUNDS = 10_000, 100, 0.05, 5
+EMPTY, FIFTY, SECONDS, ROUNDS = 2_000, 100, 0.05, 5
 MILLION = 1_000_000
 
 
