@@ -37,6 +37,26 @@ def listed(n: int, nystrom: bool | str) -> list[Tree]:
     return [t for t in trees(ALTERNATING, n) if not nystrom or second_order(t)]
 
 
+@cache
+def all_follow(n: int, nystrom: bool | str, given: frozenset[Tree], kind: str | None) -> bool:
+    """Tell whether the conditions of some trees of an order give all of that order (6.4).
+
+    One version of each free tree does; of products of flows it is enough that their images span
+    those of all trees. `kind` is "splitting", or "f" or "k" for a composition of Verlet steps that
+    begin with it; None for methods that carry several values.
+    """
+    table = {versions(t) for t in listed(n, nystrom)}
+    if kind is None:
+        return not any(given.isdisjoint(free) for free in table)
+    every, chosen = Span(), Span()
+    for free in table:
+        row = dict(enumerate(lie_images(min(free), kind)))
+        every.add(row)
+        if not given.isdisjoint(free):
+            chosen.add(row)
+    return len(chosen.rows) == len(every.rows)
+
+
 class Pair(Enclosed):
     """A file of class pair-sweep or splitting with an enclosure (6.4)."""
 
@@ -145,17 +165,8 @@ class Pair(Enclosed):
             for root, weights in (("f", self.b), ("k", self.c)):
                 if is_nil(total(weights) - 1):
                     given.add((root, ()))
-        kind = self.flow()
-        table = {versions(t) for t in listed(n, nystrom)}
-        if kind is None:
-            return all(any(t in given for t in free) for free in table)
-        every, chosen = Span(), Span()
-        for free in table:
-            row = dict(enumerate(lie_images(min(free), kind)))
-            every.add(row)
-            if any(t in given for t in free):
-                chosen.add(row)
-        return len(chosen.rows) == len(every.rows)
+        named = frozenset(t for t in given if size(t) == n)
+        return all_follow(n, nystrom, named, self.flow())
 
     def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
         """Tell whether the pair is symmetric or carries one value of each component."""

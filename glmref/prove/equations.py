@@ -58,7 +58,7 @@ few trees of the odd orders 1, 3, .. below p (:func:`glmref.prove.classes.repres
     q = 3:  1 + 0 + 1 + 1
     pairs:  2 + 2 + 6 + 22 trees for order 8; 2 + 2 + 4 + 10 on second-order systems
 
-With r = r^ = 1, where a pair is a product of flows, :mod:`glmref.prove.lie` says which of these
+With r = r^ = 1, where a pair is a product of flows, :mod:`glmref.judge.lie` says which of these
 suffice.
 
 References

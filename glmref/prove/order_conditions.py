@@ -15,8 +15,8 @@ with nonzero K-th component, zeta_K(o) = 0 gives zeta(o) = 0. (With one such vec
 a square, so that the equation of [oo] would have a double root.) With zeta(o) = 0, ``explicit 1``
 also says c_1 = a_11 = 0.
 
-*Products of flows.* For two components with r = r^ = 1 :mod:`glmref.prove.lie` says which
-conditions suffice, of every order; symmetry plays no part.
+*Pairs.* The judge says what suffices (``enclosed_pair.all_follow``): one version of each free tree,
+and of products of flows (r = r^ = 1) fewer, of every order; symmetry plays no part there.
 
 *r = 1, one component.* The method is the composition of s steps of the implicit midpoint rule of
 lengths d_i h, palindromic; the logarithm of one step is h f + h^3 alpha_3 + h^5 alpha_5 + ..., so
@@ -33,9 +33,9 @@ from fractions import Fraction
 
 from ..exact import Exact, linalg
 from ..exact.expression import parse
+from ..exact.judging import fast_judge
 from ..theory.trees import Tree, parse_tree, single
 from .classes import Family, follows, free_tree
-from .lie import spans
 from .system import Affine, SweepSystem
 
 _THIRD, _STAR = parse_tree("[oo]"), parse_tree("[oooo]")
@@ -54,10 +54,13 @@ def covered(system: SweepSystem, order: int, family: Family | None = None) -> bo
     family : Family or None
         The trees meant; those of the equations where it is ``None``.
     """
-    family, given, kind = family or system.family, given_trees(system), system.kind_of_flow()
-    if kind is not None:
-        return spans(order, given, kind, family)
-    return follows(order, system.stage_order, given, family)
+    family, given = family or system.family, given_trees(system)
+    if not system.is_partitioned:
+        return follows(order, system.stage_order, given, family)
+    judge = fast_judge()
+    named = frozenset(judge.trees.read_tree(str(t)) for t in given if t.order == order)
+    second_order = family is Family.SECOND_ORDER
+    return judge.enclosed_pair.all_follow(order, second_order, named, system.kind_of_flow())
 
 
 def given_trees(system: SweepSystem) -> set[Tree]:

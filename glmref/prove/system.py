@@ -38,7 +38,6 @@ from ..method.sweep import SweepForm, columns, explicit_stages, stage_word
 from ..theory.trees import Tree, parse_tree, single, tree
 from .classes import Family, classes, reduce_tree
 from .equations import Series, starting_series
-from .lie import SPLITTING, VERLET_F, VERLET_K
 
 #: The names of the weights in a file, by its class: one component or two.
 _WEIGHTS = {"sweep": ("D",), "pair-sweep": ("b", "c"), "splitting": ("a", "b")}
@@ -552,14 +551,15 @@ class SweepSystem:
         )
 
     def kind_of_flow(self) -> str | None:
-        """Which Lie algebra the logarithm lies in (see :mod:`glmref.prove.lie`).
+        """Name the Lie algebra that the logarithm lies in, as :mod:`glmref.judge.lie` does.
 
-        ``None`` for all but products of flows: two components with r = r^ = 1.
+        ``"splitting"``, or ``"f"`` or ``"k"`` for a composition of Störmer-Verlet steps that begin
+        with it; ``None`` for all but products of flows: two components with r = r^ = 1.
         """
         if not (self.is_one_step and self.is_partitioned):
             return None
         word = "".join(colour for colour, _ in self.word)
-        for outer, kind in (("f", VERLET_F), ("k", VERLET_K)):
+        for outer in "fk":
             inner = self.affine.partner(outer)
             weights, steps = self.affine.D[outer], [Exact(0), *self.affine.D[inner], Exact(0)]
             if word != (outer + inner) * (len(steps) - 2) + outer:
@@ -569,8 +569,8 @@ class SweepSystem:
                 (2 * Affine.of(x) - y).is_identically_zero()
                 for x, y in zip(weights, sums, strict=True)
             ):
-                return kind
-        return SPLITTING
+                return outer
+        return "splitting"
 
 
 def _palindromic(row: Sequence[Any]) -> int | None:

@@ -84,7 +84,7 @@ def test_the_shipped_systems_vanish_at_their_digits():
 
 
 def test_what_kind_of_flow_a_file_is():
-    assert SweepSystem(document("yoshida-verlet-8")).kind_of_flow() == "verlet f"
+    assert SweepSystem(document("yoshida-verlet-8")).kind_of_flow() == "f"
     assert SweepSystem(document("blanes-moan-6")).kind_of_flow() == "splitting"
     assert SweepSystem(document("pair-6-7")).kind_of_flow() is None
 
