@@ -37,13 +37,10 @@ NOT_YET: dict[str, set[str]] = {
     "feed": {"paragraph", "sentence"},
     "modified": {"paragraph", "sentence", "words"},
     "need": {"paragraph"},
-    "order6": {"paragraph", "rows", "sentence", "words"},
-    "pairs-theory": {"paragraph", "sentence"},
     "pairs": {"paragraph", "rows"},
     "quickstart": {"sentence"},
     "scenes": {"paragraph", "sentence"},
     "stable": {"sentence"},
-    "theory": {"paragraph", "sentence"},
     "your-tableau": {"paragraph"},
 }
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|cf|vs|No|p|pp|Vol|Sect|Eq)\.$")
