@@ -1,4 +1,4 @@
-"""The steppers that ``glmref export`` writes, compiled or imported as they are."""
+"""The steppers that ``glmref convert`` writes, compiled or imported as they are."""
 
 from __future__ import annotations
 
