@@ -346,11 +346,18 @@ def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm, Sha
         raise UsageError("kernels are not made for additive methods; use engine='reference'")
     joint, first = method.parts == 2 and method.shared and not problem.separable, False
     if method.parts == 2 and method.shared and not method.is_explicit:
-        first = explicit_after_velocity(method) and problem.velocity is not None
+        semi, name = explicit_after_velocity(method), method.name or "the pair"
+        first = semi and problem.velocity is not None
+        if joint and not first and semi:
+            raise UsageError(
+                f"{name} is for separable and semi-separable systems, q' = f(p), p' = g(q, p); "
+                f"{problem.name} does not give q' as a function of p; take multistep-general-8 or "
+                f"gauss-4, or give `dq` in addition to `f` where it is one"
+            )
         if joint and not first:
             raise UsageError(
-                f"{problem.name} is not separable, where {method.name or 'the pair'} has implicit "
-                f"stages, for which no kernel is made; use engine='reference'"
+                f"{problem.name} is not separable, where {name} has implicit stages, for which no "
+                f"kernel is made; use engine='reference'"
             )
         joint = first = joint or (first and same_point(method))
     split = not joint if method.parts == 2 else None

@@ -45,7 +45,8 @@ def _gauged(
     digits: int | None,
 ) -> tuple[Gauge, Problem]:  # fmt: skip
     """Return the shear of ``gauge="auto"``, and the problem in the coordinates to run in."""
-    one_of("gauge", gauge, ("auto",))
+    if gauge != "auto":
+        raise UsageError(f'`gauge` must be "auto" or None, got {shown(gauge)}')
     if digits is not None:
         raise UsageError("`gauge` goes with double precision; leave out `digits` or `gauge`")
 

@@ -18,20 +18,28 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..catalogue.advice import (
     BOUNDED,
     DRIFTS,
     GROWS,
     LOST,
     MEANINGS,
+    OBSERVED,
     PREDICTED,
     RECORDED,
     UNKNOWN,
+    WATCHED,
     candidates,
     long_runs,
 )
 from ..catalogue.claims import NYSTROM_ORDER, stated_orders
 from ..catalogue.lookup import document, is_broken, load, names
+from ..engine.kept import expressed
+from ..engine.outcome import Outcome
+from ..engine.parasites import watched
+from ..engine.solve import solve
 from ..engine.starting_values import renewal_of
 from ..errors import GlmrefError, UsageError
 from ..measure.prediction import BOUNDED as EXPECTED_BOUND
@@ -56,6 +64,7 @@ _WORDS = {
     "second order": "Hamiltonian with quadratic kinetic energy",
     "separable": "separable Hamiltonian",
     "Hamiltonian": "Hamiltonian, not separable",
+    "semi-separable": "q' = f(p), p' = g(q, p), where forces only turn velocities",
     "general": "not Hamiltonian",
 }
 
@@ -67,6 +76,11 @@ _FIRST, _MOST_FIRST = 4, 100_000
 _MOST_STEPS = 20_000_000
 #: Steps of the long runs that the labels are about.
 MOST_PREDICTED = 10_000_000
+#: Steps over which a run is watched, a fraction of a second, where nothing can be predicted.
+MOST_WATCHED = 1_000_000
+_KEPT = (RECORDED, PREDICTED, OBSERVED)
+#: Of products of a few sums of doubles, over the largest factors.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -81,8 +95,10 @@ class Candidate:
         Order claimed; of Nyström kind where the kinetic energy is quadratic.
     long_runs : str
         ``"bounded"``: one value, symplectic; ``"lost"`` and ``"predicted as bounded"``:
-        :func:`glmref.predict` says so at h; ``"lost"``, ``"grows"`` and ``"recorded as bounded"``:
-        the file records it; ``"drifts"``: not symplectic; ``"not recorded"``.
+        :func:`glmref.predict` says so at h; ``"lost"`` and ``"observed as bounded"``: a notice of a
+        watched run of a million steps, or none; ``"lost"``, ``"grows"``, ``"watched"`` and
+        ``"recorded as bounded"``: the file records it; ``"drifts"``: not symplectic; ``"not
+        recorded"``.
     h, steps, error, energy_error, seconds, evaluations :
         Of the cheapest run that reaches the tolerance; ``None`` where none does.
     message : str
@@ -248,7 +264,28 @@ def kind_of(problem: Problem) -> str:
         half = split.dimension // 2
         linear = isinstance(split.dq, Formula) and constant_matrix(split.dq, 0, half)
         return "second order" if linear else "separable"
-    return "Hamiltonian" if problem.canonical else "general"
+    if problem.canonical:
+        return "Hamiltonian"
+    return "semi-separable" if _turns(expressed(problem)) else "general"
+
+
+def _turns(problem: Problem) -> bool:
+    """Return whether a system is q' = f(p), p' = g(t, q, p) with f_p^T g_p skew near the start.
+
+    So it is for magnetic and Coriolis forces, also with f(p) = p/gamma: forces that depend on p do
+    no work. The equation is exact, so that at eight states it holds to rounding or not at all.
+    """
+    if not problem.semi_separable or problem.jacobian is None:
+        return False
+    m, y0 = problem.dimension // 2, np.asarray(problem.y0, dtype=float)
+    states = y0 + 0.1 * np.abs(y0).max() * np.random.default_rng(1).normal(size=(8, 2 * m))
+    with np.errstate(all="ignore"):
+        J = np.array([problem.jacobian(float(problem.t_span[0]), y) for y in states], dtype=float)
+    J = J[np.isfinite(J).all(axis=(1, 2))]
+    f_p, g_p = J[:, :m, m:], J[:, m:, m:]
+    work = np.swapaxes(f_p, 1, 2) @ g_p
+    scale = np.abs(f_p).max(initial=0.0) * np.abs(g_p).max(initial=0.0)
+    return len(J) > 0 and bool(np.abs(work + np.swapaxes(work, 1, 2)).max() <= _ROUNDING * scale)
 
 
 def compare(
@@ -360,7 +397,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.subject, self.method, self.error, self.tolerance = subject, method, error, tolerance
         self.length, self.deadline = end - float(subject.t_span[0]), deadline
-        self.renew = renewal_of(method)
+        self.renew, self.watched = renewal_of(method), watched(method, expressed(subject))
         self.works: list[Work] = []
         self.failed = 0
         self.message = ""
@@ -383,7 +420,7 @@ class _Search:
         ]  # fmt: skip
         reached = [w for w in good if (_error(w, self.error) or 0.0) <= self.tolerance]
         label = long_runs(self.method, notes)
-        if kind == "general" and label in (DRIFTS, UNKNOWN):
+        if kind == "general" and label in (DRIFTS, UNKNOWN, WATCHED):
             label = "-"  # there is no energy to drift
         if not reached:
             least = min((_error(w, self.error) or 0.0 for w in good), default=None)
@@ -398,7 +435,9 @@ class _Search:
             )
         best = min(reached, key=lambda work: work.evaluations)
         seconds = seconds_at(records, self.error, self.tolerance)
-        if kind != "general" and self.renew:
+        if kind in ("Hamiltonian", "semi-separable") and self.watched:
+            label = self._observed(best.h, label)
+        elif kind != "general" and self.renew:
             label = self._predicted(best.h, label)
         return Candidate(
             self.method.name, order, label, best.h, best.steps, _error(best, self.error),
@@ -413,6 +452,16 @@ class _Search:
         except GlmrefError:
             return label
         return {EXPECTED_LOSS: LOST, EXPECTED_BOUND: PREDICTED}.get(verdict, label)
+
+    def _observed(self, h: float, label: str) -> str:
+        """Return the label of long runs at a step size, from a long run that is watched."""
+        run = solve(
+            self.subject, self.method, h=h, steps=MOST_WATCHED,
+            cancel=lambda: perf_counter() > self.deadline,
+        )  # fmt: skip
+        if run.suspect is not None or run.outcome is Outcome.NOT_FINITE:
+            return LOST
+        return OBSERVED if run.completed else label
 
     def _runs(self, order: int) -> None:
         scale = float(self.subject.scales.get("time", 1.0))
@@ -466,7 +515,7 @@ def _recommended(
             f"step sizes; raise the tolerance or shorten the run"
         )
     fit = [one for one in reached if one.fit_for_long_runs]
-    bounded = [one for one in fit if one.long_runs in (BOUNDED, RECORDED, PREDICTED)]
+    bounded = [one for one in fit if one.long_runs in _KEPT or one.long_runs == BOUNDED]
     choice = (bounded or fit) if kind != "general" else fit
     if not choice:
         names = ", ".join(one.method for one in reached)
@@ -478,7 +527,7 @@ def _recommended(
         f"{best.evaluations:,} evaluations at h = {best.h:.4g}"
     )
     sentences = [first]
-    if best.renew and best.long_runs not in (RECORDED, PREDICTED):
+    if best.renew and best.long_runs not in _KEPT:
         sentences.append(f"long runs need `renew={best.renew}`, see docs/choose.md")
     others = [one for one in choice[1:] if one.seconds is not None]
     if others:
@@ -493,6 +542,11 @@ def _recommended(
             sentences.append(
                 "it is not symplectic; over the runs of ten million steps that its file records "
                 "the energy error stays bounded"
+            )
+        elif best.long_runs == OBSERVED:
+            sentences.append(
+                f"it is not symplectic; over {MOST_WATCHED:,} steps of this orbit no growing "
+                f"parasitic part was reported, and solve() reports one with a notice"
             )
         elif best.long_runs == PREDICTED:
             sentences.append(
@@ -509,4 +563,10 @@ def _recommended(
         elif one.renew:
             why += f" without `renew={one.renew}`"
         sentences.append(f"{one.method} takes {part:.2f} times its time, but {why}")
+    fewest = min(choice, key=lambda one: one.evaluations or math.inf)
+    if fewest.evaluations != best.evaluations:
+        sentences.append(
+            f"where the right-hand side is expensive, {fewest.method} needs the fewest "
+            f"evaluations of these, {fewest.evaluations:,}"
+        )
     return best.method, "; ".join(sentences)

@@ -30,6 +30,8 @@ def kind_of(problem: Problem) -> str:
         )
     if problem.canonical:
         return "Hamiltonian, not separable"
+    if problem.semi_separable:
+        return "semi-separable, q' = f(p), p' = g(t, q, p)"
     return "y' = f(t, y)"
 
 

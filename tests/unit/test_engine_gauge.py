@@ -105,7 +105,7 @@ def test_short_runs_take_no_pilot_orbit() -> None:
     [
         ("shear", "gauss-4", {}, "partitioned methods only"),
         ("magnetic-trap", METHOD, {}, "needs Hamilton's equations in expressions"),
-        ("shear", METHOD, {"gauge": "landau"}, "`gauge` must be"),
+        ("shear", METHOD, {"gauge": "landau"}, '`gauge` must be "auto" or None'),
         ("shear", METHOD, {"digits": 30, "engine": "reference"}, "double precision"),
         ("shear", METHOD, {"start": np.zeros((9, 2))}, "`start` gives values in those"),
     ],

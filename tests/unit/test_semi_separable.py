@@ -9,7 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from glmref import solve
+from glmref import compare, solve
+from glmref.catalogue.advice import ADVICE
 from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.derive.general_multistep import EndedHalf, GeneralHalf, general_document
@@ -21,6 +22,7 @@ from glmref.method import Method
 from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.prove.facts import facts_of
+from glmref.scenes.comparing import kind_of
 
 F = Fraction
 #: Two halves of order 6, with an implicit one of q.
@@ -149,8 +151,10 @@ def test_separable_systems_take_one_force() -> None:
 
 
 def test_systems_with_other_velocities_are_refused() -> None:
-    with pytest.raises(UsageError, match="is not separable, where found has implicit stages"):
+    with pytest.raises(UsageError, match="; shear does not give q' as a function of p; take"):
         solve("shear", PAIR, h=0.05, steps=40)
+    with pytest.raises(UsageError, match="is not separable, where found has implicit stages"):
+        solve("shear", method(P6, Q6), h=0.05, steps=40)
     with pytest.raises(UsageError, match="`f` and its part `dq` disagree at the start"):
         solve(Problem(f=hidden, dq=lambda p: 2 * p, y0=[1, 0, 0, 0.5]), PAIR, h=0.05, steps=40)
 
@@ -179,6 +183,10 @@ def test_the_page_prints_what_is_measured() -> None:
     d = [mean[name, "dop853", 1e-9] for name in (eight, ten)]
     assert f"needs {g[0]} and `{ten}` {g[1]} of the best Gauss" in page
     assert f"$10^{{-6}}$ {g[2]} and {g[3]}; and {d[0]} and {d[1]} of DOP853" in page
+    (advice,) = (x for x in ADVICE if x.kind == "semi-separable")
+    assert advice.take[0] == eight and f"{g[0]} of the evaluations" in advice.why
+    lost = {x["problem"] for x in record["long"] if x["method"] == eight and x["reported"]}
+    assert len(lost) == 3 and len(counts) == 2 * 7 and "Three of seven" in advice.more
     general = [mean[f"multistep-general-{x}", "gauss", 1e-9] for x in ("8", "8b")]
     assert f"come to {general[0]} and {general[1]}" in page
     for problem_, *cells in _table("semi-separable"):
@@ -196,6 +204,30 @@ def test_the_page_prints_what_is_measured() -> None:
             shown = f"lost, {x['reported']:g}" if lost else f"{x['energy']:.1e}{notice}"
             assert cell == shown
             assert lost or x["steps"] == 10 ** (6 if name == names[0] else 7)
+
+
+@pytest.mark.parametrize(
+    ("f", "found"),
+    [
+        ({"x": "v", "v": "-x - v/10"}, "general"),  # damping
+        ({"x": "u", "y": "v", "u": "(1 + x**2)*v", "v": "-(1 + x**2)*u"}, "semi-separable"),
+        ({"x": "u", "y": "v", "u": "(1 + x**2)*v", "v": "-(1 + x)*u"}, "general"),
+    ],
+)
+def test_forces_that_only_turn_velocities_are_recognised(f: dict[str, str], found: str) -> None:
+    assert kind_of(Problem.from_equations(f, dict.fromkeys(f, 1))) == found
+    assert kind_of(Problem(f=field, y0=[1, 0, 0, 0.5])) == "semi-separable"
+
+
+@pytest.mark.slow
+def test_compare_watches_a_long_run_of_the_orbit() -> None:
+    found = {
+        name: compare(name, methods=["multistep-kinetic-8"], tolerance=1e-6)
+        for name in ("magnetic-trap", "dipole-charge")
+    }
+    labels = {name: one.candidates[0].long_runs for name, one in found.items()}
+    assert labels == {"magnetic-trap": "observed as bounded", "dipole-charge": "lost"}
+    assert found["magnetic-trap"].recommended and found["dipole-charge"].recommended is None
 
 
 def test_a_growing_parasitic_part_is_reported() -> None:

@@ -41,13 +41,15 @@ class Shipped:
 
 
 _RESIDUES = (
-    "The largest residue, which is the rate of parasitic growth over |H_pq|, decides for which "
-    "systems the method is bounded, see docs/nonseparable.md."
+    "The largest residue, which is the rate of a parasitic part over |H_pq|, decides for which "
+    "systems the method is bounded; a run that is being lost has a notice, see "
+    "docs/nonseparable.md."
 )
 
 _VELOCITIES = (
     "For systems q' = f(p), p' = g(q, p), where f is evaluated before the stage of q; only the "
-    "residues of p are rates of parasitic growth, over g_p, see docs/nonseparable.md."
+    "residues of p are rates of a parasitic part, over g_p; a run that is being lost has a notice, "
+    "see docs/velocities.md."
 )
 
 SHIPPED: Mapping[str, Shipped] = {
