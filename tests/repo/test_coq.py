@@ -16,7 +16,7 @@ import pytest
 from glmref.prove.coq import file_stem, to_coq
 
 ROOT = Path(__file__).parents[2]
-LIBRARY = ("Trees", "Field", "GLM", "Symplectic", "NotOrder")
+LIBRARY = ("Trees", "Field", "GLM", "Symplectic", "NotOrder", "Explicit")
 
 needs_coq = pytest.mark.skipif(
     shutil.which("coqc") is None, reason="coqc is missing: install the Debian package coq"
@@ -41,6 +41,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
         text = (ROOT / "checker" / "coq" / f"{name}.v").read_text(encoding="utf-8")
         good, printed = _compile(folder, name, text)
         assert good, printed
+        assert set(printed.splitlines()) <= {"Closed under the global context"}  # no axiom
     return folder
 
 
@@ -111,6 +112,23 @@ def test_a_changed_certificate_is_refused(library: Path, name: str, old: str, ne
     good, printed = _compile(library, "changed", text.replace(old, new))
     assert not good
     assert "Unable to unify" in printed or "Error" in printed
+
+
+@needs_coq
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("explicit : nth (length roots) beta 0 = 0", "explicit : True"),  # the implicit midpoint
+        ("symmetric : rev beta = beta", "symmetric : True"),  # Adams and Bashforth's methods
+    ],
+)
+def test_without_a_hypothesis_the_theorem_on_explicit_halves_is_not_proved(
+    library: Path, old: str, new: str
+) -> None:
+    text = (library / "Explicit.v").read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    assert not _compile(library, "weaker", text.replace(old, new))[0]
 
 
 def test_the_command_writes_a_file(tmp_path: Path) -> None:
