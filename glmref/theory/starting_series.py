@@ -322,15 +322,16 @@ class StartingSeries:
 
     @classmethod
     def of(
-        cls, method: Method, *, free: bool = True, counts: Callable[[Tree], bool] = lambda t: True
-    ) -> StartingSeries:
+        cls, method: Method, *, free: bool = True, counts: Callable[[Tree], bool] = lambda t: True,
+        along_paths: bool = False,
+    ) -> StartingSeries:  # fmt: skip
         """Return the series of a method, before the first order.
 
         Parameters
         ----------
         method : Method
             Its values may be several; V is exact.
-        free, counts
+        free, counts, along_paths
             See :class:`StartingSeries`.
 
         Raises
@@ -346,7 +347,7 @@ class StartingSeries:
         (0, Exact(-1))
         """
         components = {c.colour: component(*c.matrices, c.output) for c in method.components}
-        return cls(components, method.palette, free=free, counts=counts)
+        return cls(components, method.palette, free=free, counts=counts, along_paths=along_paths)
 
     def level(self, n: int) -> list[Tree]:
         """Return the trees of an order that count."""
