@@ -98,12 +98,9 @@ ADVICE: tuple[Advice, ...] = (
         "notice",
         "semi-separable",
         ("multistep-kinetic-6", "multistep-kinetic-10", "gauss-5", "cooper-verner-8"),
-        "p is here the velocity, or a function of it. Three of seven such systems, called "
-        "semi-separable, were lost within ten million steps, each time with a notice; `compare` "
-        "takes a million steps of your orbit and says whether one came ({doc}`velocities`). Where "
-        "forces depend on velocities in other ways than magnetic and Coriolis forces do, such as "
-        "damping, a parasitic part can grow from the beginning, and `compare` takes the methods of "
-        "the last row.",
+        "In velocities. Three of seven such systems were lost within ten million steps, each time "
+        "with a notice; `compare` tries a million steps of your orbit ({doc}`velocities`). With "
+        "damping or driving it takes the methods of the last row.",
     ),
     Advice(
         "Hamiltonian, large, stages that require Newton's method",
