@@ -618,6 +618,7 @@ class Collector:
         own = block.names.get(name)
         if not isinstance(own, Entries) or index in own:
             own = Entries()
+            own.cleared = "alloc" in block.called.lower()  # as the other entries of the object are
             block.names[name] = own
             item = Item(name, own, line, self.count)
             block.items.append(item)

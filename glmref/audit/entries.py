@@ -76,6 +76,7 @@ class Array:
     named: bool = False  #: Whether entries have names of their own.
     stem: str = ""
     role: str = ""
+    guessed: bool = False  #: Whether no name says that these are weights.
 
     def __post_init__(self) -> None:
         self.stem, self.role = role_of(self.name)
@@ -128,7 +129,8 @@ def arrays(block: Block, language: Language) -> list[Array]:
     for stem, rows in lists.items():
         found += _of_rows(stem, rows, scalars)
     for stem, entries in scalars.items():
-        found += _of_scalars(stem, entries)
+        if stem not in lists or len(entries) > 1:
+            found += _of_scalars(stem, entries)
     return sorted(found, key=lambda x: x.at)
 
 
@@ -187,7 +189,8 @@ def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
         return Array(item.name, value, item.line, item.last, item.at, item.lost)
     if n == 2:
         rows_, columns = zip(*entries, strict=True)
-        if len(set(rows_)) == 1 and rows_[0] < 2 and len(columns) > 1:  # a row as a matrix
+        first = (rows_[0], columns[0]) == (base, base)
+        if len(set(rows_)) == 1 and rows_[0] == base and (len(columns) > 1 or first):  # a row
             value = [entries.get((rows_[0], k), ZERO) for k in range(base, max(columns) + 1)]
             return Array(item.name, value, item.line, item.last, item.at, item.lost)
         s = max(*rows_, *columns)
@@ -242,8 +245,10 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
     doubles: dict[tuple[int, int], Item] = {}
     twice = ""
     words = {digits for digits, more, _ in given if more is None}
-    matrix = any(more is not None for _, more, _ in given) or bool(
-        words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"}
+    matrix = (
+        any(more is not None for _, more, _ in given)
+        or words == {"21"}
+        or bool(words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"})
     )
     if matrix and (
         any(len(x) == 2 and x[0] == "0" for x in words)
@@ -263,7 +268,7 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
                 doubles[i, j] = item
                 break
     found: list[Array] = []
-    if len(doubles) >= 2:
+    if len(doubles) >= 2 or words == {"21"}:
         base = 0 if any(j == 0 for _, j in doubles) else 1
         s = max(i for i, _ in doubles)
         value: list[Any] = [

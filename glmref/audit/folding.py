@@ -64,6 +64,8 @@ class Frame(list[Any]):
 class Entries(dict[tuple[int, ...], Any]):
     """Entries of an array that are given one by one."""
 
+    cleared = False  #: Whether it was zeros before.
+
 
 Lookup = Callable[[str], Any]
 
@@ -784,6 +786,8 @@ class Folder:
     def _taken(self, x: Any, index: list[Any]) -> Any:
         if isinstance(x, Entries):
             place = tuple(number(k).whole() for k in index)
+            if place not in x and x.cleared:
+                return Number(Exact(0))
             if not isinstance(x.get(place), Number):
                 held = x.get(place)
                 raise held if isinstance(held, Unread) else Unread("an entry is not given")

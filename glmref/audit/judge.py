@@ -100,10 +100,12 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     status = _explained(table, method, status, record, remarks, search=search)
     if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
         remarks.append("the order is 0: the weights do not sum to 1")
-        tableau = table.order is not None or method.gap <= method.coarse
+        named = any(table.c) or not (table.general and table.kind == "rosenbrock")
+        tableau = table.order is not None or (named and method.gap <= method.coarse)
         status = "wrong" if tableau else "unread"
         if not tableau:
-            remarks.append("c is not the sums of the rows either: this may be no tableau")
+            said = "c is not the sums of the rows either" if any(table.c) else "there is no c"
+            remarks.append(f"{said}: this may be no tableau")
     if table.general:
         status = _meant(table, method, status, record, remarks)
     record["status"] = status
@@ -124,6 +126,9 @@ def _meant(
     """
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    if status in ("wrong", "question") and table.guessed:
+        remarks.append("the last row of A is taken for weights, as no others are read")
+        return "unread"
     if status in ("wrong", "question") and not table.sure and not (
         explained or rows or one_row_apart(method)
     ):  # fmt: skip

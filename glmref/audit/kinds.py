@@ -173,7 +173,7 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
         s = len(m.value)
         if not (_letter(m) in ("m", "b") and s > 1):
             continue
-        pool = [x for x in (*matrices, *vectors) if _stem(x) == _stem(m) and x is not m]
+        pool = [x for x in (*vectors, *matrices) if _stem(x) == _stem(m) and x is not m]
         given = {_letter(x): x for x in pool if _letter(x) in ("a", "c", "e", "btilde")}
         gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
             x.value for x in block.items
@@ -191,6 +191,8 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
             low = list(error.value) if error is not None else None
             low = [*low, *([ZERO] * (len(m.value) - len(low)))] if low else None
             made = transformed(table.name, table.line, g, A, C, m.value, low)
+            if abs(sum(map(size, made.b[0])) - 1) > 0.5:
+                raise Unread("the coefficients of a Rosenbrock method, in a form that is not read")
             table.kind, table.A, table.b, table.c, table.rows = (
                 made.kind, made.A, made.b, made.c, made.rows)  # fmt: skip
 

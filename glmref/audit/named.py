@@ -8,13 +8,12 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from typing import Any
 
 from ..exact import Exact
 from .code import bare, rewritten
-from .table import ZERO, Rows, Table, vector
-from .values import Number, Scope, Unread, assign, evaluate
+from .table import ZERO, Table
+from .values import Number, Scope, Unread, evaluate
 
 
 def _value(text: str, scope: Scope) -> Any:
@@ -37,16 +36,6 @@ def _guarded(name: str, line: int, make: Callable[[], Table | None]) -> Iterator
 
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
-
-
-def _leading(value: Any, s: int) -> Rows:
-    """Rows of the first s stages; the others belong to a dense output."""
-    if not isinstance(value, list) or len(value) < s:
-        raise Unread(f"A has not the {s} rows of the weights")
-    rows = [vector(x) for x in value[:s]]
-    if any(complex(x.value) for row in rows for x in row[s:]):
-        raise Unread("a stage needs one that has no weight")
-    return [[*row[:s], *([ZERO] * (s - len(row)))] for row in rows]
 
 
 # --- a name for each number -----------------------------------------------------------------------
@@ -136,73 +125,3 @@ def _pair(digits: str) -> tuple[int, int]:
     if not j or int(j) >= int(i):
         raise Unread(f"the entry {digits} of A is not below the diagonal")
     return int(i), int(j)
-
-
-# --- Java -----------------------------------------------------------------------------------------
-
-
-def java(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """The table of a class: what ``getA()``, ``getB()`` and ``getC()`` return, or ``STATIC_A``.
-
-    A has no row for the first stage, and c no entry.
-    """
-    text = bare(text)
-    made = re.search(r"^public class (\w+)", text, re.M)
-    if made is None or not re.search(r"\[\] *getA\(\)|STATIC_A\b", text):
-        return
-    line = _line(text, made.start())
-    for table in _guarded(made[1], line, lambda: _of_java(text)):
-        said = re.search(r"int getOrder\(\)\s*\{\s*return (\d+);", text)
-        table.order = int(said[1]) if said else None
-        yield table
-
-
-def _of_java(text: str) -> Table:
-    A, b, c = (_java_array(text, key) for key in "ABC")
-    weights = vector(b)
-    s = len(weights)
-    rows = [[], *(vector(x) for x in A)]
-    if len(rows) == s - 1:  # the last stage is the new value
-        rows.append(weights)
-    times = [ZERO, *vector(c)]
-    times += [Number(Exact(1))] * (s - len(times))
-    table = Table("", 0, A=[_leading(rows, s)], b=[weights], c=[times])
-    error = re.search(r"STATIC_E\s*=\s*(\{[^;]*\});", text)
-    if error:
-        table.errors = [vector(_value(error[1], {}))]
-    return table
-
-
-def _java_array(text: str, key: str) -> Any:
-    scope: Scope = {}
-    for name, value in re.findall(r"static final double (\w+)\s*=\s*([^;{]+);", text):
-        with suppress(Unread):
-            scope[name] = _value(value, scope)
-    held = re.search(rf"STATIC_{key}\s*=\s*(\{{[^;]*\}});", text)
-    if held:
-        return _value(held[1], scope)
-    body = re.search(rf"\[\] *get{key}\(\)\s*\{{(.*?)\n    \}}", text, re.DOTALL)
-    if body is None:
-        raise Unread(f"get{key}() is missing")
-    code = re.sub(r"\bnew \w+(?:\[\])+\s*(?=\{)", "", body[1])
-    code = re.sub(r"\[\s+(\d+)\]", r"[\1]", code)
-    code = re.sub(r"[\w.]*\bfraction\((?:\w+(?:\(\))?,\s*)?\s*([^(),]+),\s*([^(),]+)\)",
-                  r"(\1 / \2)", code)  # fmt: skip
-    code = re.sub(r"\w+(?:\(\))?\.get(One|Zero)\(\)", lambda m: f"({int(m[1] == 'One')})", code)
-    code = re.sub(r"\bnew \w+\[0\](?:\[\])?|MathArrays\.buildArray\([\w()]+, 0[^;]*\)", "{}", code)
-    for target, value in re.findall(r"([\w\[\]]+)\s*=\s*([^;=]+);", code):
-        if "buildArray" not in value and re.fullmatch(r"[A-Za-z]\w*(?:\[\d+\])*", target):
-            number = _value(value, scope)
-            with suppress(SyntaxError):
-                assign(ast.parse(target, mode="eval").body, number, scope)
-    returned = re.search(r"return\s+([^;]+);", code)
-    if returned is None:
-        raise Unread(f"get{key}() returns nothing")
-    name = returned[1].strip()
-    if name not in scope:
-        return _value(name, scope)
-    entries = scope[name].entries
-    if len(next(iter(entries))) == 1:
-        return [entries[k] for k in sorted(entries)]
-    rows = sorted({i for i, _ in entries})
-    return [[entries[k] for k in sorted(entries) if k[0] == i] for i in rows]

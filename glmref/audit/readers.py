@@ -18,7 +18,7 @@ from .arrays import gsl, odeint
 from .code import Statement, statements
 from .compositions import compositions
 from .kinds import transformed
-from .named import constants, java
+from .named import constants
 from .plain import from_csv, from_json
 from .principia import structs
 from .stepper import procedures
@@ -144,35 +144,6 @@ def _keywords(call: ast.Call) -> dict[str, ast.expr]:
 
 
 # --- formats --------------------------------------------------------------------------------------
-
-
-def _sundials(text: str) -> Iterator[Table]:
-    run = _Run(text, "c")
-    stages, name, line = 0, "", 0
-    for step, node in run.steps():
-        if step.kind == "open":
-            found = re.search(r"ARK_BUTCHER_TABLE\(\s*(\w+)", step.text)
-            name, line = (found[1] if found else ""), step.line
-        for call in _calls(node, ["ARKodeButcherTable_Alloc"]):
-            stages = _whole(run.value(call.args[0])) or 0
-        if isinstance(node, ast.Return) and name and "B.b" in run.scope:
-            try:
-                yield _of_sundials(run, name, line, stages)
-            except Unread as error:
-                yield _unread(name, line, error)
-
-
-def _of_sundials(run: _Run, name: str, line: int, s: int) -> Table:
-    get = run.scope.get
-    for key in ("B.A", "B.b", "B.c", "B.d"):
-        _need(get(key))
-    table = Table(name, line, order=_whole(get("B.q")))
-    table.A = [_square(get("B.A", Sparse()), s)]
-    table.b = [vector(get("B.b"), s)]
-    table.c = [vector(get("B.c", Sparse()), s)]
-    if "B.d" in run.scope and _whole(get("B.p")):
-        table.rows = [("embedded", vector(get("B.d"), s), _whole(get("B.p")))]
-    return table
 
 
 def _petsc(text: str) -> Iterator[Table]:
@@ -318,28 +289,6 @@ def _ros4(run: _Run, call: ast.Call, line: int) -> Table:
             f"{2 * complex(gamma.value).real:.15g} (Hairer, Wanner 1996, table IV.7.2)"
         )
     return Table(name, line, "rosenbrock", order=4, unread=said)
-
-
-def _openmodelica(text: str) -> Iterator[Table]:
-    run = _Run(text, "c")
-    for _, node in run.steps():
-        for call in _calls(node, ["setButcherTableau"]):
-            name = run.header.rpartition("_")[2].partition("(")[0].strip()
-            found = re.search(r"getButcherTableau_(\w+)", run.header)
-            name = found[1] if found else name
-            if len(call.args) < 5 or not found:
-                continue
-            try:
-                c, A, b = (_need(_argument(run, x)) for x in call.args[1:4])
-                s = len(vector(b))
-                table = Table(name, run.line, order=_whole(run.scope.get("tableau.order_b")))
-                table.A, table.b, table.c = [_square(A, s)], [vector(b)], [vector(c)]
-                low = run.value(call.args[4])
-                if low is not None:
-                    table.rows = [("bt", vector(low), _whole(run.scope.get("tableau.order_bt")))]
-                yield table
-            except Unread as error:
-                yield _unread(name, run.line, error)
 
 
 _ORDER_FUNCTION = re.compile(
@@ -1024,16 +973,13 @@ def _order_of_kpp(text: str, name: str) -> int | None:
 FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "json": from_json,
     "csv": from_csv,
-    "sundials": _sundials,
     "petsc": _petsc,
     "julia": _julia,
     "python": _python,
-    "openmodelica": _openmodelica,
     "rklib": _rklib,
     "kpp": _kpp,
     "matlode": _matlode,
     "constants": constants,
-    "java": java,
     "principia": structs,
     "gsl": gsl,
     "odeint": odeint,
@@ -1042,16 +988,13 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
 SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "json": (".json",),
     "csv": (".csv",),
-    "sundials": (".def",),
     "petsc": (".c",),
     "julia": (".jl",),
     "python": (".py",),
-    "openmodelica": (".c",),
     "rklib": (".f90",),
     "kpp": (".f90",),
     "matlode": (".m",),
     "constants": (".cc", ".C", ".cpp", ".hh"),
-    "java": (".java",),
     "principia": (".hpp",),
     "gsl": (".c",),
     "odeint": (".hpp",),

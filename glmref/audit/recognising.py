@@ -72,6 +72,9 @@ def readings(array: Array) -> Iterator[Reading]:
     if array.flat:
         if len(value) == 1 and array.role == "A":
             yield Reading([list(value)])
+            yield Reading([[ZERO, ZERO], [*value, ZERO]], cost=1)  # a row for the second stage
+        if len(value) == 2 and array.role == "A":  # c | A of one stage
+            yield Reading([[value[1]]], [value[0]], cost=3)
         yield from _of_flat(value)
         return
     if not all(isinstance(x, list) and not any(isinstance(y, list) for y in x) for x in value):
@@ -88,6 +91,8 @@ def readings(array: Array) -> Iterator[Reading]:
         made = _padded(value[:-1], n - 1)
         if made is not None and lengths[-1] == n - 1:
             yield Reading(made, b=list(value[-1]), cost=2)
+    if min(lengths) == width == n and all(size(x) == 0 for i in range(n) for x in value[i][:i]):
+        yield Reading([list(x) for x in zip(*value, strict=True)], cost=3)  # by columns
     if min(lengths) == width == n + 1:  # c | A
         yield Reading([row[1:] for row in value], [row[0] for row in value], cost=1)
     if min(lengths) == width == n and n > 2:  # c | A over 0 | b
@@ -213,7 +218,7 @@ def candidates(array: Array, others: list[Array]) -> Candidate | None:
         swapped = {other: "b", "A": "c"}
         vectors = [x.with_role(swapped.get(x.role, x.role)) for x in vectors]
         array = array.with_role("A")
-    elif array.role == "beta" and not array.flat:
+    elif array.role == "beta":
         array = array.with_role("A")
     for reading in _all_readings(array, vectors):
         found = _evaluated(array, reading, vectors)
@@ -351,6 +356,7 @@ def tables(
             made += [x for x in arrays(block.parent, language) if x.name not in taken
                      and block.kind == "record" and lo <= x.line <= hi]  # fmt: skip
         found += _of_block(block, made, text, about=about, strong=strong)
+        found += _euler(block, made)
     found = _distinct(found)
     found.sort(key=lambda x: x.line)
     _called_with(found, collector.calls)
@@ -361,7 +367,7 @@ def tables(
                 break
     _used_by(found, everything, collector)
     declare(found, collector.remarks)
-    return [x for x in found if x.unread or x.order is not None or len(x.b[0]) > 1]
+    return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
 
 
 def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> None:
@@ -382,6 +388,22 @@ def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> N
             table.order = used.pop()
 
 
+_EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
+                    re.IGNORECASE)  # fmt: skip
+
+
+def _euler(block: Block, made: list[Array]) -> Iterator[Table]:
+    """Yield the method of Euler where its name and the weight 1 are all that is written."""
+    name = next((x for x in reversed(block.path()) if _EULER.search(x)), "")
+    if name and not any(x.role == "A" for x in made):
+        for x in made:
+            if x.role == "b" and [size(y) for y in x.value] == [1.0]:
+                table = Table(name, x.line, general=True, last=x.last, block=block, loose=1)
+                table.A, table.b, table.c = [[[ZERO]]], [x.value], [[ZERO]]
+                table.order = _own_order(block)
+                yield table
+
+
 #: Words at the end of a name that are not that of the method.
 _SUFFIX = re.compile(r"(?:ESDIRKIMEX|IMEX|Rodas)?(?:Constant|Constants|Cache|Tableau|Tab)+$")
 
@@ -392,7 +414,9 @@ def _distinct(found: list[Table]) -> list[Table]:
     for table in found:
         rows = [row for A in table.A for row in A]
         key = tuple(round(size(x), 9) for row in (*rows, *table.b) for x in row)
-        other = next((x for k, x in seen if k == key and abs(x.line - table.line) < 100), None)
+        path = path_of(table)
+        other = next((x for k, x in seen if k == key and abs(x.line - table.line) < 100
+                      and all(map(str.__eq__, path, path_of(x)))), None)  # fmt: skip
         if other is None or table.unread:
             seen.append((key, table))
         elif other.order is None and table.order is not None:
@@ -450,6 +474,29 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
                 table.sure = table.sure and len(pairs) > 2
 
 
+def _closing(made: list[Array]) -> list[Array]:
+    """Return weights of two parts that stand in the last rows of their matrices.
+
+    Both parts have the last row of the implicit one where that of the explicit one has less order.
+    """
+    matrices = [x for x in made if x.role == "A" and not x.flat]
+    if len(matrices) != 2 or any(x.role == "b" for x in made):
+        return []
+    parts = [_padded(x.value, len(x.value)) for x in matrices]
+    if None in parts or len(matrices[0].value) != len(matrices[1].value):
+        return []
+    pair = sorted(zip(matrices, parts, strict=True), key=lambda x: not _strict(x[1] or []))
+    (explicit, A), (implicit, At) = [(x, Reading(y or [])) for x, y in pair]
+    last = At.A[-1]
+    own = A.A[-1] if order_in(A, A.A[-1]) >= order_in(A, last) else last
+    if not _strict(A.A) or _strict(At.A) or min(order_in(A, own), order_in(At, last)) < 1:
+        return []
+    return [
+        Array("b" + x.name[1:], list(row), x.line, x.last, x.at, x.lost, guessed=True)
+        for x, row in ((explicit, own), (implicit, last))
+    ]
+
+
 def _windows(array: Array, made: list[Array]) -> list[Array]:
     """Return the arrays that may belong to a matrix where names are used again and again."""
     same = [x for x in made if x.name == array.name and x.flat == array.flat]
@@ -497,7 +544,7 @@ def _of_block(
         table.order = _own_order(block)
         used |= {id(y) for y in x.arrays}
     for array in [x for x in made if id(x) not in used]:
-        if array.flat and array.role != "A":
+        if array.flat and array.role != "A" and not (array.role == "beta" and len(array.value) < 2):
             continue
         if (
             array.role in ("b", "error", "embedded", "c")
@@ -508,7 +555,7 @@ def _of_block(
         if _GUESSES.search(array.name):
             continue
         near = _latest(_windows(array, made), array.at)
-        near = [x for x in near if x is not array]
+        near = [x for x in near if x is not array] + _closing(made)
         best = candidates(array, near)
         called = bool(block.called) and array.name == ""
         if best is not None and _is_table(best, about=about, called=called):
@@ -549,10 +596,14 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     lower = s > 2 and _strict(x.reading.A) and x.match >= MOST_ROWS and x.order > 0
     named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
+    about = about or _says(x)
+    if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
+        return False  # weights of an estimate, or of noise
+    if s == 1:  # tables() wants a declared order, too
+        given = node or x.reading.c is not None or (x.b is not None and x.b.role == "b")
+        return about and x.array.role in ("A", "beta") and given and x.order > 0
     if not broken and s < 4 and not (named and node and x.b is not None):
         return False
-    if s == 1:  # tables() wants a declared order, too
-        return about and named and node and x.b is not None and x.order > 0
     if s == 2 and x.array.role == "A" and node and x.match >= 1 and x.order >= 2:
         return about
     if s == 2:
@@ -560,7 +611,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
         return named and x.b is not None and known and about
     if x.order == 0:
         known = x.match >= MOST_ROWS and (node or s > 3)
-        return named and about and (known or (x.b is not None and _strict(x.reading.A)))
+        strict = x.b is not None and not x.array.flat and _strict(x.reading.A)
+        return named and about and (known or strict)
     if named and x.b is not None:
         return about and (x.order >= 2 or x.match >= MOST_ROWS or node)
     if x.array.name == "" and x.b is not None and x.b.name == "" and not about:
@@ -568,6 +620,14 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     if x.order >= 3:
         return about and (x.match >= MOST_ROWS or s > 3 or x.array.role == "A")
     return about and x.order == 2 and x.match >= MOST_ROWS and (x.array.role == "A" or s > 3)
+
+
+def _says(x: Candidate) -> bool:
+    """Return whether the names A, b, c and the sums of the rows say what no word says."""
+    if x.b is None or x.c is None or (x.array.role, x.b.role, x.c.role) != ("A", "b", "c"):
+        return False
+    least = MOST_ROWS if _strict(x.reading.A) and len(x.reading.A) > 2 else 1
+    return x.match >= least and (x.order > 0 or least < 1)
 
 
 def _looks_like(array: Array, made: list[Array]) -> str:
@@ -641,7 +701,9 @@ def _additive(x: Candidate, y: Candidate) -> bool:
     if {x.array.role, y.array.role} != {"A"}:
         return False
     explicit = [_strict(z.reading.A) for z in (x, y)]
-    if sorted(explicit) != [False, True]:
+    if sorted(explicit) != [False, True] or any(
+        z.match < MOST_ROWS and z.order < 2 for z in (x, y)
+    ):
         return False
     stems = re.sub(r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", x.array.name), re.sub(
         r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", y.array.name)  # fmt: skip
@@ -667,6 +729,7 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
     table.named = x.array.named
     table.order, table.sure, table.pair = _own_order(block), True, _two_orders(block)
+    table.guessed = x.b.guessed if x.b is not None else x.reading.b is None
     if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
         table.sure = False
     _further(table, x, near)
@@ -680,7 +743,7 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
     return any(
         nodes_in(x.reading, times_of(y, x.reading), 2) >= MOST_ROWS
         for y in near
-        if y.flat and y is not x.b
+        if y.flat and y.role not in ("b", "embedded", "error") and y is not x.b
     )
 
 
@@ -715,8 +778,9 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
 
 def _lower_order(block: Block) -> int | None:
     """Return the order that a block declares for its embedded weights."""
-    word = re.compile(r"(?:low|emb\w*|second\w*)_?order|order_?(?:low|emb)\w*", re.IGNORECASE)
-    given = [x.value for x in block.items if word.search(x.name) and isinstance(x.value, Number)]
+    word = re.compile(r"(?:low|emb\w*|second\w*)_?order|order_?(?:low|emb|bt)\w*", re.IGNORECASE)
+    items = [x for at in (block, *block.blocks) for x in at.items]
+    given = [x.value for x in items if word.search(x.name) and isinstance(x.value, Number)]
     values = {x.value.as_fraction() for x in given}
     return next((n for n in range(1, 15) if values == {n}), None)
 
@@ -768,7 +832,9 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
             return order
         both = [x for x in at.items if x.name in ("q", "p") and isinstance(x.value, Number)]
         if at.kind == "record" and {x.name for x in both} == {"q", "p"}:  # and the embedded one
-            return both[0].value.whole() if both[0].name == "q" else both[1].value.whole()
+            q = next(x.value for x in both if x.name == "q").value.as_fraction()
+            if q in range(1, 15):
+                return int(q)
         found: set[int] = set()
         inner = [x for x in at.blocks if x.kind == "record" and x is not block]
         below = [y for x in inner for y in x.items] if at.parent else []

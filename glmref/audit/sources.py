@@ -20,6 +20,7 @@ from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
 from .recognising import key_of, may_hold, tables
 from .table import Table
+from .values import Unread
 
 FORMAT = "glmref-audit-1"
 #: Of one line of the output.
@@ -28,16 +29,13 @@ LINE = "glmref-audited-table-1"
 _MARKS: Mapping[str, str] = {
     "json": r'"(?:A|alpha|parts)"',
     "csv": r"\bb\b",
-    "sundials": "ARK_BUTCHER_TABLE",
     "petsc": "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister|TSRosWRegister|TSGLEERegister",
     "julia": "Tableau|Butcher|ConstantCache",
     "python": r"ButcherTableau|RungeKutta|tableau_intermediate|construct_|\bA\b.*=",
-    "openmodelica": "setButcherTableau",
     "rklib": r"call me%f\(",
     "kpp": "ros_Alpha|rkA",
     "matlode": "ros_Alpha|rkA",
     "constants": r"\b[ab]21\b",
-    "java": r"getA\(\)|STATIC_A",
     "principia": "FixedVector<double",
     "gsl": r"_order\s*\(\s*void",
     "odeint": "class",
@@ -183,7 +181,7 @@ def _rows(
                         rows.append(_unread(table.line, table.name, completed[table.name]))
                         continue
                     rows.append({**task, "number": number, "name": table.name, "line": table.line})
-        except (GlmrefError, ValueError, KeyError, IndexError, TypeError, AttributeError,
+        except (GlmrefError, Unread, ValueError, KeyError, IndexError, TypeError, AttributeError,
                 RecursionError) as error:  # fmt: skip
             remark = f"the rest of the file is not understood: {error}"
             rows.append(_unread(1, path.name, remark))
@@ -215,8 +213,8 @@ def _tables(
 
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
-_MORE = ("sundials", "petsc", "julia", "openmodelica", "rklib", "kpp", "matlode", "principia",
-         "weights", "gsl", "odeint", "java", "constants")  # fmt: skip
+_MORE = ("petsc", "julia", "rklib", "kpp", "matlode", "principia", "weights", "gsl", "odeint",
+         "constants")  # fmt: skip
 
 
 def _read(
@@ -237,10 +235,14 @@ def _read(
     )
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
     special = [x for form in forms for x in read(text, form, declared)]
-    whole = [x.line for x in found if x.kind == "composition" and x.order is not None]
+    spans = [
+        (x.line - 3, max(x.last, x.line + 3)) for x in found
+        if x.kind == "splitting" or (x.kind == "composition" and x.order is not None)
+    ]  # fmt: skip
     special = [
-        x for x in special if x.kind != "composition" or all(abs(x.line - n) > 3 for n in whole)
-    ]
+        x for x in special
+        if x.kind != "composition" or not any(low < x.line <= high for low, high in spans)
+    ]  # fmt: skip
     made = [x.line for x in special if x.kind == "composition"]
     found = [x for x in found if x.kind != "composition" or all(abs(x.line - n) > 3 for n in made)]
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]

@@ -42,6 +42,7 @@ class Table:
     #: matrix, weights and order are meant as such.
     general: bool = False
     sure: bool = True
+    guessed: bool = False  #: Whether its weights are a row of A because no others are read.
     last: int = 0  #: Its last line, where that is known.
     block: Any = None  #: Where a general table stands.
     source: str = ""  #: Name of its matrix.

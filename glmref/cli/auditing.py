@@ -29,8 +29,8 @@ from .output import (
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
-    *("json", "csv", "sundials", "petsc", "julia", "python"),
-    *("openmodelica", "rklib", "kpp", "matlode", "constants", "java"),
+    *("json", "csv", "petsc", "julia", "python"),
+    *("rklib", "kpp", "matlode", "constants"),
     *("principia", "gsl", "odeint", "weights"),
 )
 
@@ -193,13 +193,15 @@ def audit(
                 if every or record["status"] not in ("right", "found", "digits"):
                     say(canonical.one_line({"format": LINE, **plain(record)}))
     counts = summary(records)
-    tables = counted(len(records), "table")
-    complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
+    if records:
+        tables = counted(len(records), "table")
+        complain(f"{tables}: " + ", ".join(f"{n} {x}" for x, n in counts.items()))
     unread = counts.get("unread", 0)
     if unread == len(records):
         what = "is understood" if records else "is found"
         name = ", ".join(map(str, sources))
         read = f" read as {form}; name another --from, or none" if form else ""
-        complain(f"no table {what} in {name}{read}; or write the table as JSON (docs/check.md)")
+        hint = "" if form else "; a table can be given as JSON, too (docs/check.md)"
+        complain(f"no table {what} in {name}{read}{hint}")
         return FAILED if strict and records else BAD_INPUT
     return FAILED if counts.get("wrong") or (strict and unread) else HOLDS

@@ -28,8 +28,8 @@ CASES = "sources and tableaux"
 COUNT = 2000
 SECONDS = 10.0
 SOURCES = {
-    "sundials": source("sundials.c"), "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
-    "python": source("python.txt"), "openmodelica": source("openmodelica.c"),
+    "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
+    "python": source("python.txt"),
     "rklib": source("fortran.f90"), "kpp": source("kpp.f90"), "principia": source("principia.hpp"), "gsl": source("gsl.c"),
     "odeint": source("odeint.hpp"),
 }  # fmt: skip
