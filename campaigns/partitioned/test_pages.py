@@ -113,6 +113,10 @@ def test_the_sentences_of_the_short_page_are_those_of_the_data():
     assert "on 17 of 19 problems, by a factor of 1.3 to 3" in page
     wins = sorted(1 / x for x in ratio if x < 1)
     assert round(wins[0], 1) == 1.3 and round(wins[-1]) == 3
+    rows = [x for x in shipped_table(records).splitlines() if "`pair-4-" in x]
+    least, most = (f(float(x.split("|")[5]) for x in rows) for f in (min, max))
+    assert f"The three pairs of order 4 need {least:.1f} to {most:.1f} times" in page
+    assert len(rows) == 3
     # a record in which a pair stays bounded everywhere would show: the column would be empty
     other = copy.deepcopy(records)
     for run in other["kepler-long"]["runs"]:
