@@ -351,14 +351,13 @@ def within(name: str, seconds: float, command: Sequence[str]) -> int:
     if TIME_OVER is None:
         _write_error(name, "this system has no time limits; leave it out")
         return TOO_LONG_CODE
-    early: list[int] = []
+    received: list[int] = []
     child: subprocess.Popen[bytes] | None = None
-    over = False
 
     def pass_on(number: int, frame: FrameType | None) -> None:
-        nonlocal over
-        over = over or number == TIME_OVER
-        early.append(number) if child is None else child.send_signal(number)
+        received.append(number)
+        if child is not None:
+            child.send_signal(number)
 
     # the handlers come before the child: a signal that finds none would end this process alone
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, TIME_OVER)
@@ -366,22 +365,20 @@ def within(name: str, seconds: float, command: Sequence[str]) -> int:
               if signal.getsignal(number) is not signal.SIG_IGN}  # fmt: skip
     try:
         child = subprocess.Popen(command, env={**os.environ, LIMITED: str(seconds)})
-        for number in early:
+        for number in received[:]:
             child.send_signal(number)
-        try:
-            code = child.wait(seconds)
-        except subprocess.TimeoutExpired:
-            over = True
-            child.send_signal(TIME_OVER)
+        code = TOO_LONG_CODE
+        for patience, number in ((seconds, TIME_OVER), (2 * GRACE, signal.SIGKILL)):
             try:
-                code = child.wait(2 * GRACE)
+                code = child.wait(patience)
+                break
             except subprocess.TimeoutExpired:
-                child.kill()
-                child.wait()
-                code = TOO_LONG_CODE
+                pass_on(number, None)
+        child.wait()
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+    over = TIME_OVER in received
     if code == -TIME_OVER or (over and code == TOO_LONG_CODE):  # the former before it could react
         # said here, once: a child that has said it may still be killed while it ends
         _write_error(name, TOO_LONG)
