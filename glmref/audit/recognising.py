@@ -579,7 +579,7 @@ def _of_block(
 
 def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
     """Return whether another matrix with the same weights is the method, and this one is not."""
-    if x.b is None or x.match >= MOST_ROWS or x.order > 1 or _strict(x.reading.A):
+    if x.b is None or x.match >= MOST_ROWS or x.order > 1:
         return False
     return any(
         y.b is not None and y.b.at == x.b.at and y.b.name == x.b.name and y.order > x.order
@@ -597,6 +597,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
     about = about or _says(x)
+    if s > 1 and not any(size(y) for row in x.reading.A for y in row):
+        return False  # the explicit part of an implicit method
     if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
         return False  # weights of an estimate, or of noise
     if s == 1:  # tables() wants a declared order, too
@@ -717,6 +719,9 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     table.block, table.source, table.key = block, x.array.name, key_of(x.array.value)
     table.loose = x.order
     lost = _lost(x, ())
+    if x.array.named and x.match < 1 and _strict(x.reading.A) and not lost:
+        diagonal = [y for y in block.items if y.name in ("γ", "gamma", "gam")]
+        lost = f"the diagonal of {x.array.name} may be {diagonal[0].name}" if diagonal else ""
     if lost:
         table.unread = lost
         return table

@@ -289,6 +289,24 @@ READ = [
         "c",
         "found",
     ),
+    (  # a diagonal with one name
+        (
+            "# sdirk\norder = 2\ngamma = 0.25\na21 = 0.5\na31 = 0.25\na32 = 0.25\n"
+            "b1 = 0.25\nb2 = 0.25\nb3 = 0.5\nc1 = 0.25\nc2 = 0.75\nc3 = 0.75\n"
+        ),
+        "python",
+        "unread",
+    ),
+    (  # the explicit part of an implicit method is zero
+        (
+            "# imex\ndef f():\n    Ai = zeros(3, 3)\n    Ai[1, 0] = 0.5\n    Ai[1, 1] = 0.5\n"
+            "    Ai[2, 0] = 0.25\n    Ai[2, 2] = 0.75\n    Ae = zeros(3, 3)\n"
+            "    bi = [0.25, 0, 0.75]\n    be = [0.0, 0, 0]\n    c = [0, 1, 1]\n"
+            "    return IMEXTableau(Ai, bi, Ae, be, c)\n"
+        ),
+        "python",
+        "found",
+    ),
     (  # two methods with the same entries
         (
             "/* Runge-Kutta */\n"
