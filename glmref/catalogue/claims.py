@@ -271,6 +271,45 @@ G_SYMPLECTIC = ClaimSpec(
         "D_P U^ = B^* G V^, D_Q U = B^^* G^* V, D_P A^ + A^* D_Q = B^* G B^"
     ),
 )
+CONJUGATE_SYMPLECTIC = ClaimSpec(
+    "conjugate-symplectic",
+    bool,
+    SINGLE,
+    "conjugate_symplectic",
+    _TRUTH,
+    (
+        "the underlying one-step method is conjugate to a symplectic one, to every order; it is "
+        "the map Phi with M eta = eta Phi for the step M and some series eta, 1 being a simple "
+        "eigenvalue of V, and its outputs, w eta = y (docs/modified.md)"
+    ),
+)
+CONJUGATE_SYMPLECTIC_ORDER = ClaimSpec(
+    "conjugate-symplectic-order",
+    int,
+    SINGLE,
+    "conjugate_symplectic_order",
+    _ORDER,
+    (
+        "largest n such that the modified field of some chi^{-1} Phi chi is Hamiltonian through "
+        "the trees of order n; trees are compared through order 8"
+    ),
+)
+HAMILTONIAN_TO_ORDER = ClaimSpec(
+    "hamiltonian-to-order",
+    int,
+    SINGLE,
+    "hamiltonian_to_order",
+    _ORDER,
+    "the same of Phi itself, which takes one output to the next",
+)
+ENERGY_ORDER = ClaimSpec(
+    "energy-order",
+    int,
+    SINGLE,
+    "energy_order",
+    _ORDER,
+    "largest n such that H(Phi(y)) - H(y) has no terms through h^n for every H; as above",
+)
 SYMMETRIC = ClaimSpec(
     "symmetric",
     bool,
@@ -468,6 +507,10 @@ CLAIMS: Mapping[str, ClaimSpec] = {
         EXPLICIT,
         SYMPLECTIC,
         G_SYMPLECTIC,
+        CONJUGATE_SYMPLECTIC,
+        CONJUGATE_SYMPLECTIC_ORDER,
+        HAMILTONIAN_TO_ORDER,
+        ENERGY_ORDER,
         SYMMETRIC,
         PARASITISM_FREE,
         REDUCIBLE,

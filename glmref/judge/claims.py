@@ -10,6 +10,7 @@ PROVES = {
         "preconsistent form|form",
         ("given-form-fails|preconsistent given-form-fails|no-form|preconsistent no-form|"
          "not-preconsistent")),
+    "conjugate-symplectic": ("form conjugate|quadratic conjugate", "conjugate-symplectic-at-most"),
     "symmetric": ("symmetric", "not-symmetric"),
     "symmetric-reduced": ("equivalent irreducible symmetric",
                           "equivalent irreducible not-symmetric"),
@@ -32,8 +33,13 @@ PROVES = {
     "order-to-digits": ("to-digits", "not-to-digits"),
 }  # fmt: skip
 
+MODIFIED = {  # orders of the underlying one-step method, on systems y' = f(y)
+    "hamiltonian-to-order": "hamiltonian", "energy-order": "energy",
+    "conjugate-symplectic-order": "conjugate-symplectic",
+}  # fmt: skip
+
 SECOND = {"stage-order": "stage-order", "starting-order": "start",
-          "nystrom-starting-order": "start", "finishing-order": "finish"}  # fmt: skip
+          "nystrom-starting-order": "start", "finishing-order": "finish", **MODIFIED}  # fmt: skip
 
 VALUES = ("growth", "abscissae", "error-constant", "embedded-order", "order-to-digits")
 
@@ -51,7 +57,8 @@ ADDITIVE = {  # claims of methods for a sum of right-hand sides
 
 OF_PAIRS = {"nystrom-order", "nystrom-starting-order", "reducible"}
 
-OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced"}
+OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced",
+                 "conjugate-symplectic", *MODIFIED}  # fmt: skip
 
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip

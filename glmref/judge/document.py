@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from .arithmetic import Fraction
-from .claims import ORDERS, SECOND
+from .claims import MODIFIED, ORDERS, SECOND
 from .fields import Numbers
 from .linalg import (
     apply,
@@ -312,7 +312,8 @@ class Method:
             return self.with_parts({"o": self.runge_kutta(beta, self.list("b"))})
         if self.kind == "rosenbrock":
             return self.with_parts(self.parts, "w" if claim == "w-order" else "rosenbrock")
-        if self.kind != "rk" or "c" not in self.document or claim not in (*ORDERS, *SECOND):
+        timed = claim in (*ORDERS, *SECOND) and claim not in MODIFIED
+        if self.kind != "rk" or "c" not in self.document or not timed:
             return self
         m, c = self.single(), self.list("c")
         require(len(c) == len(m.A), "c has another length")

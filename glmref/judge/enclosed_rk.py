@@ -172,7 +172,7 @@ class RungeKutta(Enclosed):
             return len(self.rows) > 1 and all(self.given(LEAF, row) for row in self.rows)
         if len(self.below) > 1:
             return False
-        if claim in ("symplectic", "g-symplectic", "symmetric", "a-stable"):
+        if claim in ("symplectic", "g-symplectic", "conjugate-symplectic", "symmetric", "a-stable"):
             return self.gauss
         return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
 

@@ -174,8 +174,8 @@ class Sweep(Enclosed):
         """Tell whether a claim that is true or false holds at the root."""
         if claim == "consistent":
             return LEAF in self.given_trees()
-        if claim in ("preconsistent", "g-symplectic"):
-            return True
+        if claim in ("preconsistent", "g-symplectic", "conjugate-symplectic"):
+            return True  # real, and 1 is a simple eigenvalue of V
         if claim == "symplectic":
             return self.r == 1
         return claim == "symmetric" and self.signs is not None

@@ -220,7 +220,7 @@ def file_gives_no_G(case: NoFormCase) -> bool:
     return case.given.G is None
 
 
-def method_is_real(case: NoFormCase) -> bool:
+def method_is_real(case: Case) -> bool:
     """The method is real: of complex methods this is not covered."""
     return all(conj(x) == x for x in entries(M for m in case.method.parts.values() for M in m))
 

@@ -22,6 +22,7 @@ from .rules_digits import DIGIT_RULES
 from .rules_enclosed import ENCLOSED_RULES
 from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
+from .rules_modified import MODIFIED_RULES
 from .rules_orders import ORDER_RULES
 from .rules_residues import RESIDUE_RULES
 from .rules_rows import ROW_RULES, check_rows
@@ -36,6 +37,7 @@ RULES: dict[str, Rule] = {
     for family in (
         ORDER_RULES, START_RULES, GROWTH_RULES, RESIDUE_RULES, FORM_RULES, SYMMETRY_RULES,
         STRUCTURE_RULES, STABILITY_RULES, ROW_RULES, DIGIT_RULES, ENCLOSED_RULES,
+        MODIFIED_RULES,
     )
     for rule in family
 }  # fmt: skip

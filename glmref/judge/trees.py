@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import product
+from math import factorial
 from typing import TypeAlias
 
 from .arithmetic import Fraction, Number
@@ -204,6 +205,31 @@ def neighbours(t: Tree) -> list[tuple[Tree, Tree, Tree]]:
         rest = list(t[1])
         rest.remove(u)
         found.append(((t[0], tuple(rest)), u, attach(u, (t[0], tuple(rest)))))
+    return found
+
+
+@cache
+def symmetry(tree: Tree) -> int:
+    """Return sigma(t), the number of automorphisms."""
+    value = 1
+    for child in set(tree[1]):
+        count = tree[1].count(child)
+        value *= factorial(count) * symmetry(child) ** count
+    return value
+
+
+@cache
+def signed_versions(t: Tree) -> dict[Tree, int]:
+    """Return the sign of H at the rooted versions of a free tree; none where H(t) = -H(t)."""
+    found, waiting = {t: 1}, [t]
+    while waiting:
+        s = waiting.pop()
+        for rest, branch, other in neighbours(s):
+            if rest == branch:
+                return {}
+            if other not in found:
+                found[other] = -found[s]
+                waiting.append(other)
     return found
 
 

@@ -16,13 +16,16 @@ from ..catalogue.claims import (
     A_STABLE,
     ABSCISSAE,
     CLAIMS,
+    CONJUGATE_SYMPLECTIC_ORDER,
     DENSE_END,
     DENSE_ORDER,
     EFFECTIVE_ORDER,
     EMBEDDED_DIFFERENCE,
     EMBEDDED_ORDER,
+    ENERGY_ORDER,
     FINISHING_ORDER,
     GROWTH,
+    HAMILTONIAN_TO_ORDER,
     L_STABLE,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
@@ -600,6 +603,28 @@ class _Writer:
                 return [fails]
             return [self._vectors(v=False), fails]
         return self._no_form()
+
+    def _conjugate_symplectic(self) -> list[Part]:
+        if self._truth():
+            form = self._symplectic() if self.kernel.one_step else self._g_symplectic()[1:]
+            return [*form, {"rule": "conjugate", "witness": {}}]
+        return self._conjugate_symplectic_order()[1:]
+
+    def _conjugate_symplectic_order(self) -> list[Part]:
+        return self._reached(CONJUGATE_SYMPLECTIC_ORDER.key, "conjugate-symplectic")
+
+    def _hamiltonian_to_order(self) -> list[Part]:
+        return self._reached(HAMILTONIAN_TO_ORDER.key, "hamiltonian")
+
+    def _energy_order(self) -> list[Part]:
+        return self._reached(ENERGY_ORDER.key, "energy")
+
+    def _reached(self, claim: str, name: str) -> list[Part]:
+        """Both bounds of an order of the underlying one-step method, or the lower one."""
+        found = self.kernel.range(claim)
+        bounds = {"at-least": found.lower, "at-most": found.upper}
+        return [{"rule": f"{name}-{which}", "witness": {"q": q}}
+                for which, q in bounds.items() if q is not None]  # fmt: skip
 
     def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
         """A form that no finder proposes."""

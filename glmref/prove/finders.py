@@ -10,6 +10,7 @@ from typing import Any
 
 from ..catalogue.claims import (
     ABSCISSAE,
+    CONJUGATE_SYMPLECTIC,
     CONSISTENT,
     ERROR_CONSTANT,
     EXPLICIT,
@@ -97,6 +98,10 @@ def _g_symplectic(facts: Facts) -> Proposal:
         return {"form": (found.G, found.diagonals), "given": given}
 
     return Proposal(witness, explain=_told(lambda: facts.g_symplecticity))
+
+
+def _conjugate_symplectic(facts: Facts) -> Proposal:
+    return Proposal(_g_symplectic(facts).witness)
 
 
 def _symmetric(facts: Facts) -> Proposal:
@@ -201,6 +206,7 @@ _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
     EXPLICIT.key: _explicit,
     SYMPLECTIC.key: _symplectic,
     G_SYMPLECTIC.key: _g_symplectic,
+    CONJUGATE_SYMPLECTIC.key: _conjugate_symplectic,
     SYMMETRIC.key: _symmetric,
     SYMMETRIC_REDUCED.key: _symmetric_reduced,
     PARASITISM_FREE.key: _parasitism,

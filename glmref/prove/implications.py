@@ -46,6 +46,7 @@ from typing import Any
 
 from ..catalogue.claims import (
     A_STABLE,
+    CONJUGATE_SYMPLECTIC,
     CONSISTENT,
     EFFECTIVE_ORDER,
     EMBEDDED_DIFFERENCE,
@@ -170,7 +171,8 @@ def _enclosed_runge_kutta(document: Mapping[str, Any]) -> Implied:
     at_least = {x.key: p for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER)}
     at_least[STAGE_ORDER.key] = proved.gauss or 1
     if proved.gauss:
-        true |= {x.key: "the Gauss method" for x in (SYMPLECTIC, G_SYMPLECTIC, SYMMETRIC, A_STABLE)}
+        true |= {x.key: "the Gauss method" for x in (
+            SYMPLECTIC, G_SYMPLECTIC, CONJUGATE_SYMPLECTIC, SYMMETRIC, A_STABLE)}  # fmt: skip
     return Implied(true, at_least, rows=orders, system=proved.system, root=proved.root, seal=_SEAL)
 
 
@@ -186,6 +188,8 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
         CONSISTENT.key: "the conditions of the trees with one node",
         G_SYMPLECTIC.key: "holds for every value of the unknowns, V^T G V = G",
     }
+    if not system.is_partitioned:
+        true[CONJUGATE_SYMPLECTIC.key] = "the form of the sweep, and 1 is simple in V"
     if record.signs is not None:
         true[SYMMETRIC.key] = "palindromic for every value of the unknowns"
     if system.is_one_step:

@@ -86,6 +86,7 @@ from .digits import DigitRules, Sized, rounded_up
 from .form_rules import FormRules
 from .growth_rules import GrowthRules
 from .implications import Implied
+from .modified_rules import ModifiedRules
 from .ranges import MAX_ORDER, Known, Range
 from .rows import RowRules
 from .stability_rules import StabilityRules
@@ -167,7 +168,7 @@ def _is_only_one(U: Matrix, gap: Matrix, w: Vector) -> bool:
     return all(x.is_zero() for n in free for x in linalg.matvec(U, n))
 
 
-class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules):
+class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, ModifiedRules):
     """The rules, for one method.
 
     Parameters

@@ -90,6 +90,8 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     """
     title, question, judged = about(run)
     shown = [(c, get) for c, get in COLUMNS if any(get(x) is not None for x in run.records)]
+    if all(path_in(x, ("seconds", "repeats")) == 1 for x in run.records):
+        shown = [(c, get) for c, get in shown if c.key not in ("q25", "q75")]  # the median again
     cells = [[number(get(record)) for _, get in shown] for record in run.records]
     caption = f"{counted(len(cells), 'record')} of {run.name}"
     table = Table(f"t-{run.name}", caption, [column for column, _ in shown], cells)
@@ -103,7 +105,7 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
     far = f" Runs go {horizon}." if horizon else ""
     work = None
     if errors and costs:
-        few = len(run.records) <= MOST_BARS
+        few = len(run.records) <= MOST_BARS and "q25" in keys
         bars = " Bars span the quartiles of the run times." if few else ""
         work = Figure(
             table.id, costs, errors, f"error against cost, {title}",
@@ -133,11 +135,14 @@ def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
 
 
 def about(run: RunFile) -> tuple[str, str, str]:
-    """Return title, question and judged error: of the shipped scene, or as the run wrote them."""
-    scene = _shipped(run)
+    """Return title, question and judged error: as the run wrote them, else of the shipped scene.
+
+    A scene of the name of a shipped one may be a changed copy of it.
+    """
+    found = {key: str(run.about.get(key, "")) for key in ("title", "question", "judged")}
+    scene = None if any(found.values()) else _shipped(run)
     if scene is not None:
         return scene.title, scene.question, scene.answer.error
-    found = {key: str(run.about.get(key, "")) for key in ("title", "question", "judged")}
     return found["title"] or run.name, found["question"], found["judged"]
 
 
@@ -170,11 +175,12 @@ def _kind(run: RunFile) -> str:
 
 
 def answer_of(run: RunFile) -> str:
-    """Return the answer of the records of a shipped scene, else what the run wrote, or ``""``."""
+    """Return what the run wrote, else the answer of the records of a shipped scene, or ``""``."""
     from ..scenes import answer, names
 
-    if run.scene not in names():
-        return str(run.about.get("answer", ""))
+    written = str(run.about.get("answer", ""))
+    if written or run.scene not in names():
+        return written
     if not run.records:
         return "no record yet"
     try:

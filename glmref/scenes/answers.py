@@ -119,7 +119,8 @@ def _lost(scene: Scene, records: Sequence[Record]) -> str:
             bounded.append(name)
         else:
             other.append(f"{name}: {record['outcome']}")
-    end = f"t = {scene.t_end:g}"
+    ends = [x["task"]["t_end"] for x in records if "t_end" in x["task"]]  # of a changed copy, too
+    end = f"t = {max(ends, default=scene.t_end):g}"
     steps = max((record.get("steps") or 0 for record in records), default=0)
     parts = [f"lost: {listed(lost)}" if lost else "none is lost"]
     if bounded:

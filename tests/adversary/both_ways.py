@@ -27,7 +27,12 @@ SECOND = {
     "starting-order": "start",
     "nystrom-starting-order": "start",
     "finishing-order": "finish",
+    "hamiltonian-to-order": "hamiltonian",
+    "conjugate-symplectic-order": "conjugate-symplectic",
+    "energy-order": "energy",
 }
+#: Those of the underlying one-step method, whose parts stand alone.
+ALONE = ("hamiltonian", "conjugate-symplectic", "energy")
 #: Claims that are true or false, with the parts for true and those for false; `?` stands for every
 #: colour, `~` for a witness of :func:`_witnesses`.
 TRUTHS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -37,6 +42,10 @@ TRUTHS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "g-symplectic": (
         ("form ~", "preconsistent form ~", "implied"),
         ("given-form-fails", "no-form", "not-preconsistent ?"),
+    ),
+    "conjugate-symplectic": (
+        ("form ~ conjugate", "quadratic conjugate", "implied"),
+        ("conjugate-symplectic-at-most ~",),
     ),
     "symmetric": (("symmetric ~", "implied"), ("not-symmetric ~", "not-symmetric")),
     "explicit": (("explicit",), ("implicit",)),
@@ -167,6 +176,10 @@ def _bounds(subject: Subject, claim: str, most: int) -> Iterator[tuple[int, bool
     principals, kinds = ("free", "identity"), ("all", "nystrom")
     seconds = claim in SECOND
     name = SECOND.get(claim, "order")
+    if name in ALONE:
+        for q, which in itertools.product(range(most + 2), ("least", "most")):
+            yield q, which == "least", [(f"{name}-at-{which}", {"q": q})]
+        return
     for c in subject.colours:
         yield 0, False, [("no-order-1", {"colour": c})]
         yield 0, False, [("not-preconsistent", {"colour": c})]
@@ -240,6 +253,8 @@ def _witnesses(
     elif rule == "eigen":
         some = ("1", "-1", "1,-1", "", "1,exp(pi*i/2),-1,exp(3*pi*i/2)")
         yield from ({"zeta": [x for x in text.split(",") if x]} for text in some)
+    elif rule == "conjugate-symplectic-at-most":
+        yield from ({"q": q} for q in range(1, 6))
     elif rule == "form":
         G, D = subject.document.get("G"), subject.document.get("D")
         if G is not None and D is not None:
@@ -325,6 +340,11 @@ def against_an_order(
            for kind in (("nystrom",) if claim.startswith("nystrom") else ("all",))]  # fmt: skip
     small = [t for t in dict.fromkeys(_trees(subject.colours, declared)) if _size(t) == declared]
     name = SECOND.get(claim, "order")
+    if name in ALONE:
+        least: Part = (f"{name}-at-least", {"q": declared + 1})
+        most: list[Part] = [(f"{name}-at-most", {"q": declared - 1})] if declared else []
+        yield from ([x] for x in (least, *most) if subject.accepts(claim, declared, "fails", [x]))
+        return
     tried: list[Sequence[Part]] = [[("no-order-1", {"colour": c})] for c in subject.colours]
     tried += [[(f"implied-{name}", {"q": declared + 1})]] if claim in SECOND else []
     for w in own:

@@ -8,6 +8,7 @@ from typing import Any
 
 from mpmath import mp
 
+from .energies import energy_defect, power, symplectic_defect
 from .methods import File, Method, Part, single, unequal
 from .numbers import (
     Margin,
@@ -340,6 +341,35 @@ class Oracle:
                           [[x * e for x, e in zip(row, E, strict=True)] for row in star(q.A)]), times(star(q.B), G, p.B)),
             *shared, *own, *(mp.im(x) for x in [*D, *E]),
         ]  # fmt: skip
+
+    def _power(self, defect: Any) -> int | None:
+        m = self.method.parts.get("o")
+        if m is None or not self.method.one or "digits" in self.document:
+            raise Undecided("a method that carries several values, or decimals")
+        ones = [x - 1 for x in (*flat(m.U, m.V), sum(m.B[0]))]
+        if not self.margin.zeros(ones) or any(mp.im(x) for x in flat(m.A, m.B)):
+            raise Undecided("a step that is not consistent, or not real")
+        return power(defect, m)
+
+    def _hamiltonian_to_order(self) -> int:
+        found = self._power(symplectic_defect)
+        return -1 if found is None else found  # none is the largest
+
+    def _energy_order(self) -> int | None:
+        return self._power(energy_defect)
+
+    def _conjugate_symplectic_order(self) -> int | None:
+        if self._conjugate_symplectic():
+            return -1
+        raise Undecided("orders in other variables")
+
+    def _conjugate_symplectic(self) -> bool:
+        """A form decides; that there is no change of variables is not looked for."""
+        m = self.method.parts["o"]
+        simple = len(self.margin.null(plus(m.V, eye(m.r), -1))) == 1
+        if simple and not any(mp.im(x) for x in flat(m.A, m.U, m.B, m.V)) and self._g_symplectic():
+            return True
+        raise Undecided("conjugate by another reason")
 
     def _g_symplectic(self) -> bool:
         parts, d, read = self.method.parts, self.document, self.file.read

@@ -281,7 +281,8 @@ def claims_of(document: Document, rng: random.Random) -> dict[str, Any]:
     else:
         keys = ["order", "order-identity", "stage-order", "preconsistent", "consistent", "zero-stable", "explicit",
                 "symplectic", "g-symplectic", "symmetric", "symmetric-reduced", "parasitism-free", "growth", "a-stable",
-                "l-stable", "abscissae"]  # fmt: skip
+                "l-stable", "abscissae", "conjugate-symplectic", "conjugate-symplectic-order",
+                "hamiltonian-to-order", "energy-order"]  # fmt: skip
         keys += ["effective-order"] if kind == "rk" else []
         keys += ["error-constant"] if kind in ("lmm", "one-leg") else []
         keys += [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+from dataclasses import replace
 from fractions import Fraction as F
 from itertools import pairwise
 from pathlib import Path
@@ -15,12 +16,17 @@ from hypothesis import strategies as st
 
 import glmref
 from glmref import Tree, from_rk, load, modified
+from glmref.catalogue.claims import CONJUGATE_SYMPLECTIC, ENERGY_ORDER, HAMILTONIAN_TO_ORDER
 from glmref.engine.reference import stepper
 from glmref.errors import ExactnessError, UsageError
 from glmref.exact import linalg
 from glmref.exact.expression import parse
+from glmref.findings import Verdict
+from glmref.judge import rules_modified
+from glmref.judge.linalg import kernel
 from glmref.method.component import ROOTED, SEPARABLE
 from glmref.problems.nilpotent import Derivatives
+from glmref.prove.verifier import verify
 from glmref.scenes import modified as modified_module
 from glmref.theory.backward import (
     LARGEST_CONJUGATE,
@@ -172,6 +178,35 @@ def test_the_kernel_of_the_change_equations_is_the_hamiltonian_fields():
 def test_the_kernel_through_the_largest_order():
     _check_ranks(ROOTED, range(6, LARGEST_CONJUGATE))
     _check_ranks(SEPARABLE, range(5, LARGEST_CONJUGATE))
+
+
+def test_the_judge_changes_what_is_not_hamiltonian():
+    # what it leaves open of a change of variables is Hamiltonian: docs/certificates.md, section 5
+    for n in range(1, rules_modified.LARGEST):
+        unknowns, rows = rules_modified.change_rows(n)
+        for c in (dict(zip(unknowns, x, strict=True)) for x in kernel(rows)):
+            assert all(c[t] + c[moved] == 0 for t, moved, _, _ in rules_modified.pairs(n))
+
+
+@pytest.mark.parametrize("name", ["lobatto-iiia-3", "gsymplectic-n", "ab-2"])
+def test_an_order_of_the_modified_equation_is_proved_and_a_near_miss_refuted(name):
+    def verdict(claim, value, method):
+        (found,) = verify(replace(method, claims={claim: value}), only=[claim])
+        return found.verdict
+
+    method = load(name)
+    found = modified(name, 7)
+    claims = {CONJUGATE_SYMPLECTIC.key: not found.conjugate_symplectic.fails,
+              HAMILTONIAN_TO_ORDER.key: found.hamiltonian.order,
+              ENERGY_ORDER.key: found.energy.order}  # fmt: skip
+    for claim, value in claims.items():
+        assert verdict(claim, value, method) is Verdict.HOLDS
+        other = value + 1 if type(value) is int else not value
+        assert verdict(claim, other, method) is Verdict.FAILS
+    # 1/1000 added to an entry of A: no form is left, and no change of variables
+    A = ((method.A[0][0] + F(1, 1000), *method.A[0][1:]), *method.A[1:])
+    twin = replace(method, A=A, document=None)
+    assert verdict(CONJUGATE_SYMPLECTIC.key, True, twin) is not Verdict.HOLDS
 
 
 def _check_ranks(palette, orders):

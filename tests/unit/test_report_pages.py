@@ -547,6 +547,19 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     assert (tmp_path / "whole" / "method-rk4.html").is_file()
 
 
+def test_a_changed_copy_of_a_shipped_scene_has_its_own_words(tmp_path: Path, records) -> None:
+    once = [{**x, "seconds": {**x["seconds"], "repeats": 1}} for x in records]
+    folder = stored(tmp_path / "a", "oscillator-quick", once)
+    said = {"title": "A copy", "question": "Which?", "answer": "None by t = 7", "judged": "state"}
+    run = {"format": "glmref-run-1", "scene": "oscillator", **said}
+    (folder / "oscillator-quick.run.json").write_text(json.dumps(run), encoding="utf-8")
+    page = pages(tmp_path / "site", folder) / "run-oscillator-quick.html"
+    text = page.read_text(encoding="utf-8")
+    assert "<h1>A copy</h1>" in text and '<p class="answer">None by t = 7</p>' in text
+    # of runs that were timed once the quartiles are the median: two columns less
+    assert not {"q25", "q75"} & set(table(page, "t-oscillator-quick")[0])
+
+
 def test_bars_of_many_runs_are_left_out_and_the_caption_says_so(tmp_path: Path, records) -> None:
     many = [{**records[n % len(records)], "evaluations": 1000 + n} for n in range(MOST_BARS + 1)]
     few = pages(tmp_path / "few", stored(tmp_path / "a", "oscillator-quick", records))

@@ -662,6 +662,9 @@ def test_losses_and_predictions_are_told(tmp_path):
         "lost: gsymplectic-p at t = 13.8 (predicted 13.75); "
         "bounded to t = 100000 (1,000,000 steps): g6245"
     )
+    for record in records:  # of a copy of the scene that ends earlier
+        record["task"]["t_end"] = 1e3
+    assert "bounded to t = 1000 (1,000,000 steps)" in answer(scene, records)
 
 
 def test_kept_and_lost_invariants_are_told():

@@ -115,6 +115,7 @@ def finish(
         "stage-order": SweepSystem(document).stage_order,
         **rough.claims,
         **SYMMETRIC,
+        "conjugate-symplectic": True,
         "explicit": False,
         "growth": ["0"] * (r - 1),
     }

@@ -73,6 +73,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         "stage-order": 1,
         "explicit": False,
         "symplectic": True,
+        "conjugate-symplectic": True,
         "symmetric": True,
     }
     document["source"] = {**_SOURCE, "where": f"table 1, solution {which}, with more digits"}

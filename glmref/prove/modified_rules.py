@@ -1,0 +1,84 @@
+"""Rules of the kernel for the modified equation of the underlying one-step method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ..errors import ExactnessError, UsageError
+from ..exact.linalg import Matrix
+from ..theory.backward import (
+    LARGEST_CONJUGATE,
+    Reach,
+    conjugacy,
+    energy_reach,
+    hamiltonian_reach,
+)
+from ..theory.coefficients import is_zero
+from ..theory.series import Series
+from ..theory.starting_series import NotPreconsistent
+from ..theory.trees import single
+from ..theory.underlying import UnderlyingMethod
+from .ranges import Known, Range
+
+#: Orders through which trees are taken, one after another until a condition fails.
+_THROUGH = (3, 5, 6, LARGEST_CONJUGATE)
+
+
+class ModifiedRules:
+    """A part of :class:`~glmref.prove.kernel.Kernel`."""
+
+    if TYPE_CHECKING:
+        method: Any
+        exact: bool
+        one_step: bool
+        is_real: bool
+        blocks: dict[str, tuple[Matrix, Matrix, Matrix, Matrix]]
+
+        def _symplectic(self, witness: Mapping[str, Any]) -> Known: ...
+        def _g_symplectic(self, witness: Mapping[str, Any]) -> Known: ...
+
+    @cached_property
+    def _underlying(self) -> UnderlyingMethod:
+        if not self.exact or "o" not in self.blocks:
+            raise ExactnessError("modified equations of exact methods of one component are judged")
+        try:
+            return UnderlyingMethod.of_method(self.method)
+        except (NotPreconsistent, UsageError) as error:
+            raise ExactnessError(f"there is no underlying one-step method: {error}") from error
+
+    def _reached(self, find: Callable[[Series], Reach]) -> Range:
+        """Bounds of the order through which the modified field has a property."""
+        for order in _THROUGH:
+            field = self._underlying.through(order).field
+            if is_zero(field[single()] - 1) is not True:
+                raise ExactnessError("the method is not consistent")
+            found = find(field)
+            if found.fails:
+                reason = f"order {found.order + 1} fails at {found.witness}"
+                return Range(found.order, found.order, reason=reason)
+        return Range(LARGEST_CONJUGATE, None, value=LARGEST_CONJUGATE)
+
+    @cached_property
+    def _hamiltonian_to_order(self) -> Range:
+        """The modified field is Hamiltonian: Hairer, Lubich, Wanner (2006), section IX.9."""
+        return self._reached(hamiltonian_reach)
+
+    @cached_property
+    def _energy_order(self) -> Range:
+        """The modified field preserves H: Celledoni, McLachlan, Owren, Quispel (2010)."""
+        return self._reached(energy_reach)
+
+    @cached_property
+    def _conjugate_symplectic_order(self) -> Range:
+        """In some variables the modified field is Hamiltonian: Hairer, Zbinden (2013)."""
+        return self._reached(lambda field: conjugacy(field).reach)
+
+    def _conjugate_symplectic(self, witness: Mapping[str, Any]) -> Known:
+        """A form is enough: D'Ambrosio, Hairer, Zbinden, BIT 53 (2013) 867."""
+        form = self._symplectic if self.one_step else self._g_symplectic
+        if self._underlying and self.is_real and form(witness).truth:
+            return Known(True)
+        found = self._conjugate_symplectic_order
+        return Known(None if found.upper is None else False, reason=found.sentence)
