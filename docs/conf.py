@@ -18,7 +18,7 @@ release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build", "audit/*", "nonseparable/*"]
+exclude_patterns = ["_build", "audit/*", "campaigns/*", "nonseparable/*"]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
