@@ -719,7 +719,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     table.block, table.source, table.key = block, x.array.name, key_of(x.array.value)
     table.loose = x.order
     lost = _lost(x, ())
-    if x.array.named and x.match < 1 and _strict(x.reading.A) and not lost:
+    rows = enumerate(x.reading.A)
+    if x.array.named and x.match < 1 and not lost and any(size(row[i]) == 0 for i, row in rows):
         diagonal = [y for y in block.items if y.name in ("γ", "gamma", "gam")]
         lost = f"the diagonal of {x.array.name} may be {diagonal[0].name}" if diagonal else ""
     if lost:
