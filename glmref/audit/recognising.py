@@ -558,7 +558,11 @@ def _of_block(
         near = [x for x in near if x is not array] + _closing(made)
         best = candidates(array, near)
         called = bool(block.called) and array.name == ""
-        if best is not None and _is_table(best, about=about, called=called):
+        if (
+            best is not None
+            and _is_table(best, about=about, called=called)
+            and not _is_explicit_part(best, made)
+        ):
             found.append((best, near))
             used.add(id(array))
     found = [x for x in found if not _is_beside(x[0], [y for y, _ in found])]
@@ -587,6 +591,16 @@ def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
     )  # fmt: skip
 
 
+def _is_explicit_part(x: Candidate, made: Sequence[Array]) -> bool:
+    """Return whether a matrix of zeros stands beside another one of its shape."""
+    if len(x.reading.A) == 1 or any(size(y) for row in x.reading.A for y in row):
+        return False
+    return any(
+        y is not x.array and y.flat == x.array.flat and len(y.value) == len(x.array.value)
+        and isinstance(y.value[0], list) == isinstance(x.array.value[0], list) for y in made
+    )  # fmt: skip
+
+
 def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     """Return whether a candidate is a table and no other matrix."""
     s = len(x.reading.A)
@@ -597,8 +611,6 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
     about = about or _says(x)
-    if s > 1 and not any(size(y) for row in x.reading.A for y in row):
-        return False  # the explicit part of an implicit method
     if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
         return False  # weights of an estimate, or of noise
     if s == 1:  # tables() wants a declared order, too

@@ -83,7 +83,7 @@ def verify(
         if not isinstance(key, str) or key not in CLAIMS
     ]
     if unknown:
-        known = f"known are {', '.join(sorted(CLAIMS))}"
+        known = "a finding of verify(method) has the name of its claim"
         hint = did_you_mean(unknown[0], CLAIMS, otherwise=known)
         raise UsageError(f"there is no claim {shown(unknown[0])}; {hint}")
     if isinstance(method, str | Path):

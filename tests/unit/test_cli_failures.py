@@ -302,7 +302,7 @@ def test_a_time_limit_changes_nothing_else(capfd: pytest.CaptureFixture[str]) ->
     assert within("glmref", 60, [sys.executable, "-c", script]) == 143
     assert capfd.readouterr() == ("found\n", "glmref: ended by SIGTERM\n")
     assert main(["--time-limit", "60", "verify", "rk4", "--no-cache"]) == 0
-    assert "6 hold" in capfd.readouterr().out
+    assert "10 hold" in capfd.readouterr().out
     for wrong in ("0", "x", "nan", "1e3"):
         assert main(["--time-limit", wrong, "verify", "rk4"]) == 2
     assert capfd.readouterr().err.count("'--time-limit'") == 4
