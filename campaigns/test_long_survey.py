@@ -63,6 +63,7 @@ def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
     assert survey_notes("gauss-3") == []
 
 
+@pytest.mark.slow
 def test_a_run_repeats_its_first_hundred_thousand_steps():
     row = next(x for x in ROWS if x["method"] == "pair-6-7" and x["problem"] == "lattice")
     run = row["runs"][0]

@@ -26,6 +26,7 @@ def distinct_diagonals(method):
     return len(found)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", DIAGONALLY_IMPLICIT)
 def test_diagonally_implicit_methods_factor_one_small_matrix_for_each_diagonal(name):
@@ -50,6 +51,7 @@ def test_coupled_stages_are_separated_by_the_eigenvalues_of_a(name, count):
     assert (found.size, found.distinct, found.inline) == (8, count, False)
 
 
+@pytest.mark.slow
 def test_a_second_diagonal_entry_costs_a_second_matrix():
     method = load("sdirk-2")
     rows = [[str(x) for x in row] for row in method.A]
@@ -75,6 +77,7 @@ def test_matrices_are_kept_from_step_to_step():
     assert smooth.outcome == "completed" and smooth.matrices <= 10
 
 
+@pytest.mark.slow
 def test_the_generated_source_has_no_other_elimination():
     text = prepare(load("g6245"), problem("hires"), h=0.05, solver="newton").source.text
     assert set(re.findall(r"^ *(\w*factor)\(.*\], (\d+),", text, re.MULTILINE)) == {("factor", "8")}

@@ -27,6 +27,7 @@ def test_both_copies_follow_the_system() -> None:
     assert np.abs(np.r_[-x, y] - expected).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_what_is_stored_is_what_is_measured() -> None:
     found = evaluations(problem("uneven-plane"), 30.0, "kahan-li-8")
     assert found[1e-9] == ROWS["uneven-plane"]["kahan-li-8"]

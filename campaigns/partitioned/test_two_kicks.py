@@ -49,6 +49,7 @@ def test_unknowns_and_rational_numbers_are_inverse():
         assert getattr(again, name) == pytest.approx(getattr(GIVEN, name), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_two_steps_with_one_kick_have_its_interval_and_counts():
     assert interval(DOUBLED, 100) == interval_of_one(of_file("multistep-rkn-8"), 100)
     (found,) = counts(weights(DOUBLED), [PENDULUM])

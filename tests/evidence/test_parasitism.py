@@ -32,6 +32,7 @@ FREE = ("thesis-3-8", "s4-symmetric", "g6245", "g6245-w3")
 SPECIAL = {*FREE, "g6245-w3-complex", "s3i1-w3", "s5i1-i"}
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gsymplectic-n", "gsymplectic-p"])
 def test_the_measured_growth_rate_is_that_of_mu_f_prime_within_two_percent(name):

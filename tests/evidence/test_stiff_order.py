@@ -46,6 +46,7 @@ def marked(names):
     return [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in names]
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", marked(METHODS))
 def test_the_order_falls_to_what_the_stage_order_allows(name):

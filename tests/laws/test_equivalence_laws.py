@@ -211,6 +211,7 @@ def test_exchanged_values_do_not_make_h_f_the_solution(start):
     np.testing.assert_allclose(end(silent, start), end(other, start), atol=1e-15)
 
 
+@pytest.mark.slow
 def test_ensembles_read_the_solution_like_single_runs():
     m = glmref.load("gsymplectic-n").transform([["1", "1"], ["1/2", "-1"]])
     initial = np.array([[0.5, 0.1], [1.0, -0.2], [0.2, 0.3]])

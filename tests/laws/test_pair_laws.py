@@ -94,6 +94,7 @@ def system_with_invariant(rng, d):
     return S, f, k
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1, besides=("pair-rkn-8", "pair-8-24"))
 @pytest.mark.parametrize("name", PAIRS)
 @settings(max_examples=2, deadline=None)

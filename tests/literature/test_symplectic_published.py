@@ -65,6 +65,7 @@ def test_every_tableau_that_conserves_a_form_has_a_published_property_or_is_ours
     assert missing == []
 
 
+@pytest.mark.slow
 def test_no_explicit_runge_kutta_method_is_symplectic() -> None:
     """Sanz-Serna (1988): b_i a_ij + b_j a_ji = b_i b_j with i = j asks for a_ii = b_i / 2."""
     explicit = [

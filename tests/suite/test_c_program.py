@@ -70,6 +70,7 @@ def test_what_is_refused_is_what_the_page_says() -> None:
         assert REFUSED.get(name) == wanted, name
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", [x for x in file_names() if x not in REFUSED])
 def test_every_check_of_the_method_holds_for_the_program(program: Path, method: str) -> None:

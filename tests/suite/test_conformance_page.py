@@ -53,6 +53,7 @@ def commands() -> list[tuple[list[str], int, str]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1, besides=("9 of 24",))
 @pytest.mark.parametrize(("words", "code", "shown"), commands(), ids=lambda x: str(x)[:60])
 def test_a_command_does_what_the_page_shows(

@@ -63,6 +63,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_wrong_entry_is_named_with_its_line(repository: Path, capsys, tmp_path: Path) -> None:
     (repository / "wrong.json").write_text(WRONG)
     sarif, badge = tmp_path / "x.sarif", tmp_path / "badge.json"

@@ -13,6 +13,7 @@ from glmref.findings import Verdict
 from .planted_more import PLANTED, Foreign
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", sorted(PLANTED))
 def test_a_planted_fault_is_caught_under_its_claim_and_named(name: str) -> None:

@@ -441,6 +441,7 @@ def test_derivatives_along_several_directions_are_multilinear():
     assert not np.any(at.along([(a, 3)]))
 
 
+@pytest.mark.slow
 def test_energies_of_the_oscillator_in_closed_form():
     """Every map below turns the ellipse Q by an angle theta: H~ = theta Q / (2 sin theta) there."""
     problem = glmref.problem("harmonic-oscillator")

@@ -371,6 +371,7 @@ def test_decimals_in_strings_with_digits() -> None:
     assert "within the 3 digits" in str(findings[0].witness)
 
 
+@pytest.mark.slow
 def test_vectors_may_be_matrices_and_orders_numbers_of_numpy() -> None:
     np, mpmath, sympy = map(pytest.importorskip, ("numpy", "mpmath", "sympy"))
     half = sympy.Rational(1, 2)

@@ -176,6 +176,7 @@ def test_verify_json_has_the_shape_of_its_format(run: Run, overclaimed: str) -> 
     assert record["summary"]["fails"] == 1
 
 
+@pytest.mark.slow
 def test_verify_csv_and_junit_hold_the_same_findings(run: Run, overclaimed: str) -> None:
     _, out, _ = run("verify", "euler", overclaimed, "--format", "csv")
     rows = list(csv.DictReader(io.StringIO(out)))

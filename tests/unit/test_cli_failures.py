@@ -285,6 +285,7 @@ def test_a_signal_before_the_program_is_waited_for_is_passed_on() -> None:
     assert limited("slow", early).returncode == 143
 
 
+@pytest.mark.slow
 @posix
 def test_a_program_whose_parent_is_killed_ends_all_the_same() -> None:
     """Also one that reacts to no signal."""

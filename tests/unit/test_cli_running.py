@@ -113,6 +113,7 @@ def test_bad_requests_end_with_code_2_and_one_sentence(arguments, said, capsys):
     assert said in captured.err and captured.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_a_failing_method_makes_code_3_and_no_traceback(scene, tmp_path, capsys):
     scene.write_text(
         SCENE.replace('"heun-2"', '"stormer-verlet"').replace("harmonic-oscillator", "rigid-body"),

@@ -88,6 +88,7 @@ def test_the_clocks_show_the_time_of_every_step():
     assert bare.y.tolist() == solve(DAMPED, "pair-6-8", h=0.125, steps=16, every=1).y.tolist()
 
 
+@pytest.mark.slow
 def test_the_form_with_time_as_a_coordinate_gives_the_same_motion():
     """K = p^2/2 + ps + V(q, qs) is what a user wrote by hand before."""
     by_hand = Problem.from_hamiltonian(

@@ -22,6 +22,7 @@ def pendulum():
     return compare(own, methods=methods, tolerance=1e-6)
 
 
+@pytest.mark.slow
 def test_every_candidate_reaches_the_tolerance_at_the_step_size_that_is_shown(pendulum):
     exact = problem("pendulum", q0=1)
     for one in pendulum.candidates:
@@ -127,6 +128,7 @@ def test_table_picture_and_numbers(pendulum):
     assert all(one["works"] for one in record["candidates"])
 
 
+@pytest.mark.slow
 def test_without_a_good_reference_the_energy_judges():
     far = Problem.from_hamiltonian(
         "(p1**2 + p2**2 + q1**2 + q2**2)/2 + q1**2*q2 - q2**3/3",

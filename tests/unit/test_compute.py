@@ -52,6 +52,7 @@ def run(on: Executor, tasks: list[dict[str, Any]], limits: Limits = UNLIMITED) -
     return [done for _, done in in_order(on.run(behave, tasks, limits), tasks)]
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_the_executor(dask: Executor) -> None:
     here = [done.value for done in run(Here(), SQUARES)]
     assert here == [{"outcome": "completed", "square": k * k} for k in range(40)]

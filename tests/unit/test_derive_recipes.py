@@ -36,6 +36,7 @@ SHIPPED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize(("c2", "z", "name"), SHIPPED)
 def test_order6_without_a_start_is_the_shipped_file_but_for_it(c2: str, z: str, name: str) -> None:
@@ -92,6 +93,7 @@ def test_order6_refuses_z_that_is_real_or_off_the_unit_circle(z: str) -> None:
         recipes.run("order6", {"z": z})
 
 
+@pytest.mark.slow
 def test_order6_takes_a_z_that_is_no_root_of_unity() -> None:
     result = recipes.run("order6", {"c2": "2/5", "z": "(3+4*i)/5"})
     method = load_document(result.documents[0])
@@ -222,6 +224,7 @@ def test_starts_and_finishes_are_reproduced_bit_for_bit(recipe: str, name: str) 
     assert canonical(derived) == text_of(name)
 
 
+@pytest.mark.slow
 def test_a_start_that_is_not_on_record_is_refused() -> None:
     with pytest.raises(UsageError, match="no start is on record"):
         recipes.run("order6", {"c2": "2/5", "start": "yes"})
@@ -251,6 +254,7 @@ def test_each_recipe_has_a_line_of_description() -> None:
         assert isinstance(recipes.options_of(name), dict)
 
 
+@pytest.mark.slow
 def test_progress_is_reported() -> None:
     seen: list[tuple[str, int, int]] = []
     recipes.run(

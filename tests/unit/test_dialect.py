@@ -124,6 +124,7 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_method_is_checked_and_analysed(
@@ -174,6 +175,7 @@ RKF45 = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("command", ["check", "verify", "analyze"])
 @pytest.mark.parametrize("form", ["plain", "doubles", "format"])
@@ -241,6 +243,7 @@ def test_a_splitting_that_does_not_say_what_is_first_is_asked_for_it(
     assert main(["check", write(tmp_path, both)]) == 0
 
 
+@pytest.mark.slow
 def test_rounded_tables_are_consistent_within_their_digits(tmp_path: Path, capsys: Any) -> None:
     """The splitting of order 4 by Forest and Ruth, in doubles."""
     w = 1.3512071919596578

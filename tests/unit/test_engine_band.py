@@ -43,6 +43,7 @@ def test_a_band_solves_the_same_stages(made, method, width):
     assert np.abs(ends[0].y[-1] - ends[1].y[-1]).max() < 20 * 8 * 2.0**-52
 
 
+@pytest.mark.slow
 def test_machine_code_of_a_band_has_the_bits_of_the_interpreter():
     chain = problem("nonseparable-chain", sites=20)
     runs = [

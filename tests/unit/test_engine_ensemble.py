@@ -79,6 +79,7 @@ def test_a_problem_that_depends_on_time_has_its_own_time_in_every_lane():
         np.testing.assert_array_equal(found.values[k], values)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("width", [1, 8, 16, 32])
@@ -93,6 +94,7 @@ def test_neither_width_nor_threads_change_a_bit(width, threads):
     assert found.evaluations == first.evaluations
 
 
+@pytest.mark.slow
 def test_the_default_start_is_that_of_single_runs():
     of = problem("pendulum")
     y0 = initial(of, 4)
@@ -181,6 +183,7 @@ SEPARABLE = (
 ANY = ("rk4", "ab-3", "gauss-2", "gauss-3", "g6245-w3", "s4-symmetric", "lobatto-iiia-3", "sdirk-3")
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1, besides=())
 @pytest.mark.parametrize("method", [*SEPARABLE, *ANY])
 @pytest.mark.parametrize("name", LARGE)
@@ -366,6 +369,7 @@ def test_ctrl_c_keeps_the_rows_that_were_read(width):
     np.testing.assert_array_equal(found.y[-1], found.values[:, 0])
 
 
+@pytest.mark.slow
 def test_what_was_built_is_said_with_its_seconds():
     of = problem("henon-heiles")
     y0 = initial(of, 3)

@@ -109,6 +109,7 @@ def test_a_long_body_stays_a_loop():
     assert unrolled(BODY, (100, 1, 100), 500) == ""
 
 
+@pytest.mark.slow
 def test_a_body_without_a_source_is_called_as_a_function():
     names = {}
     exec("def f(t, y, params, out):\n    out[0] = -y[0]\n"

@@ -180,6 +180,7 @@ def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
 # --- generated text ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("compensated", [True, False])
 @pytest.mark.parametrize("history", [True, False])

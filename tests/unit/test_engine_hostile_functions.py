@@ -590,6 +590,7 @@ def test_an_interrupt_after_the_last_step_loses_no_solution(engine):
         solve(own, "rk4", h=0.1, steps=5, engine=engine)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("engine", ["reference", "interpreted", "compiled"])
 def test_digits_lost_late_in_the_run_are_noticed(engine):

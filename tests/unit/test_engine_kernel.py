@@ -107,6 +107,7 @@ def test_the_head_of_the_work_array_is_the_state():
     np.testing.assert_allclose(state.memory, 0.1 * np.outer(weights, np.ones(4)))
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["outer-solar-system", "nonseparable-chain", "arenstorf", "toda"])
 def test_array_kernels_agree_with_the_reference(name):

@@ -293,6 +293,7 @@ def test_a_finishing_method_is_applied_to_every_row_and_counted():
     assert finish.stages == 0
 
 
+@pytest.mark.slow
 def test_arithmetic_can_be_chosen():
     kernels = {
         arithmetic: solve("pendulum", "gauss-2", h=0.1, steps=10, arithmetic=arithmetic).kernel
@@ -304,6 +305,7 @@ def test_arithmetic_can_be_chosen():
     assert "not compensated" in kernels["naive"]
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize(("method", "steps"), [("gauss-5", 200), ("blanes-moan-rkn-6-14", 4000)])
 def test_fused_sums_are_compensated_all_the_same(method, steps):

@@ -100,6 +100,7 @@ def _is_plain(block: Any) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_start_of_the_file_makes_the_first_values(engine: str) -> None:

@@ -66,6 +66,7 @@ def invalid(root: Path, *names: str) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_every_file_is_valid_and_listed_with_its_hash(feed: Path) -> None:
     root = feed / VERSION
     files = ("index.json", "methods/gauss-2.json", "problems/kepler.json", "problems/index.json")

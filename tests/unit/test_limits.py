@@ -78,6 +78,7 @@ def decay(tmp_path_factory):
     return scene, run(scene)
 
 
+@pytest.mark.slow
 def test_records_and_answers_say_where_methods_fail(decay):
     scene, records = decay
     limits = {(r["method"], r.get("limit")) for r in records}

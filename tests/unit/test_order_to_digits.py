@@ -188,6 +188,7 @@ def test_a_value_that_is_not_the_solution_is_left_open() -> None:
     assert judged({**kept, **pair}).verdict is Verdict.OPEN
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name",

@@ -117,6 +117,7 @@ def test_zero_printed_with_digits_is_zero(tmp_path: Path) -> None:
 # --- names, files, objects --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_function_takes_names_files_and_objects(tmp_path: Path) -> None:
     file = glmref.load("rk4").save(tmp_path / "mine.json")
     for given in ("rk4", file, str(file), glmref.load("rk4")):

@@ -55,6 +55,7 @@ def test_growth_of_the_solution_is_not_growth_of_a_parasitic_part():
     assert psi.ravel() == pytest.approx(math.exp(h * (1 - 2 / math.sqrt(3))), abs=h**3)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1, "1/10")
 @pytest.mark.parametrize(("e", "rate"), [("1/10", 0.0163), ("3/10", 0.0241), ("3/5", 0.0934)])
 def test_rates_of_second_order_on_keplers_orbit(e, rate):
@@ -77,6 +78,7 @@ def test_a_loss_of_first_order_is_predicted(name):
     assert predict(name, PENDULUM, 0.1, 0.9 * seen).verdict == BOUNDED
 
 
+@pytest.mark.slow
 def test_a_start_with_a_larger_parasitic_part_is_lost_earlier():
     times = [predict("gsymplectic-p", PENDULUM, 0.1, start=x).time for x in (None, "zero")]
     assert times[1] < times[0]
@@ -135,6 +137,7 @@ def test_the_period_of_an_orbit_is_found():
     assert prediction._period(np.stack([np.cos(angles), np.sin(angles)], axis=1)) != 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "h"),
     [("van-der-pol", 0.1), ("van-der-pol", 20.0), ("kaps", 0.3), ("linear-field", 20.0)],
@@ -157,6 +160,7 @@ def test_the_plan_of_a_scene_says_what_is_lost():
     assert predictions(load_scene("kepler")) == ()
 
 
+@pytest.mark.slow
 def test_the_example_is_as_printed():
     found = doctest.testmod(prediction)
     assert found.attempted and not found.failed

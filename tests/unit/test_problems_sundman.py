@@ -83,6 +83,7 @@ def test_a_constant_step_keeps_a_sharp_orbit():
     assert ends[0] < 1e-9 < 1e-1 < ends[1]
 
 
+@pytest.mark.slow
 def test_the_angular_momentum_is_kept_to_round_off_by_a_symplectic_method():
     p = problem("kepler-sundman", eccentricity="99/100")
     found = solve(p, load("gauss-3"), h=0.02, steps=3000, every=50)

@@ -141,6 +141,7 @@ def test_a_method_has_one_look_in_all_pictures() -> None:
     assert len({(k % 7, k % 8) for k in many.values()}) == 30
 
 
+@pytest.mark.slow
 def test_pages_of_a_report_share_their_looks(tmp_path: Path, records) -> None:
     folder = stored(tmp_path / "in", "oscillator-quick", records)
     turned = sorted(records, key=lambda x: x["task"]["method"], reverse=True)
@@ -181,6 +182,7 @@ def drawn_orbits(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [found[name] for name in order]
 
 
+@pytest.mark.slow
 def test_points_of_an_orbit_are_those_of_the_records(tmp_path: Path, records) -> None:
     site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
     rows = table(site / "run-oscillator-quick.html", "o-oscillator-quick")
@@ -547,6 +549,7 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     assert (tmp_path / "whole" / "method-rk4.html").is_file()
 
 
+@pytest.mark.slow
 def test_a_changed_copy_of_a_shipped_scene_has_its_own_words(tmp_path: Path, records) -> None:
     once = [{**x, "seconds": {**x["seconds"], "repeats": 1}} for x in records]
     folder = stored(tmp_path / "a", "oscillator-quick", once)
@@ -560,6 +563,7 @@ def test_a_changed_copy_of_a_shipped_scene_has_its_own_words(tmp_path: Path, rec
     assert not {"q25", "q75"} & set(table(page, "t-oscillator-quick")[0])
 
 
+@pytest.mark.slow
 def test_bars_of_many_runs_are_left_out_and_the_caption_says_so(tmp_path: Path, records) -> None:
     many = [{**records[n % len(records)], "evaluations": 1000 + n} for n in range(MOST_BARS + 1)]
     few = pages(tmp_path / "few", stored(tmp_path / "a", "oscillator-quick", records))

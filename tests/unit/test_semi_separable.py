@@ -136,6 +136,7 @@ def test_one_evaluation_a_step_however_f_is_given(given: Problem, engine: str) -
     assert np.abs(found.y - expected.y).max() < 1e-13
 
 
+@pytest.mark.slow
 def test_an_ensemble_takes_the_same_steps() -> None:
     y0 = np.array([TRAP.y0, np.array(TRAP.y0) * 1.25])
     found = solve_ensemble(TRAP, PAIR, y0, h=0.05, steps=40)
@@ -143,6 +144,7 @@ def test_an_ensemble_takes_the_same_steps() -> None:
     assert np.abs(found.y[0, 0] - alone.y[-1]).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_separable_systems_take_one_force() -> None:
     found = solve("kepler", PAIR, h=0.01, steps=100)
     expected = solve("kepler", "gauss-6", h=0.01, steps=100)

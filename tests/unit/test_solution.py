@@ -80,6 +80,7 @@ def test_components_have_the_names_of_the_problem() -> None:
 # --- between the rows -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("method", "h", "every"),
@@ -232,6 +233,7 @@ def test_progress_is_shown_on_one_line(capsys: pytest.CaptureFixture[str]) -> No
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_exception_of_a_right_hand_side_is_named(engine: str) -> None:
     def f(t: Any, y: Any) -> list[float]:
