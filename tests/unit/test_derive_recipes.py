@@ -268,15 +268,15 @@ ANSATZ = Path(__file__).with_name("three-stages.toml")
 
 @pytest.mark.slow
 def test_search_finds_a_method_and_resumes_where_it_stopped(tmp_path: Path) -> None:
-    state = tmp_path / "state.jsonl"
+    state = tmp_path / "state.sqlite"
     options = {"ansatz": str(ANSATZ), "starts": "96"}
     whole = recipes.run("search", options)
     assert whole.documents[0]["claims"]["order"] == 6
     recipes.run("search", {**options, "starts": "64", "state": str(state)})
     first, second = Records(state)
     # as an earlier version leaves it that is killed while it writes
-    state.write_bytes(compact(first) + b"\n" + compact(second)[:20])
-    state.with_suffix(".sqlite").unlink()
+    state.with_suffix(".jsonl").write_bytes(compact(first) + b"\n" + compact(second)[:20])
+    state.unlink()
     ran: list[int] = []
     resumed = recipes.run(
         "search", {**options, "state": str(state)}, lambda what, done, total: ran.append(done)
