@@ -69,11 +69,13 @@ def pytest_configure(config: pytest.Config) -> None:
     Machines are shared and slow at times: no example is failed for its duration. In CI the examples
     are the same in every run, so that a failure there can be repeated; elsewhere they are random.
 
-    What a shell starts in the background ignores Ctrl-C, and so does what it starts itself; tests
-    send it to programs.
+    What a shell starts in the background ignores Ctrl-C, and so does what it starts itself, and with
+    nohup the end of the terminal; tests send both to programs.
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
     gc.disable()
     # with --assert=plain nothing is rewritten, and the hook holds no names
     getattr(config.pluginmanager.rewrite_hook, "_must_rewrite", set()).discard("glmref")
