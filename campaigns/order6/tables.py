@@ -196,12 +196,15 @@ TABLES: Mapping[str, Callable[[], str]] = {
 }
 
 
-#: Methods that docs/choose.md recommends for large systems, for up to 100,000 steps.
-RECOMMENDED = ("s5i2-w3", "s5i1-w3")
+#: Methods that were faster than Gauss on large systems before the engine separated its stages.
+SMALL_MATRICES = ("s5i2-w3", "s5i1-w3")
 
 
-#: What docs/order6.md shows: exact and recommended methods of order 6, and three of order 8.
-SELECTED = ("g6245", "g6245-w3", *RECOMMENDED, "order8-s5-w3", "order8-s5i1-w3", "order8-s3-w3-i")
+#: What docs/order6.md shows: exact methods of order 6, those two, and three of order 8.
+SELECTED = (
+    *("g6245", "g6245-w3", *SMALL_MATRICES),
+    *("order8-s5-w3", "order8-s5i1-w3", "order8-s3-w3-i"),
+)
 
 
 def shipped(names: Collection[str] = ()) -> str:
@@ -226,7 +229,7 @@ def shipped(names: Collection[str] = ()) -> str:
         )
         rows.append(
             row(
-                f"**`{name}`**" if name in RECOMMENDED else f"`{name}`", m["order"], m["stages"],
+                f"`{name}`", m["order"], m["stages"],
                 implicit, number(m["error"]["after_conjugation"]), *times,
                 f"{m['start_stages']}, {m['finish_stages']}", verdict(long[name, "pendulum-2.3"]),
                 f"bounded at {' and '.join(where[name])}" if where[name] else "grows",

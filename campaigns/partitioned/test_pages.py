@@ -130,3 +130,23 @@ def _best(row):
     theirs = tables.best(row, others, "1e-09")
     assert ours is not None and theirs is not None
     return ours[1] / theirs[1]
+
+
+def test_times_and_renewed_runs_of_the_short_page_are_those_of_the_data():
+    page = " ".join(text(SHORT).split())
+    cases = [x for x in measured("world")["cases"] if x["case"].startswith(("henon", "pendulum"))]
+    spent = [{x["method"]: x["seconds"] for x in case["methods"]} for case in cases]
+    ratio = [x["pair-rkn-6-8b"] / x["blanes-moan-rkn-6-14"] for x in spent]
+    said = f"`pair-rkn-6-8b` takes {min(ratio):.2f} to {max(ratio):.2f} times the time"
+    assert said in page and len(cases) == 4
+    survey = measured("long-survey")["rows"]
+    renewed = [
+        (row["method"], run["verdict"])
+        for row in survey
+        if row["method"].startswith("pair-") and row["steps"] == 10_000_000
+        for run in row["runs"]
+        if run["renew"]
+    ]
+    assert len(renewed) > 60
+    assert [x for x in renewed if x[1] != "bounded"] == [("pair-rkn-8-16", "lost")]
+    assert "then stayed bounded, except one of `pair-rkn-8-16`" in page

@@ -98,17 +98,17 @@ ADVICE: tuple[Advice, ...] = (
         "notice",
         "semi-separable",
         ("multistep-kinetic-6", "multistep-kinetic-10", "gauss-5", "cooper-verner-8"),
-        "In velocities. Three of seven such systems were lost within ten million steps, each time "
-        "with a notice; `compare` tries a million steps of your orbit ({doc}`velocities`). With "
-        "damping or driving it takes the methods of the last row.",
+        "The system has to be written in velocities. Three of seven such systems were lost within "
+        "ten million steps, each time with a notice; `compare` tries a million steps of your orbit "
+        "({doc}`velocities`). With damping or driving it takes the methods of the last row.",
     ),
     Advice(
         "Hamiltonian, large, stages that require Newton's method",
         ("gauss-3", "gauss-4"),
         "symplectic; the engine separates the stages",
-        more="`s5i2-w3` and `s5i1-w3` have smaller matrices, but no gain in time at equal error "
-        "was found since. Both lose Kepler's orbit within ten million steps, `s5i1-w3` the "
-        "pendulum too.",
+        more="`s5i2-w3` and `s5i1-w3` have smaller matrices; with the present engine no gain in "
+        "time at equal error was confirmed. Both lose Kepler's orbit within ten million steps, "
+        "`s5i1-w3` the pendulum too.",
     ),
     Advice(
         "quadratic invariants (rigid body, angular momentum)",
