@@ -127,6 +127,8 @@ class Child:
         self.limits, self.folder = limits, folder
         self._pool: ProcessPoolExecutor | None = None
         self._ended = False
+        with _starting:
+            _start_tracker()  # before the first semaphore, which would start it otherwise
 
     def carry_out(self, function: Function, task: Task) -> Done:
         """Carry out a task; one whose process dies is tried again, as often as the limits say."""
@@ -269,6 +271,24 @@ def _ready(pinned: bool) -> bool:
 # --- around the start of a child ------------------------------------------------------------------
 
 
+def _start_tracker() -> None:
+    """Start the process of Python that unlinks the semaphores that this process leaves.
+
+    A process that a signal ends leaves its semaphores to it; users need no warning of that.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        return
+    before = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = f"{before or ''},ignore:resource_tracker"
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        if before is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = before
+
+
 @contextlib.contextmanager
 def _surroundings() -> Iterator[None]:
     """What a child inherits: one thread, and a deaf ear for Ctrl-C from its first moment on."""
@@ -281,7 +301,7 @@ def _surroundings() -> Iterator[None]:
     heard = None
     if hasattr(signal, "pthread_sigmask"):
         # spawning would start it otherwise, which unblocks SIGINT before the child is there
-        resource_tracker.ensure_running()
+        _start_tracker()
         heard = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -223,6 +223,28 @@ def test_a_child_is_deaf_for_ctrl_c_from_its_first_moment_on() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.skipif(os.name != "posix", reason="has no semaphores to unlink")
+@pytest.mark.parametrize("filters", [None, "default"])
+def test_a_process_that_ends_at_once_leaves_its_semaphores_without_a_warning(
+    filters: str | None,
+) -> None:
+    """What a signal ends does so; the tracker of Python wrote two lines to the user."""
+    code = (
+        "import os\n"
+        "from glmref.compute.child import Child, Limits\n"
+        "if __name__ == '__main__':\n"
+        "    before = dict(os.environ)\n"
+        "    child = Child(Limits())\n"
+        "    assert child.carry_out(abs, -1).value == 1\n"
+        "    os._exit(os.environ != before)\n"
+    )
+    surroundings = {k: x for k, x in os.environ.items() if k != "PYTHONWARNINGS"}
+    surroundings |= {"PYTHONWARNINGS": filters} if filters else {}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_result_that_cannot_be_sent_is_a_failure_of_its_task() -> None:
     child = Child(UNLIMITED)
     try:
