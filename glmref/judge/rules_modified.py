@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import TypeAlias
 
 from .arithmetic import Fraction, Number
@@ -21,6 +21,7 @@ from .trees import (
     Palette,
     Tree,
     cuts,
+    is_superfluous,
     neighbours,
     signed_versions,
     size,
@@ -75,12 +76,12 @@ def energy_gaps(a: Map, order: int) -> list[Number]:
     """Return the coefficients of H(Phi(y)) - H(y) at h^order.
 
     H(Phi(y)) is the sum of the products of a over the children of t, by sigma(t), times the
-    elementary Hamiltonian H(t); H(u o v) = -H(v o u).
+    elementary Hamiltonian H(t), which is 0 where the free tree is superfluous.
     """
     found = []
     for t in trees(ONE, order + 1):
-        signs = signed_versions(t)
-        if signs and t == min(signs):
+        signs = signed_versions(t)  # H(u o v) = -H(v o u)
+        if t == min(signs) and not is_superfluous(t):
             products: list[Number] = [Fraction(sign, symmetry(s)) for s, sign in signs.items()]
             for n, s in enumerate(signs):
                 for child in s[1]:
@@ -106,6 +107,7 @@ def conjugated(a: Map, c: dict[Tree, Number]) -> Map:
     return value
 
 
+@cache
 def change_rows(order: int) -> tuple[list[Tree], list[list[Fraction]]]:
     """Return trees of an order, and what c at these adds to each gap of the next order."""
     unknowns = trees(ONE, order)

@@ -220,13 +220,11 @@ def symmetry(tree: Tree) -> int:
 
 @cache
 def signed_versions(t: Tree) -> dict[Tree, int]:
-    """Return the sign of H at the rooted versions of a free tree; none where H(t) = -H(t)."""
+    """Return {version: sign of H at it} of the free tree under t; a move of the root changes it."""
     found, waiting = {t: 1}, [t]
     while waiting:
         s = waiting.pop()
-        for rest, branch, other in neighbours(s):
-            if rest == branch:
-                return {}
+        for _, _, other in neighbours(s):
             if other not in found:
                 found[other] = -found[s]
                 waiting.append(other)
@@ -236,10 +234,9 @@ def signed_versions(t: Tree) -> dict[Tree, int]:
 @cache
 def versions(t: Tree) -> frozenset[Tree]:
     """Return all rooted versions of the free tree under t."""
-    found, waiting = {t}, [t]
-    while waiting:
-        for _, _, other in neighbours(waiting.pop()):
-            if other not in found:
-                found.add(other)
-                waiting.append(other)
-    return frozenset(found)
+    return frozenset(signed_versions(t))
+
+
+def is_superfluous(t: Tree) -> bool:
+    """Tell whether an edge of the free tree under t joins two equal halves."""
+    return any(rest == branch for s in versions(t) for rest, branch, _ in neighbours(s))
