@@ -1,13 +1,10 @@
-"""Tables of C++ and Java: a name for each number, and methods that return arrays.
-
-What these have in common is that a name says what an array is: ``a21`` or ``getA()``.
-"""
+"""Tables of C++ in which each number has a name, such as ``a21``."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ..exact import Exact
@@ -24,21 +21,9 @@ def _value(text: str, scope: Scope) -> Any:
     return evaluate(node, scope)
 
 
-def _guarded(name: str, line: int, make: Callable[[], Table | None]) -> Iterator[Table]:
-    try:
-        table = make()
-    except Unread as error:
-        table = Table(name, line, unread=str(error))
-    if table is not None:
-        table.name, table.line = name, line
-        yield table
-
-
 def _line(text: str, at: int) -> int:
     return text.count("\n", 0, at) + 1
 
-
-# --- a name for each number -----------------------------------------------------------------------
 
 _NAMED = re.compile(
     r"(?<![\w.\]])(?:\w+::)?([a-z]+_?)(\d+(?:_\d+)?|)\s*=(?!=)\s*([^;,=]+?)\s*(?=[;,])"
@@ -63,9 +48,12 @@ def constants(text: str, declared: Mapping[str, int] | None = None) -> Iterator[
     name = made[1] if made else "constants"
     start, line = first.start(), _line(text, first.start())
     code = text[: text.find("\n}", start) % (len(text) + 1)]  # what follows is another function
-    for table in _guarded(name, line, lambda: _of_constants(code)):
-        table.order = (declared or {}).get(name)
-        yield table
+    try:
+        table = _of_constants(code)
+    except Unread as error:
+        table = Table("", 0, unread=str(error))
+    table.name, table.line, table.order = name, line, (declared or {}).get(name)
+    yield table
 
 
 def _of_constants(text: str) -> Table:

@@ -81,10 +81,6 @@ Scope = dict[str, Any]
 
 _ACCIDENTS = (ZeroDivisionError, RecursionError, IndexError, ValueError, TypeError, AttributeError)
 
-_METHODS: Mapping[str, Any] = {
-    "add": ast.Add, "subtract": ast.Sub, "multiply": ast.Mult, "divide": ast.Div,
-    "negate": None, "newInstance": None,
-}  # fmt: skip
 _FIRST = {
     *("array", "tensor", "asarray", "SUN_RCONST", "RCONST", "RC", "PetscRealConstant", "PetscReal"),
     *("big", "BigFloat", "float", "Float64", "T", "T2", "S", "float64", "tuple", "list", "Rat"),
@@ -97,9 +93,7 @@ _LAST = {"convert", "map", "parse", "tparse"}
 _DOTTED = re.compile(r"[A-Za-z_\u0080-\uffff][\w.\u0080-\uffff]*")
 
 
-def evaluate(
-    node: ast.expr, scope: Mapping[str, Any], text: Mapping[int, str] | None = None
-) -> Any:
+def evaluate(node: ast.expr, scope: Mapping[str, Any]) -> Any:
     """Evaluate an expression: a :class:`Number`, nested lists of them, or a string."""
     return _Evaluator(scope).of(node)
 
@@ -277,13 +271,6 @@ class _Evaluator:
     def _call_of_arrays(self, node: ast.Call, name: str) -> Any:
         """Evaluate a method of a number or an array, or what makes, joins or measures arrays."""
         last = name.rpartition(".")[2]
-        if last in _METHODS and isinstance(node.func, ast.Attribute):  # x.add(y) of Java
-            x, *more = (self.of(y) for y in (node.func.value, *node.args))
-            if last == "newInstance":
-                return more[0]
-            if last == "negate":
-                return _each(lambda n: n.of(-n.value), x)
-            return pairwise(_RULES[_METHODS[last]], x, more[0])
         if last == "sum" and isinstance(node.func, ast.Attribute):
             rows = self.of(node.func.value)
             return [x[0].of(sum((y.value for y in x), Exact(0)), x[0]) for x in rows]
