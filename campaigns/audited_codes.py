@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.driver import arguments
-from campaigns.pages import write
+from campaigns.pages import row, table, write
 
 ROOT = Path(__file__).parents[1]
 AUDITS = ROOT / "data" / "audits"
@@ -37,20 +37,15 @@ def records() -> dict[str, Mapping[str, Any]]:
     return {x.stem: json.loads(x.read_text("utf-8")) for x in sorted(AUDITS.glob("*.json"))}
 
 
-def row(cells: Sequence[object]) -> str:
-    """One row of a table in Markdown."""
-    return "| " + " | ".join(str(x).replace("|", "\\|") for x in cells) + " |"
-
-
 def counts() -> str:
     """Number of tables of each code by status, and of all."""
-    lines = [row(["code", "source", "tables", *STATUSES]), "|---" * (len(STATUSES) + 3) + "|"]
-    total = [0] * len(STATUSES)
+    rows, total = [], [0] * len(STATUSES)
     for code, record in records().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
         total = [x + y for x, y in zip(total, found, strict=True)]
-        lines.append(row([code, source(record), sum(found), *found]))
-    return "\n".join([*lines, row(["all", "", sum(total), *total])])
+        rows.append(row(code, source(record), sum(found), *found))
+    rows.append(row("all", "", sum(total), *total))
+    return table(["code", "source", "tables", *STATUSES], rows)
 
 
 def named(table: Mapping[str, Any]) -> str:
@@ -75,11 +70,7 @@ def source(record: Mapping[str, Any]) -> str:
 
 def findings() -> str:
     """Every table that is not right, the wrong ones first."""
-    lines = [
-        row(["code", "table", "place", "source", "status", "declared", "found", "tree, residual",
-             "named"]),
-        "|---" * 9 + "|",
-    ]  # fmt: skip
+    rows = []
     for status in ("wrong", "question", "digits"):
         for code, record in records().items():
             for x in record["tables"]:
@@ -87,23 +78,21 @@ def findings() -> str:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
                     place = f"`{x['path']}`:{x['line']}"
                     cells = [code, x["name"], place, source(record), status, x.get("declared", "")]
-                    lines.append(row([*cells, x.get("found", ""), tree, named(x)]))
-    return "\n".join(lines)
+                    rows.append(row(*cells, x.get("found", ""), tree, named(x)))
+    head = "code, table, place, source, status, declared, found"
+    return table([*head.split(", "), "tree, residual", "named"], rows)
 
 
 def first() -> str:
     """Some wrong tables, each with the first thing that the audit names."""
-    known, lines = (
-        records(),
-        [row(["code", "table", "declared", "found", "named"]), "|---" * 5 + "|"],
-    )
+    known, rows = records(), []
     for code, name in SHOWN_FIRST:
         found = next(
             x for x in known[code]["tables"] if x["name"] == name and x["status"] == "wrong"
         )
         said = named(found).partition("; ")[0]
-        lines.append(row([code, name, found["declared"], found["found"], said]))
-    return "\n".join(lines)
+        rows.append(row(code, name, found["declared"], found["found"], said))
+    return table(["code", "table", "declared", "found", "named"], rows)
 
 
 #: Name of a table of a page -> what writes it: of the short page, then of the long one.

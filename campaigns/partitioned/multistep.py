@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import pages
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.partitioned import work
 from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
@@ -296,8 +297,7 @@ def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
     documents
         Records of ``multistep-long``, ``multistep-growth`` and ``multistep-resonances``.
     """
-    heads = "method, systems, order, values, kicks a step, first resonance, bounded"
-    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 7 + "|"]
+    rows = []
     first = {
         x["method"]: x["ranges"][0][0]
         for x in documents["multistep-growth"]["scans"]
@@ -315,8 +315,9 @@ def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
         runs = [x["bounded"] for x in documents["multistep-long"]["runs"] if x["method"] == name]
         cells = ["separable" if shipped.q else "second order", order, values]
         cells += [2 if shipped.slopes else 1, f"{first[name]:g}", f"{sum(runs)} of {len(runs)}"]
-        lines.append(f"| `{name}` | {' | '.join(map(str, cells))} |")
-    return "\n".join(lines) + "\n"
+        rows.append(pages.row(f"`{name}`", *cells))
+    heads = "method, systems, order, values, kicks a step, first resonance, bounded"
+    return pages.table(heads.split(", "), rows)
 
 
 # --- resonances -----------------------------------------------------------------------------------
