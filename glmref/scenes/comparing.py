@@ -515,7 +515,7 @@ def _recommended(
             f"step sizes; raise the tolerance or shorten the run"
         )
     fit = [one for one in reached if one.fit_for_long_runs]
-    bounded = [one for one in fit if one.long_runs in _KEPT or one.long_runs == BOUNDED]
+    bounded = [one for one in fit if one.long_runs in (BOUNDED, *_KEPT)]
     choice = (bounded or fit) if kind != "general" else fit
     if not choice:
         names = ", ".join(one.method for one in reached)

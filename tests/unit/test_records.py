@@ -158,7 +158,7 @@ def test_a_disk_that_fills_costs_no_record_that_was_there(tmp_path, room):
 
 
 def flips(path, right, bits):
-    """Flip bits of a file, one at a time; what is read is right or missing, and can be repaired."""
+    """Flip bits of a file, one at a time; a record is right or measured again, or the file refused."""
     whole = path.read_bytes()
     refused = 0
     for bit in bits:
