@@ -38,8 +38,12 @@ def test_every_candidate_reaches_the_tolerance_at_the_step_size_that_is_shown(pe
 def test_the_recommended_method_is_symplectic_and_its_file_records_no_growth(pendulum):
     labels = {one.method: one.long_runs for one in pendulum.candidates}
     assert labels["pair-rkn-6-8b"] == "predicted as bounded" and labels["rk4"] == "drifts"
-    assert document(pendulum.recommended)["claims"]["symplectic"]
-    assert pendulum.recommended in pendulum.reason or "it reaches" in pendulum.reason
+    # ranked by evaluations: of methods that take about the same time another one may be the fastest
+    ranked = sorted(pendulum.candidates, key=lambda one: one.evaluations)
+    name, reason = comparing._recommended(ranked, pendulum.kind, 1e-6, "state")
+    assert name in ("blanes-moan-rkn-6-14", "stormer-verlet")
+    assert name in reason or "it reaches" in reason
+    assert labels[pendulum.recommended] in ("bounded", "predicted as bounded")
 
 
 def test_a_method_that_is_lost_is_never_recommended_however_fast():
