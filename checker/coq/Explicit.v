@@ -1,4 +1,4 @@
-(** * No explicit symmetric multistep half is free of parasitic growth
+(** * No explicit symmetric multistep half has parasitic residues that are all 0
 
     A half of a partitioned multistep method is rho(E) y_n = h sigma(E) f_n with
     rho = (z - zeta_1) .. (z - zeta_k), where 1 is one of the roots, all simple and none 0, and

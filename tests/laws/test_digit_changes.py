@@ -1,6 +1,6 @@
-"""Change any one digit of any coefficient of any shipped method: some claim fails.
+"""Change one digit of a coefficient of a shipped method: some claim is found false.
 
-A sample of the digits of coefficients, constants, forms, starts and finishes of a file in
+A sample of the digits of coefficients, constants, forms, starts and finishes of some files in
 ``data/methods`` is replaced by the next one in turn; with ``GLMREF_LONG`` the sample is larger, and
 of all files. A change that the loader refuses, or that makes the enclosure's proof fail, is caught
 too.
