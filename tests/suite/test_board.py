@@ -27,7 +27,7 @@ def finding(claim: str, verdict: Verdict, witness: str = "", method: str = "rk4"
 COMPILERS = ("gcc", "g++", "gfortran", "rustc")
 #: Adapters whose library is no package of Python.
 SYSTEM = ("gsl", "odeint", "rklib", "sundials")
-#: Methods of others that miss the order that they declare (docs/audit.md).
+#: Methods of others that miss the order that they declare (docs/audit/tables.md).
 WRONG_UPSTREAM = {"rklib": {"rks5", "rk8_10"}}
 
 RIGHT = Row(
