@@ -57,7 +57,7 @@ class ModifiedRules:
             found = find(field)
             if found.fails:
                 reason = f"order {found.order + 1} fails at {found.witness}"
-                return Range(found.order, found.order, reason=reason)
+                return Range(found.order, found.order, reason=reason, value=found.order)
         return Range(LARGEST_CONJUGATE, None, value=LARGEST_CONJUGATE)
 
     @cached_property

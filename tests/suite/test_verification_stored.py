@@ -28,6 +28,12 @@ def test_every_claim_is_stored_as_it_is_declared_and_holds() -> None:
         assert set(declared) - set(claims) <= orders, RENEW
 
 
+def test_what_holds_was_found_as_it_is_declared() -> None:
+    for one in STORED["findings"]:
+        if isinstance(one["declared"], int) and not one["claim"].startswith("refutes "):
+            assert one["value"] == one["declared"], one
+
+
 @pytest.mark.parametrize("name", SAMPLE)
 def test_what_is_stored_is_what_is_found(name: str) -> None:
     found = [one.as_json() for one in verify_file(name)]
