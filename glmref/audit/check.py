@@ -12,6 +12,7 @@ from ..errors import DataError, GlmrefError
 from ..findings import Finding, Verdict
 from ..prove.verifier import verify
 from ..system.shown import ShownList
+from ..views.tables import shown_value
 
 
 class CheckFailed(GlmrefError, AssertionError):
@@ -29,11 +30,16 @@ def sentence(x: Finding) -> str:
     """One finding in words."""
     head = f"{x.method}: " if x.method else ""
     row = x.claim.removeprefix("order of ")
-    head += f"{x.claim} {x.declared}" if row == x.claim else f"order {x.declared} of {row}"
+    declared, found = shown_value(x.declared), f"found {shown_value(x.value)}"
+    head += f"{x.claim} {declared}" if row == x.claim else f"order {declared} of {row}"
     if x.verdict is Verdict.HOLDS:
         return f"{head} holds" + (f" ({x.witness})" if x.witness else "")
-    word = "is not decided" if x.verdict is Verdict.OPEN else "fails"
-    return f"{head} {word}: {x.witness}"
+    if x.verdict is Verdict.OPEN:
+        return f"{head} is not decided: {x.witness}"
+    more = isinstance(x.value, int) and isinstance(x.declared, int) and x.value > x.declared
+    if x.witness == found or (x.witness and not more):
+        return f"{head} fails: {x.witness}"
+    return f"{head} fails: " + "; ".join(y for y in (found, x.witness) if y)
 
 
 def check(

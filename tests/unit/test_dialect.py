@@ -221,6 +221,27 @@ def test_a_method_in_doubles_has_order_4_to_16_digits_first(tmp_path: Path, caps
     assert verdicts(capsys, "check", write(tmp_path, wrong)) == (1, ["fails"])
 
 
+@pytest.mark.parametrize(
+    ("claim", "sentence"),
+    [
+        ({"symplectic": False}, "symplectic no fails: found yes"),
+        ({"stage-order": 3}, "stage-order 3 fails: found 1"),
+        (
+            {"hamiltonian-to-order": 7},
+            "hamiltonian-to-order 7 fails: found 8; no tree of order 8 or less fails",
+        ),
+        ({"energy-order": 1}, "energy-order 1 fails: found 2; order 3 fails at [oo]"),
+        ({"energy-order": 4}, "energy-order 4 fails: order 3 fails at [oo]"),
+    ],
+)
+def test_a_claim_that_fails_says_what_was_found(
+    claim: dict[str, Any], sentence: str, tmp_path: Path, capsys: Any
+) -> None:
+    file = write(tmp_path, {"A": [["1/2"]], "b": ["1"], "claims": claim})
+    assert main(["check", file]) == 1
+    assert capsys.readouterr().out == sentence + "\n"
+
+
 def test_parts_at_other_times_than_their_row_sums_are_checked_only(
     tmp_path: Path, capsys: Any
 ) -> None:
