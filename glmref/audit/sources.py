@@ -229,7 +229,9 @@ def _read(
         return
     language = language_of(path)
     if language is None:
-        raise DataError(f"the language of a file {path.suffix or 'without an ending'} is not known")
+        which = path.suffix or "without an ending"
+        more = f"; --from {which[1:]} reads it" if which[1:] in FORMATS else ""
+        raise DataError(f"the language of a file {which} is not known{more}")
     found = tables(
         text, language, fixed=path.suffix in FIXED, about=given, declared=declared, where=path.name
     )

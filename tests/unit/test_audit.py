@@ -261,6 +261,13 @@ def test_plain_csv_has_a_table_in_each_row() -> None:
     assert found["wrong"]["found"] == 1 and found["odd"]["status"] == "unread"
 
 
+def test_a_plain_table_read_as_a_source_names_its_reader(tmp_path: Path, capsys: Any) -> None:
+    (tmp_path / "heun.csv").write_text("name,A,b,order\nHeun,0 0; 1 0,1/2 1/2,2\n")
+    assert main(["audit", str(tmp_path / "heun.csv")]) == 2
+    assert "is not known; --from csv reads it" in capsys.readouterr().out
+    assert main(["audit", str(tmp_path / "heun.csv"), "--from", "csv"]) == 0
+
+
 def test_the_command_offers_every_reader() -> None:
     from glmref.audit.readers import FORMATS, SUFFIXES
     from glmref.audit.sources import _MARKS
