@@ -29,7 +29,7 @@ from .trees import (
     trees,
 )
 
-LARGEST = 8  # through which a field c with [c, f] Hamiltonian is known to be Hamiltonian
+LARGEST = 8  # of [c, f]: where it is Hamiltonian through this order, c is known to be, too
 ONE: Palette = (("o", "o"),)
 Map: TypeAlias = "Callable[[Tree], Number]"
 SYMPLECTIC = "Hairer, Lubich, Wanner (2006), theorems VI.7.6 and IX.9.3"
@@ -229,8 +229,8 @@ MODIFIED_RULES = (
     ),
     *_bounds(
         "conjugate-symplectic", ConjugateCase,
-        "the equations for the change are linear order by order, and what they leave open is "
-        "Hamiltonian through order 8: a contradiction excludes every change", CONJUGATE,
+        "the equations for the change are linear order by order, and what those through order 8 "
+        "leave open is Hamiltonian: a contradiction excludes every change", CONJUGATE,
     ),
     *_bounds(
         "energy", EnergyCase,
