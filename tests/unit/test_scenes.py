@@ -180,6 +180,15 @@ def test_the_quick_title_is_that_of_table_picture_and_report(tmp_path, monkeypat
     )
 
 
+@pytest.mark.parametrize("key", ["format", "name", "title", "question", "t_end", "ask"])
+def test_a_key_that_is_missing_is_named(tmp_path, key):
+    lines = SMALL.splitlines(keepends=True)
+    first = next(n for n, x in enumerate(lines) if x.startswith(f"{key} = "))
+    path = write(tmp_path, "".join(lines[:first] + lines[first + 1 :]))
+    with pytest.raises(DataError, match=f"line 1: the key `{key}` is missing$"):
+        load_scene(path)
+
+
 @pytest.mark.parametrize("key", ["title", "question"])
 def test_a_quick_title_that_is_no_text_is_refused(tmp_path, key):
     path = write(tmp_path, SMALL.replace("[quick]\n", f"[quick]\n{key} = 3\n"))
