@@ -202,6 +202,8 @@ def audit(
         name = ", ".join(map(str, sources))
         read = f" read as {form}; name another --from, or none" if form else ""
         hint = "" if form else "; a table can be given as JSON, too (docs/check.md)"
+        if not form and not records and any(x.is_dir() for x in sources):
+            hint = f"; a file given by its name is searched more closely{hint}"
         complain(f"no table {what} in {name}{read}{hint}")
         return FAILED if strict and records else BAD_INPUT
     return FAILED if counts.get("wrong") or (strict and unread) else HOLDS

@@ -268,6 +268,15 @@ def test_a_plain_table_read_as_a_source_names_its_reader(tmp_path: Path, capsys:
     assert main(["audit", str(tmp_path / "heun.csv"), "--from", "csv"]) == 0
 
 
+def test_a_folder_without_a_table_leads_to_its_files(tmp_path: Path, capsys: Any) -> None:
+    text = "A = [[0, 0, 0], [0.5, 0, 0], [-1, 3, 0]]\nb = [1/6, 2/3, 1/6]\nc = [0, 0.5, 1]\n"
+    (tmp_path / "m.py").write_text(text)  # one row in two sums to its node: noise, in a folder
+    assert main(["audit", str(tmp_path)]) == 2
+    assert "; a file given by its name is searched more closely; " in capsys.readouterr().err
+    assert main(["audit", str(tmp_path / "m.py")]) == 0
+    assert '"entry": "a[3][2]", "is": "3", "should be": "2"' in capsys.readouterr().out
+
+
 def test_the_command_offers_every_reader() -> None:
     from glmref.audit.readers import FORMATS, SUFFIXES
     from glmref.audit.sources import _MARKS
