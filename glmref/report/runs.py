@@ -219,14 +219,14 @@ def _shipped(run: RunFile) -> Any:
 def _unfinished(records: Sequence[Record]) -> list[tuple[str, Any, str]]:
     """Name, step and reason of each run that was not completed."""
     return [
-        (
-            method_of(x),
-            _step(x),
-            ": ".join(filter(None, (str(x.get("outcome")), str(x.get("message") or "")))),
-        )
-        for x in records
-        if x.get("outcome") != "completed"
+        (method_of(x), _step(x), _reason(x)) for x in records if x.get("outcome") != "completed"
     ]
+
+
+def _reason(record: Record) -> str:
+    """Return outcome and message of a run, or the message where it begins with the outcome."""
+    outcome, message = str(record.get("outcome")), str(record.get("message") or "")
+    return message if message.startswith(outcome) else ": ".join(filter(None, (outcome, message)))
 
 
 def _curves(run: RunFile, title: str, far: str) -> tuple[Figure, Table] | None:

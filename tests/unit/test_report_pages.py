@@ -254,14 +254,17 @@ def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(
         {"format": "glmref-record-1", "task": {"kind": "method", "method": "mine"}},
         {**records[2], "format": "glmref-record-99"},
         {**records[3], "seconds": "soon", "drifts": 7, "series": [1, [2]], "where": None},
+        {**records[1], "outcome": "lost", "message": "lost at t = 13.8: parasitic"},
     ]
     site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator", odd))
     text = (site / "run-oscillator.html").read_text(encoding="utf-8")
     rows = table(site / "run-oscillator.html", "t-oscillator")
     assert rows[0]["state_error"] == "NaN" and rows[0]["energy_error"] == "infinite"
-    assert rows[1]["outcome"] == "not finite" and "the values left the numbers at t = 3" in text
+    assert rows[1]["outcome"] == "not finite"
+    assert ": not finite: the values left the numbers at t = 3<" in text
+    assert ": lost at t = 13.8: parasitic<" in text and "lost: lost" not in text
     assert rows[2]["method"] == "mine" and rows[2]["state_error"] == "–"
-    assert len(rows) == 4 and "no answer" in text
+    assert len(rows) == 5 and "no answer" in text
     assert "glmref-record-99" in (site / "measured.html").read_text(encoding="utf-8")
 
 
