@@ -283,7 +283,7 @@ class Reader:
                 f"and a scene holds such keys under [problem]",
             )
         self.known((), given, _KEYS)
-        for key in (x for x in (*_TEXTS, "t_end", "ask") if x not in given):
+        for key in (x for x in (*_TEXTS, "ask") if x not in given):
             raise self.fail((), f"the key `{key}` is missing")
         for key in (*_TEXTS, *(x for x in ("$schema",) if x in given)):
             self.text((key,), given[key])

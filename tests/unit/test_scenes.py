@@ -180,7 +180,7 @@ def test_the_quick_title_is_that_of_table_picture_and_report(tmp_path, monkeypat
     )
 
 
-@pytest.mark.parametrize("key", ["format", "name", "title", "question", "t_end", "ask"])
+@pytest.mark.parametrize("key", ["format", "name", "title", "question", "ask"])
 def test_a_key_that_is_missing_is_named(tmp_path, key):
     lines = SMALL.splitlines(keepends=True)
     first = next(n for n, x in enumerate(lines) if x.startswith(f"{key} = "))
