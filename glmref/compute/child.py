@@ -127,8 +127,6 @@ class Child:
         self.limits, self.folder = limits, folder
         self._pool: ProcessPoolExecutor | None = None
         self._ended = False
-        with _starting:
-            _start_tracker()  # before the first semaphore, which would start it otherwise
 
     def carry_out(self, function: Function, task: Task) -> Done:
         """Carry out a task; one whose process dies is tried again, as often as the limits say."""
@@ -163,6 +161,8 @@ class Child:
                 f"processes begin in the current folder, and that cannot be entered "
                 f"({reason(error)}); go to another one"
             ) from None
+        with _starting:
+            _start_tracker()  # before the first semaphore, which would start it otherwise
         # spawn: the same on every system, and no thread of the parent can be caught half-way
         pool = ProcessPoolExecutor(1, get_context("spawn"), _begin, (self.limits, self.folder))
         self._pool = pool

@@ -195,7 +195,8 @@ def _survey():
             periodic = row["problem"].startswith(("kepler", "pendulum"))
             if periodic and not run["renew"] and run["verdict"] in ("lost", "bounded"):
                 found[f"{row['method']}, {row['problem']}, h = {run['h']}"] = row, run
-    return {k: (row, run) for k, (row, run) in found.items() if load(row["method"]).carried > 1}
+    carried = {name: load(name).carried for name in {row["method"] for row, _ in found.values()}}
+    return {k: (row, run) for k, (row, run) in found.items() if carried[row["method"]] > 1}
 
 
 SURVEY = _survey()
