@@ -49,6 +49,7 @@ def test_recommended_methods_stay_on_every_problem_at_every_step_size():
     assert Counter(kept) == {(10**6, "bounded"): each, (10**7, "bounded"): each}
 
 
+@pytest.mark.slow
 def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
     where = {}
     for x in ROWS:

@@ -13,6 +13,7 @@ BODIES = [problem("rigid-body", inertia1=n) for n in (2, "17/8")]
 OPTIONS = {"h": 1 / 16, "steps": 2000, "first": 100, "engine": "interpreted"}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gauss-1", "gsymplectic-n"])
 def test_a_kept_form_shows_round_off_only(name):
     found = round_off(load(name), BODIES, **OPTIONS)

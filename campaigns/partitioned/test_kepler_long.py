@@ -81,6 +81,7 @@ def expected_labels(stored):
     return found
 
 
+@pytest.mark.slow
 def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
     assert labels("kepler-long.json") == expected_labels(measured("kepler-long"))
     assert {name: kepler_notes(name) for name in labels("kepler-long.json")} == labels(
@@ -89,6 +90,7 @@ def test_a_file_is_labelled_exactly_where_a_run_is_not_bounded():
     assert kepler_notes("gauss-3") == []
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("method", "eccentricity", "values"),
     [
@@ -152,6 +154,7 @@ def test_a_pair_that_stayed_bounded_everywhere_would_be_named():
     assert steady_pairs(stored)[1] == ["pair-6-10"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("method", "key"),
     [("kahan-li-8", "runs"), ("gauss-3", "further"), ("blanes-moan-rkn-6-14", "runs")],

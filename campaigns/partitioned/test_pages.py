@@ -98,6 +98,7 @@ def counted(records):
     return len(pairs), len(grow), len(lost), len(renewed)
 
 
+@pytest.mark.slow
 def test_the_sentences_of_the_short_page_are_those_of_the_data():
     records = {x: measured(x) for x in ("pairs", "pairs-long", "pairs-starts", "kepler-long")}
     page = " ".join(text(SHORT).split())

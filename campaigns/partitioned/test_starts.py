@@ -51,6 +51,7 @@ def stored():
     return json.loads((MEASURED / "pairs-starts.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_the_stored_orders_are_those_of_the_claims():
     rows = stored()["starts"]
     assert [x["method"] for x in rows] == started_pairs()
@@ -62,6 +63,7 @@ def test_the_stored_orders_are_those_of_the_claims():
         assert all(x > y - CLOSE for x, y in zip(orders[2:], least, strict=True)), row
 
 
+@pytest.mark.slow
 def test_every_pair_with_a_start_is_measured():
     record = stored()
     pairs = {x for x in names("methods") if document(x)["class"] == "pair-sweep"}
@@ -89,6 +91,7 @@ def later(record):
     return found
 
 
+@pytest.mark.slow
 def test_a_file_says_so_exactly_where_a_hundred_million_steps_show_growth():
     labelled = {}
     for name in started_pairs():

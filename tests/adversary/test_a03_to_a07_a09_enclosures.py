@@ -192,6 +192,7 @@ def test_a_broken_file_proves_its_zeros_too(name: str, tmp_path) -> None:
     assert found.proof in (Proof.ENCLOSED, Proof.EXACT)
 
 
+@pytest.mark.slow
 def test_the_files_themselves_hold() -> None:
     for name in ("s3-w3", "pair-4-4"):
         assert set(verdicts(shipped(name)).values()) == {Verdict.HOLDS}

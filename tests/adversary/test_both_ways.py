@@ -61,7 +61,7 @@ def test_no_claim_of_a_hostile_document_is_accepted_in_both_directions(name: str
         assert len(directions(subject, claim, declared, own)) < 2
 
 
-@pytest.mark.sampled(4, besides=("pair-6-8", "pair-6-9"))
+@pytest.mark.sampled(1, besides=("pair-6-8", "pair-6-9"))
 @pytest.mark.parametrize("name", [*names(), *names("broken")])
 def test_no_claim_of_the_catalogue_is_accepted_in_both_directions(name: str) -> None:
     d = dict(document(name))

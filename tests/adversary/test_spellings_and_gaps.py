@@ -21,6 +21,7 @@ ONE = (
 )  # fmt: skip
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("text", ONE)
 def test_one_is_one_however_it_is_written(text: str, tmp_path: Path) -> None:
     d = doc("rk", {"order": 1, "consistent": True}, **{**EULER, "b": [text]})
@@ -61,6 +62,7 @@ def test_an_undecided_eigenvalue_one_is_no_refusal_to_analyze(V: Any, keys: Any)
     assert list(found.order_proved) == [0, None]
 
 
+@pytest.mark.slow
 def test_a_table_with_its_c_in_decimals_says_how_many_digits_hold() -> None:
     d = rounded(shipped("sharp-verner-7-6"), 33)
     d["claims"] = {"order": 7}

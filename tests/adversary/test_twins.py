@@ -16,6 +16,7 @@ ONE = [["1"]]
 DOUBLE = [["1", "0"], ["0", "1"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "seed"), [(5, 3), pytest.param(20, 4, marks=pytest.mark.slow)])
 def test_a_verdict_about_digits_is_true_of_every_method_in_them(count: int, seed: int) -> None:
     tally = twins.attack(count, seed)

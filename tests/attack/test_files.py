@@ -92,6 +92,7 @@ def dear(folder):
                           "claims": {"explicit": False, "symmetric": True, "a-stable": True}})  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_proof_that_exceeds_its_budget_is_open_with_the_reason(tmp_path):
     path = dear(tmp_path)
     started = time.thread_time()
@@ -104,6 +105,7 @@ def test_a_proof_that_exceeds_its_budget_is_open_with_the_reason(tmp_path):
     assert "the budget of 0.1 s of processor time is spent" in undecided["a-stable"]
 
 
+@pytest.mark.slow
 def test_the_command_has_the_budget(tmp_path, capsys):
     path = dear(tmp_path)
     assert glmref(["verify", str(path), "--budget", "0.3"]) == 3
@@ -181,6 +183,7 @@ def test_what_flint_cannot_decide_is_said_in_a_short_sentence():
     assert Exact(3)._brief() == "Exact(3)"
 
 
+@pytest.mark.slow
 def test_entries_that_cannot_be_decided_are_refused_with_the_name_of_the_file(tmp_path):
     entry = "sqrt(2+exp(2*pi*i/29))*sqrt(2+exp(-2*pi*i/29))"  # neither of roots of unity alone
     with pytest.raises(DataError, match=r"mine\.json: .*could not decide"):

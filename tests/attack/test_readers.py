@@ -26,7 +26,7 @@ from . import (
 )  # fmt: skip
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("attack", "count", "ends"),
     [
@@ -59,6 +59,7 @@ def test_the_attack_sees_a_record_that_nobody_wrote(monkeypatch):
     assert any("a run reads what nobody wrote" in x for x in tally.violations)
 
 
+@pytest.mark.slow
 def test_the_attack_sees_a_certificate_of_what_is_false():
     (rk4,) = (x for x in certificates.sound()
               if (x["statement"]["method"], x["statement"]["claim"]) == ("rk4", "order"))  # fmt: skip

@@ -39,7 +39,7 @@ def power(method, n):
     return np.array([[complex(x).real for x in row] for row in result])
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_a_field_of_zero_applies_v(name):
     method, steps = load(name), 5

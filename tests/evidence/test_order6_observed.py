@@ -114,6 +114,7 @@ def test_solution_and_parasitic_part_have_the_order_of_the_theory(name: str, cas
     assert abs(parasitic.order - 7) < CLOSE, parasitic
 
 
+@pytest.mark.slow
 def test_without_start_and_finish_a_conjugated_method_has_order_2() -> None:
     solution, _ = measured("s5i1-w3", "pendulum", zero=True)
     assert abs(solution.order - 2) < CLOSE, solution

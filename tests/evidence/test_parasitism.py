@@ -132,6 +132,7 @@ def test_p_is_lost_at_about_14_and_n_at_about_1062(name, time, percent):
     assert told.time == pytest.approx(time, rel=percent / 100)
 
 
+@pytest.mark.slow
 def test_n_survives_where_mu_f_prime_does_not_grow():
     gentle = problem("pendulum", q0="6/5")
     method = load("gsymplectic-n")
@@ -146,7 +147,7 @@ def test_n_survives_where_mu_f_prime_does_not_grow():
 BOUNDS = {"thesis-3-8": 2e-6, "s4-symmetric": 2e-6, "g6245": 1e-9, "g6245-w3": 1e-9}
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("name", FREE)
 def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
     found, told = follow_pendulum(name, 1_000_000)

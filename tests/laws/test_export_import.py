@@ -148,6 +148,7 @@ def test_decimals_of_chosen_length_come_back(name: str) -> None:
             assert all(same(x, y, 20) for x, y in zip(row, found, strict=True))
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", ADDITIVE)
 def test_additive_methods_come_back(name: str) -> None:
     for form in ("petsc", "sundials"):

@@ -180,6 +180,7 @@ COMMON = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=60, **COMMON)
 @given(runs())
 def test_any_method_on_extreme_inputs_ends_in_a_name(run):

@@ -120,7 +120,7 @@ def test_a_bilinear_invariant_is_kept_to_round_off_over_1000_steps(name, seed):
     assert abs(np.sum(sweep.G * (q @ S @ p.T)) - before) < bound
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("half", ["X_read", "Y_read"])
 def test_a_near_miss_loses_the_bilinear_invariant(half):
     S, f, k = system_with_invariant(np.random.default_rng(5), 3)
@@ -149,7 +149,7 @@ def test_the_weights_of_a_consistent_method_have_equal_sums(name):
     assert (first - second + pair.D_Q[-1]).is_zero() is False  # the last weight left out
 
 
-@pytest.mark.sampled(1, besides=("pair-rkn-8", "pair-8-24"))
+@pytest.mark.sampled(0, besides=("pair-rkn-8", "pair-8-24"))
 @pytest.mark.parametrize("name", PAIRS)
 def test_an_invariant_whose_halves_do_not_vanish_is_kept_too(name):
     """H = ln p + ln q: f(p) p = 1, q k(q) = -1, and 0 lies in neither domain."""
@@ -247,7 +247,7 @@ def planted(doc, key, change):
     return wrong
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["pair-4-4", "pair-6-7"])
 @pytest.mark.parametrize("key", ["b", "w", "c", "v"])
 def test_an_error_in_one_component_only_is_caught(name, key):

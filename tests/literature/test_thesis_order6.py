@@ -245,6 +245,7 @@ def test_last_entry_of_the_printed_u_is_that_of_the_fifth_stage() -> None:
     assert gamma[4] != gamma[3]
 
 
+@pytest.mark.slow
 def test_same_construction_with_c2_one_third_is_symplectic_and_of_order_exactly_6() -> None:
     for z in (ZETA3, root_of_unity(1, 4)):
         method = order6(z)
@@ -253,6 +254,7 @@ def test_same_construction_with_c2_one_third_is_symplectic_and_of_order_exactly_
         assert order(method, "identity") == 6
 
 
+@pytest.mark.slow
 def test_enhanced_start_gains_one_order_in_each_pass() -> None:
     # S_{k+1} = S_k + (I - V)^-1 [M S_k - S_k((M S_k)_1)] on the components 2..4, as B-series on
     # all 37 trees: S_0 = (y, 0, 0, 0) is the starting series through order 2, S_4 through 6.

@@ -87,6 +87,7 @@ def spelled(path: Path) -> set[str]:
     return {x.value for x in nodes(path) if isinstance(x, ast.Constant) and x.value in OWN}
 
 
+@pytest.mark.slow
 def test_a_key_is_spelled_in_one_module() -> None:
     found = {
         path.relative_to(PACKAGE).as_posix(): keys for path in SOURCES if (keys := spelled(path))

@@ -103,6 +103,7 @@ def test_an_import_inside_a_function_has_a_reason() -> None:
     assert not {module: lines for module, lines in found.items() if lines}
 
 
+@pytest.mark.slow
 def test_what_a_module_loads_is_known() -> None:
     assert "numpy" in loads("glmref.engine.reference")
     assert "numpy" not in loads("glmref.theory.order")

@@ -100,7 +100,7 @@ def marked(pages: list[str], slow: set[str]) -> list[object]:
     return [pytest.param(page, marks=pytest.mark.slow) if page in slow else page for page in pages]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("page", marked([page for page in PAGES if commands(page)], SLOW))
 def test_the_commands_do_what_the_page_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]

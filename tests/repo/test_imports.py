@@ -325,6 +325,7 @@ NUMERICS = {"numpy", "numba", "matplotlib", "scipy", "click"}
 KEPLER = "import glmref\np = glmref.problem('kepler')\np.f(0.0, p.y0)\np.jacobian(0.0, p.y0)"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("code", "needed", "absent"),
     [

@@ -85,6 +85,7 @@ def test_every_check_of_the_method_holds_for_the_program(program: Path, method: 
     assert {"stages", "step", "abscissae", "backward", "trajectory", f"order{order}"} <= claims
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("method", REFUSED)
 def test_a_method_that_is_not_served_is_refused_with_a_sentence(program: Path, method: str) -> None:
     with pytest.raises(UsageError, match=REFUSED[method]):
@@ -133,6 +134,7 @@ def test_the_program_is_read_as_the_method_it_runs(program: Path) -> None:
     assert probe.matches[0].name == "thesis-3-8" and probe.matches[0].difference < 1e-14
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("content", [None, "", "{}", "[1, 2, 3]", '{"c": ["1"], "A": [["0"]]}'])
 def test_a_file_that_is_no_vector_file_is_refused(
     program: Path, tmp_path: Path, content: str | None

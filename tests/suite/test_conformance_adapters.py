@@ -74,6 +74,7 @@ def test_the_order_of_runs_that_start_by_themselves_is_measured(name: str, holds
     assert holds or "falls like h^3" in finding.message
 
 
+@pytest.mark.slow
 def test_a_method_of_several_values_outside_the_catalogue_is_run_from_its_own_start() -> None:
     """It was given one value, and its step failed."""
 
@@ -183,7 +184,7 @@ def test_the_subcommand_is_the_module(
     assert capsys.readouterr() == said and (said.out or said.err)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", file_names())
 def test_the_generated_code_of_the_compiled_engine_passes(name: str) -> None:
     all_hold(Compiled((name,), engine="interpreted"))

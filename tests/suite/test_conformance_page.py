@@ -69,6 +69,7 @@ def test_a_command_does_what_the_page_shows(
     assert re.fullmatch(pattern, capsys.readouterr().out.rstrip("\n"), re.DOTALL)
 
 
+@pytest.mark.slow
 def test_the_smallest_adapter_passes_and_is_read_as_what_it_is(here: Path, capsys) -> None:
     assert conformance_main(["mine:RungeKutta4"]) == 0
     assert "13 of 13 hold" in capsys.readouterr().out

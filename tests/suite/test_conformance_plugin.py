@@ -85,6 +85,7 @@ def run(here: pytest.Pytester, *arguments: str) -> pytest.RunResult:
     return here.runpytest_inprocess(*PLUGIN, *SUITE, *arguments)
 
 
+@pytest.mark.slow
 def test_the_adapter_of_the_documentation_passes_with_warnings_as_errors(here) -> None:
     result = run(here, "--glmref-adapter", "mine:Adapter", "-W", "error", "--strict-markers", "-v")
     assert result.ret == 0
@@ -143,6 +144,7 @@ def test_the_adapter_may_come_from_the_environment(here, monkeypatch) -> None:
     assert run(here).ret == 0
 
 
+@pytest.mark.slow
 def test_known_failures_are_strict_and_need_a_reason(here) -> None:
     def known(text: str, adapter: str = "mine:TimeForgotten") -> pytest.RunResult:
         here.path.joinpath("known.txt").write_text(text, encoding="utf-8")

@@ -43,7 +43,7 @@ def cases() -> list[tuple[str, dict]]:
 QUICK = ("rk4", "ab-2", "leapfrog", "stormer-verlet", "forest-ruth-4", "pair-4-4")
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "name", [x if x in QUICK else pytest.param(x, marks=pytest.mark.slow) for x in METHODS]
 )

@@ -57,7 +57,7 @@ def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
     return code
 
 
-@pytest.mark.sampled(4, besides=LONG, whole=len(METHODS) + len(BROKEN))
+@pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
 @pytest.mark.parametrize("name", [*METHODS, *BROKEN])
 def test_what_describes_a_method_takes_every_one(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -72,7 +72,7 @@ def test_what_describes_a_method_takes_every_one(
         code_of(capsys, "export", name, "--to", target)
 
 
-@pytest.mark.sampled(4, besides=LONG, whole=len(METHODS) + len(BROKEN))
+@pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
 @pytest.mark.parametrize("name", [*METHODS, *BROKEN])
 def test_every_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`verify` and `certify` have tests/suite/test_catalogue and test_judge_catalogue."""

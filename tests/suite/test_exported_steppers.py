@@ -311,6 +311,7 @@ def test_newton_takes_over_where_the_fixed_point_does_not_contract(
     assert max(abs(a - b) for a, b in zip(found, ran.y[-1], strict=True)) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.compiler
 @pytest.mark.parametrize(
     "name",

@@ -300,6 +300,7 @@ def run(*files):
     )
 
 
+@pytest.mark.slow
 def test_exit_codes(tmp_path):
     good, bad, broken = (tmp_path / f"{name}.json" for name in ("good", "bad", "broken"))
     good.write_text(json.dumps(CERTIFICATES["rk4 order"]), encoding="utf-8")
@@ -325,6 +326,7 @@ def test_twins_and_floats_are_refused(tmp_path, text):
     assert run(path).returncode == 1
 
 
+@pytest.mark.slow
 def test_a_file_may_hold_one_certificate_on_each_line(tmp_path):
     """As ``glmref certify NAME`` prints them; one that is refused decides the exit code."""
     good = json.dumps(CERTIFICATES["rk4 order"])

@@ -31,6 +31,7 @@ def is_unreadable(case: object) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_the_joined_file_answers_as_the_package_does(program: Path, tmp_path: Path) -> None:
     cases = [*CERTIFICATES.values(), *(changed(*x) for x in REFUSED.values())]
     cases = [case for case in cases if not is_unreadable(case)]
@@ -48,6 +49,7 @@ def test_the_joined_file_answers_as_the_package_does(program: Path, tmp_path: Pa
     ]
 
 
+@pytest.mark.slow
 def test_it_is_written_by_its_command(program: Path, tmp_path: Path) -> None:
     path = tmp_path / "x.py"
     subprocess.run([sys.executable, "-m", "glmref.judge.join", str(path)], check=True)

@@ -60,7 +60,7 @@ def test_hostile_certificates_are_refused_for_the_same_reason(row: dict[str, Any
     assert found == expected or row["name"] in OF_PRECISION
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", ["g6245-w3", "kahan-li-6", "pair-4-4", "verner-robust-6-5", "gauss-3"]
 )

@@ -84,6 +84,7 @@ def test_a_wrong_entry_is_named_with_its_line(repository: Path, capsys, tmp_path
     assert shown == {"schemaVersion": 1, "label": "tableaux", "message": "3 wrong", "color": "red"}
 
 
+@pytest.mark.slow
 def test_only_tables_with_changed_lines_are_judged(repository: Path, capsys) -> None:
     assert main(["lint", "--since", "HEAD^", "--format", "github"]) == 1
     said = capsys.readouterr()

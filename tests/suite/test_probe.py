@@ -38,7 +38,7 @@ def doubles(matrix: Any) -> np.ndarray:
     return np.array([[float(x) for x in row] for row in matrix])
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "values"),
     [("rk4", 1), ("gauss-2", 1), ("gsymplectic-n", 2), ("g6245-w3", 4), ("g6245", 4), ("bdf-3", 3),
@@ -163,6 +163,7 @@ def test_times_that_are_not_c_are_said() -> None:
     assert any("times other than" in note for note in probe.notes)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "values", "factor"), [("rk4", 1, 0.0), ("gauss-2", 1, 0.5), ("gsymplectic-n", 2, 0.0)]
 )
@@ -227,6 +228,7 @@ def test_a_run_of_one_step_shows_a_one_step_method() -> None:
     assert probe.matches[0].name == "gauss-3"
 
 
+@pytest.mark.slow
 def test_an_adapter_that_iterates_without_end_is_refused() -> None:
     class Endless:
         methods = {"black-box": {"order": 1}}  # noqa: RUF012

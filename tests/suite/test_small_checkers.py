@@ -110,6 +110,7 @@ def agrees(name: str, report: dict[str, Any]) -> None:
         assert report["row_sums"] is known["row-sums"]
 
 
+@pytest.mark.sampled(1)
 def test_the_orders_are_the_proved_ones(checker: Checker, tmp_path: Path) -> None:
     for name, report in zip(SOME, checker(written(tmp_path, list(SOME))), strict=True):
         if name != "gauss-2-seven-digits":
@@ -128,6 +129,7 @@ def report_of(checker: Checker, folder: Path, text: str) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.sampled(1)
 def test_abscissae_apart_trees_and_entries(checker: Checker, tmp_path: Path) -> None:
     rk4 = "0 0 0 0; 1/2, 0 0 0; 0 1/2 0 0; 0 0 1 0".replace("; ", "\n") + "\nb: 1/6 1/3 1/3 1/6\n"
     plain, timed = (report_of(checker, tmp_path, x) for x in (rk4, rk4 + "c: 0 1/2 1/2 1/1\n"))
@@ -146,6 +148,7 @@ def test_abscissae_apart_trees_and_entries(checker: Checker, tmp_path: Path) -> 
     assert float(vague["rows"]["b"]["within"]) == pytest.approx(1e-5, rel=0.02)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(("text", "said"), WRONG)
 def test_what_is_no_tableau_is_one_sentence(
     checker: Checker, tmp_path: Path, text: str, said: str

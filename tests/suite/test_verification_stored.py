@@ -14,6 +14,7 @@ from .stored import RENEW, STORED, same, stored
 SAMPLE = ("rk4", "gauss-2", "bdf-2", "gsymplectic-n", "stormer-verlet", "pair-4-4", "rk4-a44-one")
 
 
+@pytest.mark.slow
 def test_every_claim_is_stored_as_it_is_declared_and_holds() -> None:
     assert STORED["format"] == "glmref-findings-1"
     held = {"holds": len(STORED["findings"]), "fails": 0, "open": 0}

@@ -144,6 +144,7 @@ def test_the_part_alone_is_a_method():
     assert glmref.analyze(part).order == 1
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("name", "order"), [("ars-2-2-2", 2), ("ars-4-4-3", 3)])
 def test_the_order_is_seen_in_runs(name, order):
     # y' = y^2/2 + (1 + t - y), nonlinear and not autonomous, in two parts that do not commute

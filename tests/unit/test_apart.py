@@ -225,6 +225,7 @@ def test_a_program_apart_has_a_thread_as_caller() -> None:
 # --- what the commands say ------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("what", "why"),
     [
@@ -306,6 +307,7 @@ def test_an_analysis_goes_on_with_the_next_question(
     assert found == whole
 
 
+@pytest.mark.slow
 def test_an_analysis_of_questions_without_answers_ends_when_all_is_spent(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -330,6 +332,7 @@ def test_check_says_that_nothing_was_decided(
     assert "within one operation, and nothing was decided" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_certificates_of_a_proof_that_does_not_return_are_said_to_be_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

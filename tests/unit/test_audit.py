@@ -113,6 +113,7 @@ def test_exchanged_rows_are_said_to_be_exchanged() -> None:
     assert "the rows may be exchanged" in swapped["remarks"][0]
 
 
+@pytest.mark.slow
 def test_a_row_of_its_own_order_is_not_said_to_be_exchanged() -> None:
     """The weights of Fehlberg's order 5 with a digit wrong, beside his row of order 4."""
     table = with_abscissae("fehlberg-5-4")
@@ -535,6 +536,7 @@ def test_comprehensions_of_another_form_are_unread(text: str, said: str) -> None
     assert [x.whole() for x in found] == [2, 4, 6]
 
 
+@pytest.mark.slow
 def test_a_splitting_that_lacks_a_step_is_compared_with_the_catalogue(monkeypatch: Any) -> None:
     """McLachlan's Nystrom splitting with five steps of the position, as though they summed so."""
     monkeypatch.setattr("glmref.audit.nearest_method.names", lambda: ["ruth-3", "mclachlan-rkn-4"])
@@ -591,7 +593,7 @@ def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
     assert process_time() - begun < 5
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("form", "text"),
     [

@@ -244,6 +244,7 @@ def _audited(folder: Path, case: Case, text: str) -> list[dict]:
 QUICK = {"Java Shu-Osher", "JavaScript splitting", "Go Adams", "order elsewhere", "one stage"}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "case",
     [pytest.param(x, id=k, marks=[] if k in QUICK else [pytest.mark.slow])

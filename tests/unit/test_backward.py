@@ -76,6 +76,7 @@ def _random_field(seed: int, order: int, palette=ROOTED) -> Series:
 # -- series of maps and fields
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**6))
 @settings(max_examples=10, deadline=None)
 def test_laws_of_the_exponential(seed):
@@ -188,6 +189,7 @@ def test_the_judge_changes_what_is_not_hamiltonian():
             assert all(c[t] + c[moved] == 0 for t, moved, _, _ in rules_modified.pairs(n))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["lobatto-iiia-3", "gsymplectic-n", "ab-2"])
 def test_an_order_of_the_modified_equation_is_proved_and_a_near_miss_refuted(name):
     def verdict(claim, value, method):
@@ -321,6 +323,7 @@ def test_g_symplectic_methods_are_conjugate_symplectic(name):
     _check_theorem(name, 6)
 
 
+@pytest.mark.slow
 def test_the_form_of_a_complex_method_is_hermitian():
     # G is real and the values are not: without the conjugates it fails first at order 7
     _check_theorem("g6245-w3-complex", 7)

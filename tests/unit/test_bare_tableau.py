@@ -55,6 +55,7 @@ def test_every_class_is_told_from_the_keys_it_needs() -> None:
     assert class_of_keys({"a": [], "b": []}) == ""
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "content",
     [

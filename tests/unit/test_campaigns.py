@@ -106,6 +106,7 @@ def test_what_was_lost_has_a_colour_of_its_own_and_no_part_in_the_scale(
     assert ">0.5<" in page  # the upper end of the scale
 
 
+@pytest.mark.slow
 def test_the_shipped_campaigns_are_the_three_that_the_page_describes() -> None:
     page = (Path(__file__).parents[2] / "docs" / "campaigns.md").read_text(encoding="utf-8")
     assert campaign_names() == ["order8-partitioned", "resonance-map", "work-precision"]

@@ -78,6 +78,7 @@ def test_a_file_without_an_object_is_a_data_error(tmp_path: Path) -> None:
         document(file)
 
 
+@pytest.mark.slow
 def test_documents_are_the_files_byte_for_byte() -> None:
     for name in names("all"):
         path = path_of(name)

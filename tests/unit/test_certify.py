@@ -35,7 +35,7 @@ def certificates(name: str, folder: Path) -> dict[str, dict]:
     return {x["statement"]["claim"]: x for x in found}
 
 
-@pytest.mark.sampled(3, besides=("gsymplectic-n", "leapfrog"))
+@pytest.mark.sampled(1, besides=("gsymplectic-n", "leapfrog"))
 @pytest.mark.parametrize(
     "name", ["rk4", "gauss-2", "gsymplectic-n", "bdf-7", "leapfrog", "ars-2-2-2"]
 )
@@ -89,7 +89,7 @@ def contrary(value: Any) -> Any:
     return value
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name",
     [

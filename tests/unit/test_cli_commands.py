@@ -156,6 +156,7 @@ def test_verify_refutes_a_broken_file_and_says_by_what(run: Run) -> None:
     assert "refutes order  declared 5, found 1; tree [o] of order 2" in out
 
 
+@pytest.mark.slow
 def test_verify_fails_with_exit_1_where_a_claim_fails(run: Run, overclaimed: str) -> None:
     code, out, err = run("verify", overclaimed)
     assert (code, err) == (1, "")
@@ -164,6 +165,7 @@ def test_verify_fails_with_exit_1_where_a_claim_fails(run: Run, overclaimed: str
     assert "1 hold, 1 fail, 0 open" in out
 
 
+@pytest.mark.slow
 def test_verify_json_has_the_shape_of_its_format(run: Run, overclaimed: str) -> None:
     code, out, _ = run("verify", "euler", overclaimed, "--format", "json")
     assert code == 1
@@ -189,6 +191,7 @@ def test_verify_csv_and_junit_hold_the_same_findings(run: Run, overclaimed: str)
     assert [len(c.findall("failure")) for c in cases].count(1) == 1
 
 
+@pytest.mark.slow
 def test_only_restricts_what_is_checked(run: Run, overclaimed: str) -> None:
     _, out, _ = run(
         "verify", "gsymplectic-n", "--only", "order", "--only", "growth", "--format", "json"
@@ -268,6 +271,7 @@ def test_analyze_table_and_csv_say_the_same(run: Run) -> None:
     assert json.loads(rows["symmetric"])["holds"] is True
 
 
+@pytest.mark.slow
 def test_analyze_shows_the_modified_equation(run: Run, tmp_path: Path) -> None:
     code, table, _ = run("analyze", "gsymplectic-n", "--modified")
     assert code == 0 and "conjugate-symplectic to order              at least 6" in table
@@ -310,6 +314,7 @@ def test_analyze_leaves_with_3_where_something_is_not_decided(run: Run) -> None:
     assert record["proof"] == "measured"
 
 
+@pytest.mark.slow
 def test_analyze_needs_no_true_claim(run: Run, overclaimed: str) -> None:
     code, out, _ = run("analyze", overclaimed, "--format", "json")
     assert code == 0

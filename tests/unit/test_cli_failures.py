@@ -92,6 +92,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     assert status.strip() in ("0", "141")
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk_is_one_sentence() -> None:
@@ -111,6 +112,7 @@ def test_closed_streams_do_no_harm() -> None:
     assert shell("glmref verify nothing 2>&-").returncode == 2
 
 
+@pytest.mark.slow
 def test_an_ascii_terminal_gets_ascii_rules_and_no_encoding_error() -> None:
     done = shell("glmref show stormer-verlet", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert done.returncode == 0
@@ -118,6 +120,7 @@ def test_an_ascii_terminal_gets_ascii_rules_and_no_encoding_error() -> None:
     assert " ---+--" in done.stdout
 
 
+@pytest.mark.slow
 @posix
 def test_a_folder_that_is_gone_is_said_where_processes_are_asked_for(tmp_path: Path) -> None:
     done = shell(f"mkdir {tmp_path}/x; cd {tmp_path}/x; rmdir ../x; glmref verify rk4 --on local:1")
@@ -125,6 +128,7 @@ def test_a_folder_that_is_gone_is_said_where_processes_are_asked_for(tmp_path: P
     assert "the current folder, and that cannot be entered" in done.stderr
 
 
+@pytest.mark.sampled(1)
 @posix
 @pytest.mark.parametrize("encoding", ["ascii", "utf-16"])
 def test_the_standard_input_is_utf_8_whatever_the_terminal_has(encoding: str) -> None:
@@ -170,6 +174,7 @@ def test_ctrl_c_is_heard_where_there_are_no_other_signals(monkeypatch: pytest.Mo
         signal.signal(signal.SIGINT, before)
 
 
+@pytest.mark.slow
 @posix
 def test_a_caller_that_ignores_its_children_changes_nothing() -> None:
     done = subprocess.run(
@@ -182,6 +187,7 @@ def test_a_caller_that_ignores_its_children_changes_nothing() -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 @posix
 def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
     process = subprocess.Popen(
@@ -263,6 +269,7 @@ def limited(program: str, parent: str = LIMITS) -> subprocess.CompletedProcess[s
     )
 
 
+@pytest.mark.sampled(1)
 @posix
 @pytest.mark.parametrize("program", ["endless", "slow", "lingering"])
 def test_a_time_limit_ends_what_cannot_be_stopped_in_one_sentence(program: str) -> None:
@@ -296,6 +303,7 @@ def test_a_program_whose_parent_is_killed_ends_all_the_same() -> None:
     assert done.returncode == 1 and time.monotonic() - begun > 1.2
 
 
+@pytest.mark.slow
 @posix
 def test_a_time_limit_changes_nothing_else(capfd: pytest.CaptureFixture[str]) -> None:
     assert within("glmref", 60, [sys.executable, "-c", "raise SystemExit(3)"]) == 3
@@ -309,6 +317,7 @@ def test_a_time_limit_changes_nothing_else(capfd: pytest.CaptureFixture[str]) ->
     assert capfd.readouterr().err.count("'--time-limit'") == 4
 
 
+@pytest.mark.slow
 def test_no_progress_and_no_colour_off_a_terminal() -> None:
     done = shell("glmref verify euler rk4 rk38 heun-2 heun-3 ab-1 ab-2 ab-3 am-1 am-2 bdf-1")
     assert done.returncode == 0
@@ -316,6 +325,7 @@ def test_no_progress_and_no_colour_off_a_terminal() -> None:
     assert "\x1b" not in done.stdout
 
 
+@pytest.mark.slow
 @posix
 def test_a_terminal_gets_colour_and_progress_and_no_color_is_respected() -> None:
     import fcntl
@@ -362,6 +372,7 @@ def test_check_turns_every_outcome_into_a_record() -> None:
     assert not bad.internal
 
 
+@pytest.mark.slow
 def test_results_come_in_order_whether_in_one_process_or_in_several(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

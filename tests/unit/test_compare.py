@@ -59,6 +59,7 @@ def test_a_method_that_is_lost_is_never_recommended_however_fast():
     assert name == "kept" and "ten million steps" in reason and "need" not in reason
 
 
+@pytest.mark.slow
 def test_advice_names_methods_and_those_that_grow_are_labelled():
     for one in ADVICE:
         for name in (*one.take, *one.compared):

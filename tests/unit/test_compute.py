@@ -89,6 +89,7 @@ def test_the_scheduler_keeps_nothing_of_a_task_that_has_ended(dask: Executor) ->
     assert kept() <= before + 4  # a group for the run, and what it has not let go yet
 
 
+@pytest.mark.slow
 def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -316,6 +317,7 @@ def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
         assert all(x in said for x in options if x.startswith("--"))
 
 
+@pytest.mark.slow
 def test_nothing_of_dask_is_loaded_unless_it_is_asked_for() -> None:
     code = (
         "import sys; import glmref.compute; from glmref.cli import main; main(['list']);"

@@ -31,6 +31,7 @@ def test_complex_step_gives_the_jacobian_of_the_jets() -> None:
     assert np.allclose(jacobian[0], expected, rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_starts_do_not_influence_each_other() -> None:
     system = SweepSystem(S3.document())
 

@@ -58,7 +58,7 @@ def verdicts(capsys: Any, command: str, file: str) -> tuple[int, list[str]]:
     return code, [x["verdict"] for x in json.loads(capsys.readouterr().out)["findings"]]
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys: Any) -> None:
     file = write(tmp_path, DIALECTS[dialect])
@@ -204,6 +204,7 @@ YOSHIDA = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_method_in_doubles_has_order_4_to_16_digits_first(tmp_path: Path, capsys: Any) -> None:
     file = write(tmp_path, YOSHIDA)
     for command in ("check", "verify"):

@@ -157,6 +157,7 @@ def test_arithmetic_errors_in_the_interpreter_end_the_run_by_name():
     assert solve(crash, "rk4", h=0.1, steps=3).outcome == "not finite"
 
 
+@pytest.mark.slow
 def test_solving_in_machine_code_loads_no_numba():
     code = (
         "import sys, glmref; run = glmref.solve('kepler', 'g6245', h=0.1, steps=5); "

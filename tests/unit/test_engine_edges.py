@@ -235,6 +235,7 @@ def test_a_step_whose_weights_are_below_the_range_has_an_outcome(engine):
     np.testing.assert_array_equal(run.y[-1], [1.0, 0.5])
 
 
+@pytest.mark.slow
 def test_numbers_of_mpmath_that_diverge_end_a_run_soon():
     square = Problem(f=("sin(y[0])*y[0]*y[0]*y[0]",), y0=(1e299,), name="cube")
     for method in ("rk4", "gauss-2"):

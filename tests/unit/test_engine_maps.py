@@ -69,6 +69,7 @@ def test_the_source_of_a_map_is_written_once(monkeypatch, tmp_path):
     np.testing.assert_array_equal(*ends)
 
 
+@pytest.mark.slow
 def test_a_guess_of_zeros_is_not_computed(monkeypatch, tmp_path):
     monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
     monkeypatch.setattr("glmref.engine.stages.lagrange_weights", None)  # dear for coupled stages

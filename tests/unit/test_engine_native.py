@@ -85,6 +85,7 @@ def kernel(x, n):
     assert not functions(text.replace("pow", "malloc"))[0] <= ALLOWED
 
 
+@pytest.mark.slow
 def test_lanes_call_nothing_either():
     form, shape = choose_form(load("g6245"), problem("kepler"), "auto")
     from glmref.engine.options import Options

@@ -174,6 +174,7 @@ def test_only_equal_kicks_at_both_ends_are_put_together():
     assert not step_form(load("symplectic-euler-a")).kick
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("of", ["kepler", "outer-solar-system"])
 def test_a_multistep_method_is_a_rotation_and_a_kick(of):
     form = step_form(load("multistep-rkn-8"))

@@ -99,7 +99,7 @@ def expected(name: str, of: Problem, values: np.ndarray, h: float) -> np.ndarray
     return values
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("name", "key"), CASES)
 def test_locals_and_arrays_take_the_steps_of_the_reference(name: str, key: str) -> None:
     of, h = PROBLEMS[key]

@@ -170,7 +170,7 @@ def read_from_a_text(t, y):
     return [float(str(0.5)) * y[0] if y[0] > 0 else -y[0], y[1]]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     ("f", "reason"), [(given_as_a_list, "concatenate"), (read_from_a_text, "convert string")]
 )

@@ -117,7 +117,7 @@ def test_the_start_of_the_file_makes_the_first_values(engine: str) -> None:
                       .history[0][1:]).max() > 1e-6  # fmt: skip
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_finish_of_the_file_makes_the_solution(engine: str) -> None:
     chosen = with_block("finishing")

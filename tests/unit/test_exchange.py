@@ -263,6 +263,7 @@ def test_a_template_keeps_the_parts_that_hold() -> None:
     assert fill(text, frozenset(), {"x": "y"}) == "4\ny\n"
 
 
+@pytest.mark.slow
 def test_steppers_of_every_real_method_are_written_in_every_language() -> None:
     for name in (
         "rk4",

@@ -80,6 +80,7 @@ def test_every_file_is_valid_and_listed_with_its_hash(feed: Path) -> None:
         assert f"{row['sha256']}  {row['path']}\n" in sums
 
 
+@pytest.mark.slow
 def test_the_schema_refuses_what_is_wrong(feed: Path, tmp_path: Path) -> None:
     shutil.copytree(feed / VERSION, tmp_path / "v1")
     index = tmp_path / "v1" / "index.json"
@@ -136,6 +137,7 @@ def edit(path: Path, change: Callable[[Any], object]) -> None:
     path.write_text(canonical(document))
 
 
+@pytest.mark.slow
 def test_what_changed_is_listed_and_a_broken_promise_is_an_error(
     feed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -170,6 +172,7 @@ def test_what_changed_is_listed_and_a_broken_promise_is_an_error(
     assert "gauss-2: other coefficients" in found.allowed and said in found.allowed
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("file", "change", "said", "broken"),
     [

@@ -79,6 +79,7 @@ def test_the_error_constant_is_affine_and_can_be_matched(
     assert GeneralHalf((found, other)).error_constant == half.error_constant
 
 
+@pytest.mark.slow
 def test_the_order_holds_on_all_trees_of_two_colours() -> None:
     """What trees without branches decide at order 7 and above is found here tree by tree."""
     m = method(GeneralHalf((F(1, 2), F(-1, 5)), True), GeneralHalf((F(2, 3), F(1, 7), F(-3, 4))))
@@ -105,6 +106,7 @@ def test_paths_need_stages_at_one_time() -> None:
     assert facts_of(load_document(given)).judge("order", 2).verdict is Verdict.HOLDS
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_recipe_writes_the_shipped_file(name: str) -> None:
     (found,) = recipes.run("general-multistep", {"name": name}).documents

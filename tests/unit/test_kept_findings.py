@@ -45,6 +45,7 @@ def unanswered(*arguments, **more):
     raise AssertionError("it was computed")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("form", ["table", "json", "csv", "junit"])
 def test_the_output_is_the_same_with_the_cache_and_without(form, folder, own, capsys, monkeypatch):
     names = [*NAMES, str(own)]

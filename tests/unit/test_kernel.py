@@ -359,6 +359,7 @@ def test_what_is_nearly_zero_is_measured_to_the_largest_order(monkeypatch):
     assert (found.lower, found.upper, found.tree) == (4, 4, "[oooo]")
 
 
+@pytest.mark.slow
 def test_beyond_order_10_a_residual_counts_as_rounding_to_9_digits_only():
     m = load("gauss-5")
     text = lambda x: f"{float(x):.6f}"  # noqa: E731

@@ -62,6 +62,7 @@ def test_each_mutant_changes_one_place_and_knows_its_function():
     ]
 
 
+@pytest.mark.slow
 def test_a_mutant_is_seen_wherever_its_function_is_bound(module):
     kept, box = module.below, module.Box()
     wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")
@@ -73,6 +74,7 @@ def test_a_mutant_is_seen_wherever_its_function_is_bound(module):
     assert box.size == 8
 
 
+@pytest.mark.slow
 def test_a_function_that_pytest_has_rewritten_is_exchanged_too(module):
     rewritten = SOURCE.replace("    return x < most", "    assert most; return x < most")
     exec(compile(rewritten, module.__file__, "exec"), module.__dict__)
@@ -82,6 +84,7 @@ def test_a_function_that_pytest_has_rewritten_is_exchanged_too(module):
     assert module.below(7) and not module.below(8)
 
 
+@pytest.mark.slow
 def test_a_mutant_that_changes_no_function_is_no_survivor(module):
     del module.below
     wrong = next(x for x in mutants(SOURCE) if x.after == "(x <= most)")

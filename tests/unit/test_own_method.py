@@ -93,6 +93,7 @@ def test_the_trapezoidal_rule_is_symmetric_however_it_is_written() -> None:
         assert glmref.analyze(method).symmetric["reduced"] is False
 
 
+@pytest.mark.slow
 def test_a_splitting_with_a_stroke_of_length_0_is_symmetric_in_reduced_form():
     """The usual way to write Störmer-Verlet made "symmetric no" of it."""
     for a, b, first in (("1 1", "2 0", None), ("2 0", "1 1", "p"), ("3 2 2 3", "4 2 4 0", None)):

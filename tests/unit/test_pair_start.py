@@ -74,6 +74,7 @@ def test_a_start_has_the_order_of_its_pair_few_stages_and_small_coefficients(nam
     )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=() if x in QUICK else pytest.mark.slow) for x in STARTED]
 )

@@ -40,6 +40,7 @@ def defects(p):
     return [x for _, m in residuals for _, _, x in linalg.entries(m) if not x.is_zero()]
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(b=vectors(3), w=vectors(3), c=vectors(2), v=vectors(2))
 def test_the_identities_hold_for_all_numbers(b, w, c, v):

@@ -162,6 +162,7 @@ def test_a_root_off_the_circle_is_proved_and_one_on_it_is_not():
     assert verlet._alternates(Fraction(1), Fraction(1)) is False
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("alpha", "beta"),
     [(["-1", "0", "1"], ["0", "2", "0"]), (["-1", "0", "1"], ["1/3", "4/3", "1/3"])],
@@ -188,6 +189,7 @@ def test_eigenvalues_that_leave_the_circle_before_the_first_point_are_said_to():
     assert found.end is not None and found.end.is_zero() is None
 
 
+@pytest.mark.slow
 def test_eigenvalues_that_cross_are_not_decided():
     # the leapfrog method, whose eigenvalues move, beside a value that turns by a sixth of a circle
     m = linear_multistep(["-1", "0", "1"], ["0", "2", "0"])

@@ -28,7 +28,7 @@ def squares(text: str) -> list[str]:
     ]
 
 
-@pytest.mark.sampled(3, besides=("g6245",))
+@pytest.mark.sampled(1, besides=("g6245",))
 @pytest.mark.parametrize("name", NAMES)
 def test_it_is_a_document_without_script_that_names_the_method(name: str) -> None:
     text = portrait(load(name))
@@ -44,6 +44,7 @@ def test_it_is_a_document_without_script_that_names_the_method(name: str) -> Non
         assert 0 <= float(x) <= width and 0 <= float(y) <= height
 
 
+@pytest.mark.slow
 def test_the_interval_on_the_axis_is_that_of_the_method() -> None:
     # Hairer, Wanner (1996), section IV.2: 2 sqrt 2 = 2.828 for the four-stage methods of order 4
     assert "growth below 1e-7 up to 2.828" in portrait(load("rk4"))
@@ -51,6 +52,7 @@ def test_the_interval_on_the_axis_is_that_of_the_method() -> None:
     assert "growth below 1e-7 up to 2<" in portrait(load("stormer-verlet"))
 
 
+@pytest.mark.slow
 def test_a_square_stands_for_each_entry_that_is_not_zero() -> None:
     # rk4: 3 in A, 4 in U, 4 in B, 1 in V; nothing on or above the diagonal of A
     assert squares(portrait(load("rk4"))) == ["#0072b2"] * 12
@@ -63,12 +65,14 @@ def test_a_square_stands_for_each_entry_that_is_not_zero() -> None:
     assert drawn.count("#d55e00") == len(method.implicit_stages) == 3
 
 
+@pytest.mark.slow
 def test_a_symplectic_method_has_no_area_and_an_explicit_one_has() -> None:
     filled = re.compile(r'<path d="M[^"]*z" fill="#9ecae9"')
     assert filled.search(portrait(load("rk4")))
     assert not filled.search(portrait(load("gsymplectic-n")))
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "it.svg"
     assert main(["show", "rk4", "--plot", str(target)]) == 0

@@ -153,6 +153,7 @@ def test_the_part_of_a_step_is_integrated():
     assert found == pytest.approx(math.sin(0.23) - math.sin(0.2), abs=1e-8)
 
 
+@pytest.mark.slow
 def test_the_plan_of_a_scene_says_what_is_lost():
     scene = load_scene("parasitism")
     (one,) = predictions(replace(scene, methods=("gsymplectic-p",)))

@@ -241,6 +241,7 @@ def test_abscissae_are_open_where_it_is_open_whether_there_is_a_solution() -> No
     assert verdict("abscissae", ["0"], A=[["0"]], digits=20, **near) is OPEN
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("claim", ["order", "order-identity"])
 def test_principal_parts_of_higher_order_are_found_where_1_is_a_multiple_eigenvalue(
     claim: str, tmp_path: Path

@@ -127,6 +127,7 @@ def test_kaps_wants_its_slow_manifold():
         problem("kaps").exact(1.0, [1.0, 0.5])
 
 
+@pytest.mark.slow
 def test_long_chain_has_100000_components_and_returns_with_its_mode():
     p = problem("long-chain")
     assert p.dimension == 100_000

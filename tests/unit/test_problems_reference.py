@@ -76,6 +76,7 @@ def test_regenerated_digits_are_all_right():
         assert abs(context.mpf(text) - value) < 2 * abs(value) * 10.0 ** (1 - digits)
 
 
+@pytest.mark.slow
 def test_digits_that_do_not_agree_are_not_written():
     (entry,) = solution_entries(problem("kaps", epsilon=1), ["1"], digits=6, stages=4)
     context = mpmath.MPContext()

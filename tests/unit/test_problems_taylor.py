@@ -32,6 +32,7 @@ def test_taylor_runs_backwards_to_its_start():
     assert size(back - p.on(there[0].context).y0) < 1e-22 < size(there - back)
 
 
+@pytest.mark.slow
 def test_every_operation_has_its_recurrence():
     # y = exp(sin t): y' = cos(t) y, written with all functions there are
     f = (

@@ -26,6 +26,7 @@ from glmref.prove.verifier import facts_for
 from glmref.theory import starting_series
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "exchanges"),
     [("stormer-verlet", [[1], [2, 1]]), ("gsymplectic-n-pair", [[2, 1], [2, 1]]),
@@ -35,6 +36,7 @@ def test_exchanges_of_stages_are_told_by_their_numbers(name: str, exchanges: Any
     assert analyze(load(name)).symmetric["P"] == exchanges
 
 
+@pytest.mark.slow
 def test_the_periodicity_interval_of_an_enclosed_method_is_found() -> None:
     """Decimals do not show that eigenvalues are mirrored; the form that is conserved does."""
     assert analyze(load("s3-w3")).stability["periodicity"] == pytest.approx(2.0252, abs=1e-3)
@@ -51,6 +53,7 @@ def test_what_was_proved_cannot_be_changed() -> None:
     assert all(x.__dataclass_params__.frozen for x in made)  # type: ignore[attr-defined]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gauss-2", "gsymplectic-n", "gsymplectic-n-pair", "g4123"])
 def test_an_analysis_holds_what_was_found_and_is_strict_json(name: str) -> None:
     found, facts = analyze(load(name)), facts_for(load(name))

@@ -73,6 +73,7 @@ def test_coordinates_are_those_of_the_number(text: str, restricted: bool) -> Non
     assert (exact - parse(text)).is_zero() is True
 
 
+@pytest.mark.slow
 def test_large_weights_are_found_with_more_bits() -> None:
     tower = field.Tower(["sqrt(2)", "root(3,3)"])
     value = Exact(2).sqrt() * Fraction(10**400 + 7, 3**300) + parse("root(3,3)") / 11

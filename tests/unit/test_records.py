@@ -131,6 +131,7 @@ def test_a_writer_that_is_killed_in_a_transaction_loses_that_and_nothing_else(tm
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.sampled(1)
 @posix
 @pytest.mark.parametrize("room", [0, 20_000, 60_000])
 def test_a_disk_that_fills_costs_no_record_that_was_there(tmp_path, room):

@@ -154,6 +154,7 @@ def test_pages_of_a_report_share_their_looks(tmp_path: Path, records) -> None:
     assert len(other) > 1 and {name: one[name] for name in other} == other
 
 
+@pytest.mark.slow
 def test_curves_over_time_are_those_of_the_records(tmp_path: Path, records) -> None:
     series = [[0.1, 1.23456789e-9], [1.0, 2.5e-9]]
     changed = [{**records[0], "series": series}]
@@ -236,6 +237,7 @@ def test_an_orbit_of_another_shape_breaks_nothing(tmp_path: Path, change: dict[s
     assert [x["method"] for x in rows] == (["good", "odd"] if "ended" in change else ["good"])
 
 
+@pytest.mark.slow
 def test_a_page_has_room_for_so_many_points_and_says_what_is_left_out(tmp_path: Path) -> None:
     path = [[float(k), 1.0, 2.0] for k in range(400)]
     many = [orbit(f"m{k}", [path]) for k in range(16)]
@@ -297,6 +299,7 @@ def test_nothing_that_is_stored_becomes_markup(tmp_path: Path, records) -> None:
     assert 'href="run-a%26b%20%27c%27%20%231%25.html"' in (site / "index.html").read_text()
 
 
+@pytest.mark.slow
 def test_the_policy_allows_our_own_style_and_script_and_nothing_else(
     tmp_path: Path, records
 ) -> None:

@@ -59,6 +59,7 @@ def texts(value: Any) -> Iterator[str]:
             yield from texts(x)
 
 
+@pytest.mark.slow
 def test_every_entry_of_every_method_file_follows_the_grammar() -> None:
     count = 0
     for path in (data_root() / "methods").glob("*/*.json"):

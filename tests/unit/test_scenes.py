@@ -315,6 +315,7 @@ def test_any_value_in_any_place_is_accepted_or_named(tmp_path_factory, data):
         assert "any.toml" in str(error)
 
 
+@pytest.mark.slow
 def test_classes_and_properties_name_methods(tmp_path):
     text = SMALL.replace('methods = ["rk4", "heun-2"]', 'classes = ["composition"]')
     assert set(load_scene(write(tmp_path, text)).methods) >= {"yoshida-4", "suzuki-4"}

@@ -32,6 +32,7 @@ def test_a_shipped_name_is_checked_claim_by_claim() -> None:
     assert [x.claim for x in verify_file("rk4", only=("order",))] == ["order"]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("found", "verdict", "reason"),
     [
