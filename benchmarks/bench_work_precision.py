@@ -52,7 +52,7 @@ class WorkPrecision:
 
 
 def finite(value):
-    """A float that asv can store: an infinity would stop it from publishing for good."""
+    """Return a float that asv can store: an infinity would stop it from publishing for good."""
     if value is None or not math.isfinite(value):
         raise NotImplementedError
     return float(value)

@@ -33,12 +33,12 @@ SHOWN = 7
 
 
 def records() -> dict[str, Mapping[str, Any]]:
-    """Records by the name of their code."""
+    """Return records by the name of their code."""
     return {x.stem: json.loads(x.read_text("utf-8")) for x in sorted(AUDITS.glob("*.json"))}
 
 
 def counts() -> str:
-    """Number of tables of each code by status, and of all."""
+    """Return the number of tables of each code by status, and of all."""
     rows, total = [], [0] * len(STATUSES)
     for code, record in records().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
@@ -49,7 +49,7 @@ def counts() -> str:
 
 
 def named(table: Mapping[str, Any]) -> str:
-    """What the audit says is wrong: the entry, else remarks, else what the nearest method has."""
+    """Return what is wrong: the entry, else remarks, else what the nearest method has."""
     said = [f"`{x['entry']}` is {x['is']}, should be {x['should be']}" for x in
             table.get("correction", ())]  # fmt: skip
     said = [" or ".join(said)] if said else []
@@ -69,7 +69,7 @@ def source(record: Mapping[str, Any]) -> str:
 
 
 def findings() -> str:
-    """Every table that is not right, the wrong ones first."""
+    """Return every table that is not right, the wrong ones first."""
     rows = []
     for status in ("wrong", "question", "digits"):
         for code, record in records().items():
@@ -84,7 +84,7 @@ def findings() -> str:
 
 
 def first() -> str:
-    """Some wrong tables, each with the first thing that the audit names."""
+    """Return some wrong tables, each with the first thing that the audit names."""
     known, rows = records(), []
     for code, name in SHOWN_FIRST:
         found = next(

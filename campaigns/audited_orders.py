@@ -47,18 +47,18 @@ Errors = Sequence[float]
 
 
 def observed(errors: Errors) -> float | None:
-    """Order from the last two errors above round-off; ``None`` where no two are."""
+    """Return the order from the last two errors above round-off; ``None`` where no two are."""
     good = [x for x in errors if math.isfinite(x) and x > ROUND_OFF]
     return math.log2(good[-2] / good[-1]) if len(good) > 1 else None
 
 
 def truth(problem: Problem) -> np.ndarray:
-    """Solution at the end of its time: Gauss, order 10, with an error below 1e-15."""
+    """Return the solution at the end of its time: Gauss, order 10, with an error below 1e-15."""
     return np.asarray(solve(problem, "gauss-5", h=1 / 64, steps=64).y[-1], dtype=float)
 
 
 def errors_of(integrator: Any, name: str, problem: Problem) -> list[float]:
-    """Largest error at the end for each number of steps."""
+    """Return the largest error at the end for each number of steps."""
     right, found = truth(problem), []
     for n in STEPS:
         if hasattr(integrator, "solve"):
@@ -72,7 +72,7 @@ def errors_of(integrator: Any, name: str, problem: Problem) -> list[float]:
 
 
 def row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Errors of a table on the problem that shows most: one with time where it can."""
+    """Return errors of a table on the problem that shows most: one with time where it can."""
     name = task["table"]
     entry, shipped = DEFECTS[name], published(name)
     on = shipped.problems[-1]
@@ -91,7 +91,7 @@ def row(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _nodepy(n: int) -> float:
-    """Lambert65 of nodepy on y' = -y^2 + t, against its own steps with 4096 of RK4."""
+    """Return Lambert65 of nodepy on y' = -y^2 + t, against its own steps with 4096 of RK4."""
     loader = importlib.import_module("nodepy.runge_kutta_method").loadRKM
     tables = {k: loader(k) for k in ("Lambert65", "RK44")}
 
@@ -119,7 +119,7 @@ PACKAGES: Mapping[str, tuple[str, str, Callable[[int], float]]] = {
 
 
 def packages() -> list[dict[str, Any]]:
-    """Errors of the packages that are installed, with their versions."""
+    """Return errors of the packages that are installed, with their versions."""
     found = []
     for name, (package, method, run) in PACKAGES.items():
         try:
@@ -139,13 +139,13 @@ def packages() -> list[dict[str, Any]]:
 
 
 def _seen(errors: Errors | None) -> str:
-    """Observed order as the page shows it."""
+    """Return the observed order as the page shows it."""
     order = None if errors is None else observed(errors)
     return "" if order is None else f"{order:.1f}"
 
 
 def table(record: Mapping[str, Any]) -> str:
-    """What the page shows: a row for each table whose defect is larger than round-off of a run."""
+    """Return a row for each table whose defect is larger than the round-off of a run."""
     lines = [
         "| table | declared | shipped | corrected | error at h = 1/16, shipped | corrected |",
         "|---|---|---|---|---|---|",

@@ -33,7 +33,7 @@ LARGEST = 8
 
 
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Error constants of one method.
+    """Return error constants of one method.
 
     Returns
     -------

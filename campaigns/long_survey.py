@@ -59,7 +59,7 @@ USEFUL = 1e-2
 
 
 def galaxy() -> Problem:
-    """An orbit in the logarithmic potential, core radius 1/3 and axis ratio 9/10.
+    """Return an orbit in the logarithmic potential, core radius 1/3 and axis ratio 9/10.
 
     Binney and Tremaine, Galactic Dynamics, 2nd ed., Princeton 2008, section 3.3.1.
     """
@@ -91,7 +91,7 @@ def _built(name: str) -> Problem:
 
 
 def surveyed() -> list[str]:
-    """Names of the methods: the recommended ones with one value, then those with several."""
+    """Return names of the methods: the recommended ones with one value, then those with several."""
     found = []
     for name in names("methods"):
         method = loaded(name)
@@ -109,19 +109,19 @@ loaded = cache(load)
 
 @cache
 def _evaluations(name: str) -> float:
-    """Evaluations of a step in whose unit its size is given."""
+    """Return evaluations of a step in whose unit its size is given."""
     method = loaded(name)
     return UNITS.get(name, method.n_Q if isinstance(method, PartitionedGLM) else 4)
 
 
 def step_sizes(name: str, on: str) -> tuple[float, ...]:
-    """The three step sizes of a method on a problem."""
+    """Return the three step sizes of a method on a problem."""
     whole = PROBLEMS[on][1] * _evaluations(name)
     return tuple(float(f"{whole * size:.6g}") for size in SIZES)
 
 
 def followed(name: str, on: str, h: float, steps: int, renewed: int) -> dict[str, Any]:
-    """One run: the largest energy error up to 10^4, 10^5, .. steps."""
+    """Return one run: the largest energy error up to 10^4, 10^5, .. steps."""
     target, method = _built(on), load(name)
     marks = [10**k for k in range(4, 20) if 10**k <= steps]
     try:
@@ -151,7 +151,7 @@ def verdict(run: Mapping[str, Any]) -> str:
 
 
 def row(case: Case) -> dict[str, Any]:
-    """All runs of a method on a problem."""
+    """Return all runs of a method on a problem."""
     name, on, steps = case["method"], case["problem"], case["steps"]
     several, runs = loaded(name).carried > 1, []
     for h in step_sizes(name, on):
@@ -164,7 +164,10 @@ def row(case: Case) -> dict[str, Any]:
 
 
 def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """How many runs of each method ended how, in Markdown; renewed are those that did not stay."""
+    """Return how many runs of each method ended how, in Markdown.
+
+    Renewed runs are those that did not stay bounded.
+    """
     kinds = ("bounded", "grows", "lost")
     heads = ["method", "steps", *kinds, "where", "renewed: bounded", "grows or lost"]
     lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]

@@ -39,7 +39,9 @@ class Case:
 
 
 def cases() -> Iterator[Case]:
-    """Every claim of an order of 1 or more; an order with identity that equals it stands once.
+    """Yield every claim of an order of 1 or more.
+
+    An order with identity that equals it stands once.
 
     The problems have one right-hand side: additive methods are seen in tests/unit/test_additive.py,
     and no engine steps Rosenbrock methods.
@@ -65,7 +67,7 @@ def nonlinear(method: Method) -> Problem:
 
 
 def own_order(method: Method) -> int | None:
-    """Order claimed of the solution itself, or ``None`` where only an effective one is."""
+    """Return order claimed of the solution itself, or ``None`` where only an effective one is."""
     one_step = method.is_one_step
     found = method.claims["order"] if one_step else method.claims.get("order-identity")
     return found if isinstance(found, int) else None

@@ -74,7 +74,7 @@ def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
 
 
 def _checkpoints(taken: np.ndarray, history: np.ndarray, steps: int) -> list[dict[str, Any]]:
-    """All values after each number of steps in :data:`CHECKPOINTS`, and at the end."""
+    """Return all values after each number of steps in :data:`CHECKPOINTS`, and at the end."""
     kept = [n for n in CHECKPOINTS if n < steps] + [steps]
     rows = ((n, history[np.flatnonzero(taken == n)]) for n in kept)
     return [
@@ -85,13 +85,16 @@ def _checkpoints(taken: np.ndarray, history: np.ndarray, steps: int) -> list[dic
 
 
 def _peak() -> float:
-    """Largest resident memory of this process so far, in MB; Linux counts it in kB."""
+    """Return the largest resident memory of this process so far, in MB; Linux counts it in kB."""
     unit = 1e6 if sys.platform == "darwin" else 1e3
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
 
 def _rest(method: Any, run: Any) -> np.ndarray:
-    """Size of the values beyond the solution at every sample; zero where there are none."""
+    """Return the size of the values beyond the solution at every sample.
+
+    It is zero where there are none.
+    """
     if method.r == 1:
         return np.zeros(len(run.t))
     return parasitic_size(run, solution_direction(method))

@@ -174,12 +174,12 @@ def round_off(
 
 
 def bodies(count: int = 8) -> list[Problem]:
-    """Free rigid bodies with first moments of inertia 2, 17/8, ..: two invariants each."""
+    """Return free rigid bodies with first moments of inertia 2, 17/8, ..: two invariants each."""
     return [problem("rigid-body", inertia1=f"{16 + k}/8") for k in range(count)]
 
 
 def options_of(method: GLM, variant: str) -> dict[str, Any]:
-    """Options of :func:`glmref.solve` for one of :data:`VARIANTS`."""
+    """Return options of :func:`glmref.solve` for one of :data:`VARIANTS`."""
     options: dict[str, Any] = {**VARIANTS[variant], "solver": "fixed-point"}
     if options["form"] == "exact":
         options["form"] = "mu" if method.r == 1 else "sweep"

@@ -42,7 +42,7 @@ def stiff() -> str:
 
 
 def long() -> str:
-    """A hundred million steps."""
+    """Return a hundred million steps."""
     rows = []
     for run in measured("pendulum-1e8")["runs"]:
         law, memory = run["law"], run["peak_memory_mb"]
@@ -88,7 +88,7 @@ def renew(path: Path) -> None:
 
 
 def outcomes(records: list[dict[str, Any]]) -> dict[str, int]:
-    """How often each outcome was met."""
+    """Return how often each outcome was met."""
     found: dict[str, int] = {}
     for record in records:
         found[record["outcome"]] = found.get(record["outcome"], 0) + 1

@@ -44,7 +44,9 @@ Point = tuple[float, float]
 
 
 def row(method: Any) -> dict[str, Any]:
-    """Stability of one method, in short numbers; polygons are texts "x,y x,y .." as SVG has them.
+    """Return the stability of one method, in short numbers.
+
+    Polygons are texts "x,y x,y .." as SVG has them.
 
     Returns
     -------
@@ -74,7 +76,7 @@ def row(method: Any) -> dict[str, Any]:
 
 
 def _reach(method: GLM) -> float:
-    """Half side of a box around most of the boundary."""
+    """Return the half side of a box around most of the boundary."""
     boundary = locus(method)
     edge = np.abs(boundary.z[boundary.edge & np.isfinite(boundary.z)])
     size = float(np.sort(edge)[int(0.9 * (len(edge) - 1))]) if len(edge) else MOST
@@ -109,7 +111,7 @@ def _text(points: Iterable[Point]) -> str:
 
 
 def _rings(method: GLM, reach: float) -> list[list[Point]]:
-    """Closed polygons around the stable part of a box, cut at its sides."""
+    """Return closed polygons around the stable part of a box, cut at its sides."""
     step = 2 * reach / GRID
     marks = -reach + (np.arange(GRID) + 0.5) * step
     inside = np.zeros((GRID + 2, GRID + 2), dtype=bool)
@@ -123,7 +125,7 @@ Edge = tuple[int, int, int, int]
 
 
 def _crossings(inside: np.ndarray) -> list[Edge]:
-    """Neighbours (i, j) inside and (k, l) outside."""
+    """Return neighbours (i, j) inside and (k, l) outside."""
     found: list[Edge] = []
     for di, dj in ((1, 0), (0, 1)):
         a, b = inside[: -di or None, : -dj or None], inside[di:, dj:]
@@ -137,7 +139,7 @@ def _crossings(inside: np.ndarray) -> list[Edge]:
 def _placed(
     method: GLM, edges: list[Edge], marks: np.ndarray, reach: float
 ) -> dict[frozenset[tuple[int, int]], Point]:
-    """Where the boundary crosses each of them."""
+    """Return where the boundary crosses each of them."""
     if not edges:
         return {}
     table = np.array(edges)
@@ -156,7 +158,7 @@ def _placed(
 
 
 def _links(inside: np.ndarray) -> list[tuple[frozenset[tuple[int, int]], ...]]:
-    """Pieces of the boundary in each square of four neighbours: pairs of crossed edges."""
+    """Return pieces of the boundary in each square of four neighbours: pairs of crossed edges."""
     found = []
     mixed = inside[:-1, :-1].astype(int) + inside[1:, :-1] + inside[:-1, 1:] + inside[1:, 1:]
     for i, j in np.argwhere((mixed > 0) & (mixed < 4)).tolist():
@@ -256,7 +258,7 @@ def names_with_region() -> list[str]:
 
 
 def row_of(case: Mapping[str, Any]) -> dict[str, Any]:
-    """The row of a method by its name."""
+    """Return the row of a method by its name."""
     return row(load(case["method"]))
 
 

@@ -202,7 +202,7 @@ def peer_cost(problem: Problem, solver: str, *, tolerance: float, t_end: float) 
 
 
 def row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Cost of a method at a fixed step, or of a solver with a tolerance."""
+    """Return the cost of a method at a fixed step, or of a solver with a tolerance."""
     subject, t_end = problem(task["problem"], **task["parameters"]), task["t_end"]
     if "solver" in task:
         solver, tolerance = task["solver"], task["tolerance"]

@@ -60,7 +60,7 @@ def _both(
     parameters: tuple[tuple[str, str], ...] = (),
     name: str = "",
 ) -> list[Case]:
-    """A short and a long case; the fewest evaluations of the long one in proportion."""
+    """Return a short and a long case; the fewest evaluations of the long one in proportion."""
     name = name or problem
     more = round(least * longer / t_end)
     return [
@@ -82,7 +82,10 @@ CASES = (
 
 
 def _peer(name: str, case: Case) -> dict[str, Any] | None:
-    """The first run of a peer that reaches the goal; ``None`` where it cannot take the problem."""
+    """Return the first run of a peer that reaches the goal.
+
+    The result is ``None`` where it cannot take the problem.
+    """
     found: dict[str, Any] = {}
     for tolerance in TOLERANCES:
         try:
@@ -104,7 +107,7 @@ def _peer(name: str, case: Case) -> dict[str, Any] | None:
 
 
 def _spent(name: str, case: Case, tolerance: float) -> float:
-    """Processor time of a run to the end, the least of three."""
+    """Return the processor time of a run to the end, the least of three."""
     target = case.built()
     end = np.array([float(target.t_span[0]) + case.t_end])
     run = runner(name, target, tolerance=tolerance, times=end)
@@ -157,7 +160,7 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
 
 
 def _best(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The row of the least time."""
+    """Return the row of the least time."""
     return min(rows, key=lambda x: math.inf if x["seconds"] is None else x["seconds"])
 
 

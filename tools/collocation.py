@@ -23,13 +23,13 @@ SAFETY = 0.8  # of the step size that the error estimate allows
 
 
 def radau_nodes(stages: int, ctx: Any) -> list[Any]:
-    """Nodes of Radau IIA: the zeros of P_s - P_{s-1} on [0, 1], the last one being 1.
+    """Return nodes of Radau IIA: the zeros of P_s - P_{s-1} on [0, 1], the last one being 1.
 
     The zeros separate those of a trigonometric approximation, from which Newton's method starts.
     """
 
     def radau(x: Any) -> tuple[Any, Any]:
-        """Value and slope of P_s - P_{s-1} at x in [-1, 1], by the three-term recurrence."""
+        """Return value and slope of P_s - P_{s-1} at x in [-1, 1], by the three-term recurrence."""
         p, q, dp, dq = x, ctx.mpf(1), ctx.mpf(1), ctx.mpf(0)
         for n in range(1, stages):
             p, q = ((2 * n + 1) * x * p - n * q) / (n + 1), p
@@ -112,7 +112,7 @@ class _Collocation:
         return z, self.ctx.inf
 
     def _scale(self, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Typical size of each component over the step, however small beside the largest."""
+        """Return typical size of each component over the step, however small beside the largest."""
         sizes = [max(abs(x) for x in (y[i], *(y + z)[:, i])) for i in range(len(y))]
         largest = max(sizes) or self.ctx.mpf(1)
         # a component that is zero but for rounding has no size of its own
@@ -122,7 +122,7 @@ class _Collocation:
     def _inverse(
         self, t: Any, y: np.ndarray, z: np.ndarray, h: Any, scale: np.ndarray
     ) -> np.ndarray | None:
-        """Inverse of I - h (a_ij J_j) in double precision and scaled variables."""
+        """Return the inverse of I - h (a_ij J_j) in double precision and scaled variables."""
         s, d = z.shape
         matrix = np.eye(s * d).reshape(s, d, s, d)
         for j in range(s):

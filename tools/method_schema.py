@@ -24,7 +24,7 @@ _VECTOR, _MATRIX = {"$ref": "#/$defs/vector"}, {"$ref": "#/$defs/matrix"}
 
 
 def _row(*choices: dict[str, Any]) -> dict[str, Any]:
-    """Schema of `embedded`: objects with a name and the keys of one of the choices."""
+    """Return the schema of `embedded`: objects with a name and the keys of one of the choices."""
     kinds = [
         {
             "type": "object",

@@ -66,7 +66,7 @@ def solution_document(name: str, entries: Sequence[dict[str, Any]]) -> dict[str,
 
 
 def _text(y: Any, error: Any) -> str:
-    """Those digits of an mpmath number that the other computation confirms."""
+    """Return those digits of an mpmath number that the other computation confirms."""
     ctx = y.context
     if abs(y) <= error:
         return "0"

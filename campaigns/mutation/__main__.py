@@ -43,7 +43,7 @@ LEFT_OUT = (".git", "__pycache__", ".pytest_cache", ".ruff_cache", "docs/images"
 
 
 def modules(subpackage: str) -> list[Path]:
-    """Modules of a subpackage, as paths in the tree."""
+    """Return modules of a subpackage, as paths in the tree."""
     names = SUBPACKAGES[subpackage].split()
     without = {ROOT / "glmref" / f"{x[1:]}.py" for x in names if x[0] == "-"}
     found = [p for x in names for p in sorted((ROOT / "glmref").glob(f"{x}.py"))]

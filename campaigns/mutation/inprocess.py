@@ -52,7 +52,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Code of a module and of all that is defined in it, in the order of its text."""
+    """Yield the code of a module and of all that is defined in it, in the order of its text."""
     yield code
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
@@ -71,7 +71,7 @@ def _numbered(code: CodeType) -> dict[tuple[str, int], CodeType]:
 
 
 def _key(code: CodeType) -> tuple[str, int, bytes]:
-    """What tells code; code that has run is not equal to itself as compiled anew.
+    """Return what tells code; code that has run is not equal to itself as compiled anew.
 
     Two functions of one name begin on the same line only if they are lambdas. The table of lines
     tells those; that of a function with an ``assert`` is another where pytest has rewritten it.
@@ -124,7 +124,7 @@ def exchange(module: ModuleType, source: str) -> bool:
 
 
 def _frame(path: str, source: str | None) -> ast.Module:
-    """What is left of a module where functions have no bodies: what is computed on import."""
+    """Return what a module computes on import: what is left when functions have no bodies."""
     tree = ast.parse(Path(path).read_text(encoding="utf-8") if source is None else source)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
@@ -243,7 +243,10 @@ class Bench:
             seen.add(frame.f_code)
 
     def tests(self, module: Path, function: str) -> list[str]:
-        """Tests that call a function, or any of the module for what runs on import; best first."""
+        """Return tests that call a function, or any of the module for what runs on import.
+
+        The tests of the module itself come first, then the fastest.
+        """
         own = (f"/test_{module.stem}.py", f"/test_{module.parent.name}_{module.stem}.py")
         on_import, found = self._on_import(module, function), []
         for name, row in self.calls.items():

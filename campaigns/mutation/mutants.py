@@ -45,7 +45,7 @@ class Mutant:
 
 
 def mutants(source: str) -> Iterator[Mutant]:
-    """Every mutant of a module.
+    """Yield every mutant of a module.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def _functions(tree: ast.Module) -> dict[int, str]:
 
 
 def _left_alone(tree: ast.Module) -> set[int]:
-    """Nodes whose change would change no behaviour, or nothing but a type."""
+    """Return nodes whose change would change no behaviour, or nothing but a type."""
     found: set[int] = set()
 
     def leave(node: ast.AST | None) -> None:
@@ -123,7 +123,7 @@ def _left_alone(tree: ast.Module) -> set[int]:
 
 
 def _changes(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Texts that may stand in place of a node, with the kind of the change."""
+    """Yield texts that may stand in place of a node, with the kind of the change."""
     if isinstance(node, ast.Compare):
         for k, operator in enumerate(node.ops):
             operators = list(node.ops)
@@ -157,5 +157,5 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, str]]:
 
 
 def _text(node: ast.expr) -> str:
-    """Text of an expression that stands anywhere."""
+    """Return the text of an expression that stands anywhere."""
     return f"({ast.unparse(ast.fix_missing_locations(node))})"

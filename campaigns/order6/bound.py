@@ -72,7 +72,7 @@ def row(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def bound(found: Mapping[str, Any], stages: int, unit: Mapping[str, Any]) -> float:
-    """Share of the time of ``unit`` that is left with one evaluation for each stage."""
+    """Return the share of the time of ``unit`` that is left with one evaluation for each stage."""
     least = min(found["steps"] * stages, found["evaluations"])
     return least * found["seconds"] / found["evaluations"] / unit["seconds"]
 

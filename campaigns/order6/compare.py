@@ -190,7 +190,7 @@ class Track:
 
 
 def bracket(runs: Sequence[Run], target: float) -> tuple[Run, ...]:
-    """The last run above a target and the first below it; empty where there are not both."""
+    """Return the last run above a target and the first below it; empty where there are not both."""
     for before, after in pairwise(runs):
         if before.error > target >= after.error:
             return before, after
@@ -216,7 +216,7 @@ def at_error(runs: Sequence[Run], target: float) -> dict[str, float] | None:
 
 
 def rounded(value: float) -> float:
-    """Four significant digits."""
+    """Return four significant digits."""
     number = finite(float(value))
     return float(f"{number:.4g}") if number is not None else math.nan
 
@@ -259,7 +259,7 @@ class Comparison:
 
 
 def document(name: str, comparisons: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The file's document."""
+    """Return the file's document."""
     return {
         "format": "glmref-measurement-1",
         "name": name,

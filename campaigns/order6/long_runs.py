@@ -109,7 +109,7 @@ class LongRun:
 
 
 def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.ndarray, float]:
-    """Finished solution (d,) and norm of ``values - S(F(y_1))`` for values (r, d)."""
+    """Return the finished solution (d,) and norm of ``values - S(F(y_1))`` for values (r, d)."""
     method = engine.method
     y = engine.solution(values)
     with np.errstate(all="ignore"):
@@ -161,7 +161,7 @@ def long_run(name: str, run: str, *, h: float = 0.1, steps: int = STEPS) -> Long
 def growth_rate(
     name: str, run: str, *, h: float = 0.1, steps: int = NUDGED_STEPS, nudge: float = NUDGE
 ) -> float:
-    """Rate at which a nudged parasitic part grows over the second half of a run.
+    """Return the rate at which a nudged parasitic part grows over the second half of a run.
 
     The largest parts seen in the tenths of the run before the middle and before the end are
     compared; what does not grow gives a rate of either sign of the order of 1/(t h steps).
@@ -187,7 +187,7 @@ def growth_rate(
 
 
 def scan_rate(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Rate of :data:`SCANNED` at an h and a nudge of :data:`SCAN`.
+    """Return the rate of :data:`SCANNED` at an h and a nudge of :data:`SCAN`.
 
     The number of steps goes with h^-3: with a rate proportional to h^2 every run then sees its
     parasitic part grow by the same factor, and each rate is known equally well.
@@ -206,13 +206,13 @@ def _looks(rows: int) -> list[int]:
 
 
 def _gone(part: Solution, unit: float) -> bool:
-    """Whether the values have left every bound, so that going on shows nothing."""
+    """Return whether the values have left every bound, so that going on shows nothing."""
     values = np.asarray(part.values)
     return not bool(np.isfinite(values).all()) or float(np.linalg.norm(values[1:])) > 10 * unit
 
 
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """One run of one method, with the rate at which its parasitic part grows."""
+    """Return one run of one method, with the rate at which its parasitic part grows."""
     name, run = case["method"], case["run"]
     return replace(long_run(name, run), rate=growth_rate(name, run)).as_json()
 

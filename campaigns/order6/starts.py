@@ -40,7 +40,7 @@ T_END = 20.0
 
 
 def begin(kind: str, engine: Stepper, y0: np.ndarray, h: Any) -> tuple[np.ndarray, int]:
-    """Starting values (r, d) and the evaluations they cost.
+    """Return starting values (r, d) and the evaluations they cost.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def begin(kind: str, engine: Stepper, y0: np.ndarray, h: Any) -> tuple[np.ndarra
 
 
 def kinds(name: str) -> list[str]:
-    """Starts that a method has."""
+    """Return the starts of a method."""
     found = ["zero", "explicit"]
     if name in IDENTITY:
         found += [f"{kind} {k}" for kind in ("enhanced", "iterated") for k in (2, 3, 4, 5)]
@@ -83,7 +83,7 @@ def amplitudes(name: str, kind: str) -> dict[str, Any]:
 
 
 def final_errors(name: str, kind: str) -> dict[str, Any]:
-    """Evaluations of the start, in double precision, and the error at the end of a run."""
+    """Return evaluations of the start, in double precision, and the error at the end of a run."""
     method, subject = load(name), problem("kepler", **KEPLER)
     assert isinstance(method, GLM)
     engine, reference = stepper(method, subject), reference_state(subject, T_END)
@@ -115,7 +115,7 @@ def loss_times(name: str, kind: str, *, h: float = 0.1, steps: int = 100_000) ->
 
 
 def start_row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Errors and parasitic part of a method from a start."""
+    """Return errors and parasitic part of a method from a start."""
     given = case["method"], case["start"]
     return {**case, **final_errors(*given), **amplitudes(*given)}
 

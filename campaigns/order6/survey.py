@@ -113,7 +113,7 @@ def record(name: str) -> dict[str, Any]:
 
 
 def _rounded(value: Any) -> Any:
-    """The same with floats of four significant digits."""
+    """Return the same with floats of four significant digits."""
     if isinstance(value, float):
         return float(f"{value:.4g}")
     if isinstance(value, dict):
@@ -122,7 +122,7 @@ def _rounded(value: Any) -> Any:
 
 
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """The rounded record of one method."""
+    """Return the rounded record of one method."""
     return _rounded(record(case["method"]))
 
 

@@ -32,7 +32,7 @@ def frequency(x: Mapping[str, float]) -> str:
 
 
 def constants() -> str:
-    """Constants of every method."""
+    """Return constants of every method."""
     rows = []
     for m in measured("order6-methods")["methods"]:
         error, c = m["error"], m["parasitic"]
@@ -55,7 +55,7 @@ def constants() -> str:
 
 
 def fastest(case: Mapping[str, Any], target: str, solver: str) -> dict[str, Mapping[str, float]]:
-    """Method -> its fastest track at an error."""
+    """Return method -> its fastest track at an error."""
     best: dict[str, Mapping[str, float]] = {}
     for track in case["tracks"]:
         at = track["at"][target]
@@ -87,7 +87,7 @@ def comparison(solver: str, *cases: str) -> str:
 
 
 def verdict(run: Mapping[str, Any]) -> str:
-    """What became of the parasitic part in ten million steps."""
+    """Return what became of the parasitic part in ten million steps."""
     if not run["bounded"]:
         return f"30-fold at t = {run['lost']:g}"
     return "grows" if run["parasitic"] > 3 * run["parasitic_early"] else "bounded"
@@ -111,7 +111,7 @@ def long_runs() -> str:
 
 
 def rate_scan() -> str:
-    """Rates of one method over h and the size of the nudge."""
+    """Return rates of one method over h and the size of the nudge."""
     rows = [
         row(f"{x['h']:g}", f"{x['steps']:,}", f"{x['nudge']:g}", number(x["rate"], 3),
             number(x["rate"] / x["h"] ** 2, 4))
@@ -128,7 +128,7 @@ def kepler() -> str:
 
 
 def starts() -> str:
-    """What a start costs and buys."""
+    """Return what a start costs and buys."""
     found = measured("starts")
     rows = [
         row(
@@ -151,7 +151,7 @@ def losses() -> str:
 
 
 def searches() -> str:
-    """The search for order 8."""
+    """Return the search for order 8."""
     rows = [
         row(
             a["stages"], a["values"], a["stage_order"],

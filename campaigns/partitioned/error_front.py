@@ -51,7 +51,7 @@ NOTE = (
 
 @cache
 def cowell(length: int) -> tuple[Fraction, ...]:
-    """Coefficients of w / x^2 in w = 2 cosh x - 2."""
+    """Return coefficients of w / x^2 in w = 2 cosh x - 2."""
     square = [  # x^2 / w
         Fraction((-1) ** k * 2, (k + 1) ** 2 * math.comb(2 * k + 2, k + 1)) for k in range(length)
     ]
@@ -63,7 +63,7 @@ def cowell(length: int) -> tuple[Fraction, ...]:
 
 
 def least(pairs: int) -> Fraction:
-    """The bound of the error constant: all roots at -1, where the method is not stable."""
+    """Return the bound of the error constant: all roots at -1, where the method is not stable."""
     G = cowell(pairs + 2)
     return sum(
         (Fraction(math.comb(pairs, k), 4**k) * G[pairs + 1 - k] for k in range(pairs + 1)),
@@ -97,7 +97,7 @@ def end(angles: np.ndarray, most: float = 2.0) -> float:
 
 
 def descend(task: Mapping[str, Any]) -> dict[str, Any]:
-    """The least C found among methods with an interval up to an end and roots apart."""
+    """Return the least C found among methods with an interval up to an end and roots apart."""
     pairs, wanted, apart = task["pairs"], task["end"], task["apart"]
     best, found = math.inf, np.empty(0)
     for seed in range(SEEDS):
@@ -121,7 +121,7 @@ def descend(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _measured(angles: np.ndarray, constant: float) -> dict[str, Any]:
-    """The constant, and evaluations and growth on the training problems."""
+    """Return the constant, and evaluations and growth on the training problems."""
     method = Stages(angles, np.zeros(1), np.ones((1, len(angles)), dtype=complex))
     counts = evaluations(method)
     return {
@@ -132,7 +132,7 @@ def _measured(angles: np.ndarray, constant: float) -> dict[str, Any]:
 
 
 def method_row(name: str) -> dict[str, Any]:
-    """The error constant of a method of the catalogue."""
+    """Return the error constant of a method of the catalogue."""
     angles = of_file(name).angles
     return {
         "method": name,
@@ -154,12 +154,12 @@ def main(path: Path) -> None:
 
 
 def share(constant: float, pairs: int) -> float:
-    """Evaluations over those with the bound of the constant, to first order."""
+    """Return evaluations over those with the bound of the constant, to first order."""
     return (constant / float(least(pairs))) ** (1 / (2 * pairs + 2))
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """Evaluations over the bound to first order, those on training problems, and the growth."""
+    """Tabulate evaluations over the first-order bound, those on training problems, and growth."""
     heads = "order, method, interval, degrees apart, over the bound, $10^{-6}$, $10^{-9}$, growth"
     lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 8 + "|"]
     for m in PAIRS:

@@ -83,7 +83,7 @@ CASES = _cases()
 
 
 def quadratic(case: str) -> bool:
-    """Whether T is quadratic in a case of this name."""
+    """Return whether T is quadratic in a case of this name."""
     return PROBLEMS[case.removesuffix(", long")].quadratic
 
 
@@ -99,7 +99,7 @@ LONG_STEPS = ("kahan-li-8", "blanes-casas-rkn-8-19", "pair-rkn-6-7b", "quinlan-8
 
 
 def methods_for(case: str) -> list[str]:
-    """What is measured in a case."""
+    """Return what is measured in a case."""
     left_out = LONG_STEPS if case.removesuffix(", long") in LARGE else ()
     found = [x for group in GROUPS[quadratic(case)].values() for x in group]
     return [x for x in found if x not in left_out]
@@ -145,7 +145,7 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
 def best(
     entry: Mapping[str, Any], group: str, tolerance: str, what: str = "needed"
 ) -> tuple[str, float]:
-    """The method of a group that needs least in a case, and how much; infinity: none."""
+    """Return the method of a group that needs least in a case, and how much; infinity: none."""
     return needed(entry, GROUPS[quadratic(entry["case"])][group], tolerance, what)
 
 

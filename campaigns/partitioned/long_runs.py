@@ -150,7 +150,7 @@ def three_digits(x: float) -> float | None:
 
 
 def pair_names() -> list[str]:
-    """Names of the explicit pairs of the catalogue that carry values."""
+    """Return names of the explicit pairs of the catalogue that carry values."""
     return [x for x in names("methods") if document(x)["class"] == "pair-sweep"]
 
 
@@ -287,13 +287,13 @@ KEPLER_NOTE = (
 
 
 def kepler_methods() -> list[str]:
-    """Names of the methods that are run on Kepler's problem."""
+    """Return names of the methods that are run on Kepler's problem."""
     groups = ("order 6, general linear", "order 8, general linear")
     return [*pair_names(), *(x for group in groups for x in METHODS[group]), *ONE_VALUE]
 
 
 def labels(record: str) -> dict[str, list[str]]:
-    """Notes of the method files that name a record, by method."""
+    """Return notes of the method files that name a record, by method."""
     found: dict[str, list[str]] = {}
     for name in names("methods"):
         notes = document(name).get("notes", [])
@@ -325,7 +325,7 @@ def kepler(path: Path, cases: Sequence[Case] = KEPLER, steps: int = STEPS) -> No
 
 
 def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
-    """Energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown."""
+    """Return energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown."""
     orbits = list(dict.fromkeys(run["eccentricity"] for run in runs))
     marks = [n for n in runs[0]["marks"] if n >= 100_000]
     shown = ", ".join(f"$10^{len(str(n)) - 1}$" for n in marks)

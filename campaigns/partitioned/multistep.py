@@ -103,7 +103,7 @@ def evaluations(path: Path, cases: Sequence[work.Case] = COUNTED) -> None:
 
 @cache
 def twin(name: str) -> Method:
-    """A published symmetric multistep method in the one-step form of the new ones.
+    """Return a published symmetric multistep method in the one-step form of the new ones.
 
     The same formula for the positions, up to the rounding of the cosines of its roots: the engine
     steps it by the same kernel, which a comparison of times has to do. Its file keeps the published
@@ -116,7 +116,7 @@ def twin(name: str) -> Method:
 
 
 def cosines(name: str) -> list[Fraction]:
-    """Cosines of the pairs of roots of a symmetric multistep method, to nine digits."""
+    """Return cosines of the pairs of roots of a symmetric multistep method, to nine digits."""
     method = load(name)
     assert isinstance(method, PartitionedGLM)
     values = np.array([[float(x) for x in row] for row in method.V_hat], dtype=float)
@@ -143,7 +143,10 @@ def run_seconds(task: Mapping[str, Any]) -> float | None:
 
 
 def table(document: Mapping[str, Any], tolerance: str) -> str:
-    """The best of each group, case by case, in Markdown; the last line holds geometric means."""
+    """Return the best of each group, case by case, in Markdown.
+
+    The last line holds geometric means.
+    """
     groups = document["groups"]
     rivals = [x for key, methods in groups.items() if not key.startswith("new") for x in methods]
     new = [x for key, methods in groups.items() if key.startswith("new") for x in methods]
@@ -169,7 +172,7 @@ UNIT = "quinlan-tremaine-10"
 
 
 def mean_table(document: Mapping[str, Any]) -> str:
-    """Method against method: evaluations in units of :data:`UNIT`, in Markdown.
+    """Return method against method: evaluations in units of :data:`UNIT`, in Markdown.
 
     Geometric means over the second-order problems, and over those with a long horizon.
     """
@@ -215,7 +218,7 @@ PUBLISHED = tuple(f"quinlan-tremaine-{order}" for order in (8, 10, 12, 14))
 
 
 def step_of(name: str, case: Case) -> float:
-    """Step size of a method on a case, by its evaluations."""
+    """Return the step size of a method on a case, by its evaluations."""
     return case.per_evaluation * per_step(name)
 
 
@@ -259,7 +262,10 @@ def long_runs(path: Path, steps: int = 10_000_000, cases: Sequence[Case] = LONG)
 
 
 def _cause(run: Mapping[str, Any]) -> str:
-    """Whether a run is bounded; else from when on it is not, and what starting anew changes."""
+    """Return whether a run is bounded.
+
+    Else from when on it is not, and what starting anew changes.
+    """
     if run["bounded"]:
         return "yes"
     marks, energy = run["marks"], [math.inf if x is None else x for x in run["energy"]]
@@ -278,7 +284,7 @@ def _cause(run: Mapping[str, Any]) -> str:
 
 
 def long_table(document: Mapping[str, Any]) -> str:
-    """Energy errors after 10^5, 10^6 and 10^7 steps and the time of a step, in Markdown."""
+    """Return energy errors after 10^5, 10^6 and 10^7 steps and the time of a step, in Markdown."""
     head = "| method | problem | h | $10^5$ | $10^6$ | $10^7$ | ns a step | bounded |"
     lines = [head, "|---" * 8 + "|"]
     for run in document["runs"]:

@@ -78,7 +78,7 @@ class Training:
     watched: bool = True
 
     def call(self, name: str, *rest: Any) -> tuple[float, np.ndarray]:
-        """A function of the C source on this problem: what it returns, and the positions."""
+        """Return a function of the C source on this problem: what it returns, and the positions."""
         q, p = (np.array(x, dtype=float) for x in (self.q0, self.p0))
         end = np.zeros(len(q))
         found = getattr(_library(), name)(
@@ -88,18 +88,18 @@ class Training:
         return found, end
 
     def solution(self) -> np.ndarray:
-        """Positions at the end."""
+        """Return positions at the end."""
         return _solution(self)
 
     def error(self, a: np.ndarray, b: np.ndarray, steps: int) -> float:
-        """Relative error of the positions at the end."""
+        """Return the relative error of the positions at the end."""
         _, end = self.run(a, b, self.t_end / steps, steps)
         with np.errstate(all="ignore"):
             error = np.linalg.norm(end - self.solution()) / np.linalg.norm(self.solution())
         return float(error) if math.isfinite(error) else math.inf
 
     def run(self, a: np.ndarray, b: np.ndarray, h: float, steps: int) -> tuple[float, np.ndarray]:
-        """Growth of the roughness, and the positions at the end."""
+        """Return the growth of the roughness, and the positions at the end."""
         k = len(a) - 1
         return self.call(
             "run", k, _pointer(a), _pointer(b), ctypes.c_double(h), ctypes.c_long(steps), 16
@@ -158,7 +158,7 @@ def coefficients(q: Sequence[Fraction], p: Sequence[Fraction]) -> tuple[np.ndarr
 
 
 def needed_by(error: Callable[[int], float], least: int) -> list[float]:
-    """Evaluations from which an error, a function of their number, stays below each tolerance."""
+    """Return the evaluations from which ``error(evaluations)`` stays below each tolerance."""
     curve: list[tuple[int, float]] = []
     for k in range(200):
         steps = math.ceil(least * 2 ** (k / DENSITY))
@@ -183,12 +183,12 @@ def needed_by(error: Callable[[int], float], least: int) -> list[float]:
 
 
 def _needed(case: Training, a: np.ndarray, b: np.ndarray) -> list[float]:
-    """Evaluations that a case needs for each tolerance."""
+    """Return evaluations that a case needs for each tolerance."""
     return needed_by(lambda steps: case.error(a, b, steps), case.least)
 
 
 def _growth(a: np.ndarray, b: np.ndarray, counts: np.ndarray, steps: int) -> float:
-    """Decades by which the roughness grows beyond a factor five, over all watched runs."""
+    """Return decades by which the roughness grows beyond a factor five, over all watched runs."""
     total = 0.0
     for case, needed in zip(CASES, counts, strict=True):
         if case.watched:
@@ -202,7 +202,7 @@ def _growth(a: np.ndarray, b: np.ndarray, counts: np.ndarray, steps: int) -> flo
 def objective(
     q: Sequence[Fraction], p: Sequence[Fraction], bound: float = math.inf, penalty: float = PENALTY
 ) -> float:
-    """What is minimized; a lower bound of it where that exceeds ``bound``."""
+    """Return what is minimized; a lower bound of it where that exceeds ``bound``."""
     a, b = coefficients(q, p)
     counts = np.array([_needed(case, a, b) for case in CASES])
     value = float(np.log(counts).mean(axis=0) @ np.array(WEIGHTS))

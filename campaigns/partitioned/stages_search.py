@@ -82,7 +82,7 @@ class Stages:
 
 
 def doubled(angles: Sequence[float]) -> Stages:
-    """Two steps of the method with one kick as one; angles in radians."""
+    """Return two steps of the method with one kick as one; angles in radians."""
     turned = 2 * np.asarray(angles, dtype=float)
     phases = turned / 4
     back = turned > math.pi  # the conjugate pair
@@ -92,12 +92,12 @@ def doubled(angles: Sequence[float]) -> Stages:
 
 
 def exponential(rate: float) -> np.ndarray:
-    """Coefficients of exp(rate x)."""
+    """Return coefficients of exp(rate x)."""
     return np.array([rate**k / math.factorial(k) for k in range(LENGTH)])
 
 
 def times(a: np.ndarray) -> np.ndarray:
-    """The matrix that multiplies a power series by another."""
+    """Return the matrix that multiplies a power series by another."""
     return toeplitz(a, np.zeros(LENGTH))
 
 
@@ -106,7 +106,7 @@ def _shifted(a: np.ndarray, places: int) -> np.ndarray:
 
 
 def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of the drifts and of the kicks, each (s, 1 + 2 m), in real values."""
+    """Return weights of the drifts and of the kicks, each (s, 1 + 2 m), in real values."""
     phi, b, _ = _series(stages)
     return phi, b
 
@@ -155,7 +155,7 @@ def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _of(x: np.ndarray, s: int = 2) -> Stages:
-    """The method with so many kicks, 2 to 4, of its unknowns.
+    """Return the method with so many kicks, 2 to 4, of its unknowns.
 
     Angles, phases of the first kick, whose numbers have length 1; with three kicks the numbers of
     the second, which are real, with four their logarithms; the abscissae of the last kicks.
@@ -204,7 +204,7 @@ def solved(x: np.ndarray, order: int, s: int = 2) -> np.ndarray | None:
 
 
 def counted(pairs: int, order: int, *, seed: int, starts: int, s: int = 2) -> list[np.ndarray]:
-    """Unknowns of :func:`solved` from random starts, those with a periodicity interval."""
+    """Return unknowns of :func:`solved` from random starts, those with a periodicity interval."""
     generator, ends = np.random.default_rng(seed), []
     for _ in range(starts):
         angles = np.radians(generator.uniform(s * FROM_ONE, 176, size=pairs))
@@ -218,7 +218,7 @@ def counted(pairs: int, order: int, *, seed: int, starts: int, s: int = 2) -> li
 
 
 def _on_oscillator(stages: Stages) -> Callable[[float], np.ndarray]:
-    """The matrix of one step on q'' = -q, a function of the time for one evaluation."""
+    """Return the matrix of one step on q'' = -q, a function of the time for one evaluation."""
     phi, b = drifts(stages)
     s, r = phi.shape
     turn = np.eye(r + 1)
@@ -283,7 +283,7 @@ class _Compiled:
         return grown, end
 
     def error(self, case: Training, evaluations: int) -> float:
-        """Relative error of the positions at the end."""
+        """Return the relative error of the positions at the end."""
         steps = max(2, round(evaluations / self.s))
         _, end = self.run(case, case.t_end / steps, steps)
         with np.errstate(all="ignore"):
@@ -301,26 +301,26 @@ def compiled(stages: Stages) -> _Compiled:
 
 
 def gap(angles: np.ndarray) -> float:
-    """The least distance of two roots on the circle, in degrees."""
+    """Return the least distance of two roots on the circle, in degrees."""
     ordered = np.sort(np.degrees(angles))
     return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
 
 
 def allowed(stages: Stages) -> bool:
-    """Whether the roots lie apart and the kicks in order."""
+    """Return whether the roots lie apart and the kicks in order."""
     least, s = np.degrees(stages.angles.min()), stages.s
     inside = np.diff([-0.46, *stages.abscissae, 0.46])
     return bool(gap(stages.angles) >= APART * s and least >= FROM_ONE * s and min(inside) > 0)
 
 
 def evaluations(stages: Stages, cases: Sequence[Training] = CASES) -> np.ndarray:
-    """Needed by each case (row) for each tolerance (column)."""
+    """Return what each case needs (row) for each tolerance (column)."""
     method = compiled(stages)
     return np.array([one.needed_by(lambda n, c=c: method.error(c, n), c.least) for c in cases])
 
 
 def growth(stages: Stages, counts: np.ndarray, cases: Sequence[Training] = CASES) -> float:
-    """Decades by which the roughness grows beyond a factor five, over all watched runs."""
+    """Return decades by which the roughness grows beyond a factor five, over all watched runs."""
     method, total = compiled(stages), 0.0
     for case, row in zip(cases, counts, strict=True):
         for n in row if case.watched else ():
@@ -332,7 +332,7 @@ def growth(stages: Stages, counts: np.ndarray, cases: Sequence[Training] = CASES
 
 
 def objective(stages: Stages, bound: float = math.inf) -> float:
-    """What is minimized; a lower bound of it where that exceeds ``bound``."""
+    """Return what is minimized; a lower bound of it where that exceeds ``bound``."""
     if not allowed(stages):
         return math.inf
     counts = evaluations(stages)
@@ -393,7 +393,7 @@ GROWTH_NOTE = (
 
 
 def of_file(name: str) -> Stages:
-    """A symmetric multistep method of the catalogue: its angles are those of the roots of V."""
+    """Return a symmetric multistep method of the catalogue by the angles of the roots of V."""
     method = load(name)
     assert isinstance(method, PartitionedGLM)
     V = np.array([[float(x) for x in row] for row in method.V_hat])
@@ -403,7 +403,7 @@ def of_file(name: str) -> Stages:
 
 
 def ranges(marked: Sequence[bool], sizes: Sequence[float]) -> list[list[float]]:
-    """First and last of the sizes that are marked without one between that is not."""
+    """Return the first and last of the sizes that are marked without one between that is not."""
     rows: list[list[float]] = []
     for before, here, size in zip([False, *marked], marked, sizes, strict=False):
         if here and before:
@@ -436,7 +436,7 @@ def growth_row(task: Mapping[str, Any]) -> dict[str, Any]:
 def scanned(
     task: Mapping[str, Any], end: float, run: Callable[[Training, float], float]
 ) -> dict[str, Any]:
-    """The step sizes for one evaluation, up to the end of an interval, at which a method grows."""
+    """Return the step sizes per evaluation, up to the end of an interval, with growth."""
     count = task["count"]
     orbit, case, frequency = next(x for x in ORBITS if x[0] == task["orbit"])
     sizes = end / count * np.arange(count // 20 + 1, count + 1)
@@ -452,7 +452,7 @@ def scanned(
 
 
 def growth_table(document: Mapping[str, Any]) -> str:
-    """Where methods grow, in Markdown."""
+    """Return where methods grow, in Markdown."""
     head = "| method | orbit | end of the interval | step sizes with growth | first | the widest |"
     lines = [head, "|---" * 6 + "|"]
     for x in document["scans"]:
@@ -503,7 +503,7 @@ FOUND: Mapping[str, tuple[Sequence[float], Sequence[float], float]] = {
 
 
 def held_out() -> dict[str, Training]:
-    """The problems of held_out_problems with a force that the C source has, short horizons."""
+    """Return the held-out problems whose force the C source has, with short horizons."""
     kinds = {"kepler": 0, "henon-heiles": 1, "toda ring": 3}
     found = {}
     for name, held in PROBLEMS.items():
@@ -524,7 +524,7 @@ FRONT_NOTE = (
 
 
 def found(name: str) -> Stages:
-    """One of :data:`FOUND`."""
+    """Return one of :data:`FOUND`."""
     angles, phases, place = FOUND[name]
     kick = np.exp(1j * np.radians(phases))
     return Stages(np.radians(angles), np.array([-place, place]), np.array([kick, kick.conj()]))
@@ -564,7 +564,7 @@ def front_row(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def front_table(document: Mapping[str, Any]) -> str:
-    """The front in Markdown; on held-out problems over the best published method of each."""
+    """Return the front in Markdown; on held-out problems over the best published method of each."""
     heads = (
         "method, kicks, pairs, interval, reach, at $10^{-6}$, at $10^{-9}$, "
         "held out: $10^{-6}$, $10^{-9}$, growth"

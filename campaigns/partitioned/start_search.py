@@ -29,7 +29,7 @@ WIDTH = 0.4
 
 
 def general_start(pairs: int) -> dict[str, list[list[str]]]:
-    """One stage of each pair of every explicit start, for :func:`.parity_start.expanded`.
+    """Return one stage of each pair of every explicit start, for :func:`.parity_start.expanded`.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def general_start(pairs: int) -> dict[str, list[list[str]]]:
     names = iter(f"0.{k:020d}" for k in range(1, 10_000))
 
     def row(reached: int) -> list[str]:
-        """The point itself and the pairs that come before."""
+        """Return the point itself and the pairs that come before."""
         known = [next(names) for _ in range(1 + 2 * reached)]
         return known + ["0"] * (2 * (pairs - reached))
 
@@ -54,7 +54,7 @@ def general_start(pairs: int) -> dict[str, list[list[str]]]:
 
 
 def _weighted(pairs: int, target: Target) -> tuple[Any, int]:
-    """The conditions times the density of their trees, and the number of unknowns.
+    """Return the conditions times the density of their trees, and the number of unknowns.
 
     Without the factor high orders would hardly count.
     """

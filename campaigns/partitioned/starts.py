@@ -100,7 +100,7 @@ def _largest(difference: np.ndarray) -> float:
 
 
 def observed(name: str, of: str = "pendulum") -> dict[str, Any]:
-    """What :func:`misses` finds at the smaller step size, with the observed orders."""
+    """Return what :func:`misses` finds at the smaller step size, with the observed orders."""
     coarse, fine = (misses(name, h, of=of) for h in SIZES)
 
     def order(what: str, kind: int) -> float:
@@ -127,7 +127,7 @@ def start_row(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def started_pairs() -> list[str]:
-    """Names of the explicit pairs whose files give a starting method."""
+    """Return names of the explicit pairs whose files give a starting method."""
     return [x for x in pair_names() if load(x).starting is not None]
 
 
@@ -163,7 +163,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
 
 
 def starts_table(document: Mapping[str, Any]) -> str:
-    """Misses of both starts and their orders, in Markdown."""
+    """Return misses of both starts and their orders, in Markdown."""
     lines = [
         "| pair | evaluations of k, f | carried: zero | own | first: zero | own |",
         "|---|---|---|---|---|---|",

@@ -66,7 +66,7 @@ def best(
 
 
 def _rows(document: Mapping[str, Any], tolerance: str, key: str, show: Any) -> str:
-    """One row a case: every group, the best general pair, the best pair, and their ratio."""
+    """Return one row a case: every group, the best general pair, the best pair, and their ratio."""
     others = [name for names in GROUPS.values() for name in names]
     heads = ["case", *GROUPS, "general pair", "any pair", "pair / best other"]
     lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
@@ -89,12 +89,12 @@ def _rows(document: Mapping[str, Any], tolerance: str, key: str, show: Any) -> s
 
 
 def needs_table(document: Mapping[str, Any], tolerance: str) -> str:
-    """Force evaluations at one tolerance; ``-`` where it was not reached."""
+    """Return the force evaluations at one tolerance; ``-`` where it was not reached."""
     return _rows(document, tolerance, "needed", lambda x: f"{x:,.0f}")
 
 
 def time_table(document: Mapping[str, Any], tolerance: str) -> str:
-    """Milliseconds at one tolerance."""
+    """Return milliseconds at one tolerance."""
     return _rows(document, tolerance, "seconds", lambda x: f"{1e3 * x:.3g}")
 
 
@@ -110,7 +110,7 @@ def ratios(document: Mapping[str, Any], name: str, tolerance: str) -> dict[str, 
 
 
 def one_pair_table(document: Mapping[str, Any], names: Sequence[str], tolerance: str) -> str:
-    """Evaluations of single pairs over those of the best other method, by case."""
+    """Return evaluations of single pairs over those of the best other method, by case."""
     lines = ["| case | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     found = [ratios(document, name, tolerance) for name in names]
     for case in (case["case"] for case in document["cases"]):
@@ -120,7 +120,7 @@ def one_pair_table(document: Mapping[str, Any], names: Sequence[str], tolerance:
 
 
 def start_table(document: Mapping[str, Any], cases: Sequence[str], tolerance: str) -> str:
-    """Evaluations from zero values, from the enhanced start, and with the cost of that start."""
+    """Tabulate evaluations from zero values, from the enhanced start, and with its cost."""
     lines = [
         "| case | pair | zero start | enhanced start | with its cost |",
         "|---|---|---|---|---|",
@@ -167,7 +167,7 @@ _SILENT = ("n-body",)
 
 
 def _growth(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Pair -> the problems on which a run of it is not bounded."""
+    """Return pair -> the problems on which a run of it is not bounded."""
     found: dict[str, dict[str, None]] = {}
     for run in runs:
         if not run["bounded"]:

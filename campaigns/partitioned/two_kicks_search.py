@@ -110,7 +110,7 @@ def _circle(angles: np.ndarray) -> np.ndarray:
 
 
 def weights(given: Unknowns) -> Weights:
-    """The weights of the drifts and of the start, in the basis in which pairs are turned."""
+    """Return the weights of the drifts and of the start, in the basis in which pairs are turned."""
     m, w = len(given.angles), given.weight
     turn, phase = _circle(given.angles), _circle(-given.phases)
     half_turn = _circle(given.angles / 2)
@@ -160,12 +160,12 @@ def weights(given: Unknowns) -> Weights:
 
 
 def allowed(given: Unknowns) -> bool:
-    """Whether the roots lie apart."""
+    """Return whether the roots lie apart."""
     return bool(gap(given.angles) >= APART and np.degrees(given.angles.min()) >= FROM_ONE)
 
 
 def counts(made: Weights, cases: Sequence[Training] = CASES) -> np.ndarray:
-    """Evaluations needed: (cases, 2, 2), for the energy and the state at each tolerance."""
+    """Return evaluations needed: (cases, 2, 2), for the energy and the state at each tolerance."""
     return np.array([_counts(made, case) for case in cases])
 
 
@@ -200,7 +200,7 @@ def growth(made: Weights, needed: np.ndarray, bound: float = math.inf) -> float:
 
 
 def objective(given: Unknowns, bound: float = math.inf, goal: str = "both") -> float:
-    """What is minimized, by the weights named; a lower bound of it where that exceeds ``bound``."""
+    """Return the weighted objective, or a lower bound of it where that exceeds ``bound``."""
     if not allowed(given):
         return math.inf
     try:
@@ -245,13 +245,13 @@ def descend(
 
 
 def line(given: Unknowns, value: float) -> str:
-    """One line of output."""
+    """Return one line of output."""
     angles, phases = (np.degrees(x).round(4).tolist() for x in (given.angles, given.phases))
     return f"{value:.4f} angles {angles} phases {phases} weight {given.weight:.5f}"
 
 
 def begun(name: str) -> Unknowns:
-    """Two steps of a method of the catalogue with one kick."""
+    """Return two steps of a method of the catalogue with one kick."""
     angles = 2 * of_file(name).angles
     back = angles > math.pi  # the conjugate pair
     turned = np.where(back, 2 * math.pi - angles, angles)
@@ -260,7 +260,7 @@ def begun(name: str) -> Unknowns:
 
 
 def rational(given: Unknowns, denominator: int = DENOMINATOR) -> TwoKicks:
-    """The method with cosines, slopes and the weight rounded."""
+    """Return the method with cosines, slopes and the weight rounded."""
 
     def rounded(values: np.ndarray) -> list[Fraction]:
         return [Fraction(round(float(x) * denominator), denominator) for x in values]
@@ -271,7 +271,7 @@ def rational(given: Unknowns, denominator: int = DENOMINATOR) -> TwoKicks:
 
 
 def unknowns(given: TwoKicks) -> Unknowns:
-    """The unknowns of a method: the inverse of :func:`rational`."""
+    """Return the unknowns of a method: the inverse of :func:`rational`."""
     angles = np.arccos([float(c) for c in given.cosines])
     slopes = np.array([float(d) for d in given.slopes])
     phases = np.arctan2(np.cos(angles) + slopes, np.sin(angles))

@@ -195,7 +195,7 @@ def _error(case: Case) -> Callable[[Solution], float]:
 
 
 def per_step(method: str) -> int:
-    """Evaluations of a step; one less where the last of a step is the first of the next."""
+    """Return evaluations of a step; one less where the last of a step is the first of the next."""
     form = step_form(_method(method))
     return max(1, len(form.U) - form.reuses_force)
 
@@ -203,7 +203,7 @@ def per_step(method: str) -> int:
 def needed(
     entry: Mapping[str, Any], methods: Sequence[str], tolerance: str, what: str = "needed"
 ) -> tuple[str, float]:
-    """The method of some that needs least in the row of a case, and how much; infinity: none."""
+    """Return the cheapest of some methods in a case and its cost (infinite if there is none)."""
     found = {x["method"]: x.get(what, {}).get(tolerance, math.inf) for x in entry["methods"]}
     name = min(methods, key=lambda x: found.get(x, math.inf), default="")
     return name, found.get(name, math.inf)
@@ -260,7 +260,7 @@ def _settled(curve: Sequence[tuple[int, float]]) -> bool:
 
 
 def _crossing(curve: Sequence[tuple[int, float]], tolerance: float) -> float | None:
-    """Evaluations from which the error stays below a tolerance, interpolated in logarithms."""
+    """Interpolate, in logarithms, the evaluations from which the error stays below a tolerance."""
     above = [k for k, (_, e) in enumerate(curve) if not e < tolerance]
     last = above[-1] if above else -1
     if last == len(curve) - 1:
@@ -341,12 +341,12 @@ def main(path: Path, cases: Sequence[Case] = CASES, methods: Sequence[str] = MET
 
 
 def task_of(case: Case, *methods: str) -> dict[str, Any]:
-    """A case and methods in JSON."""
+    """Return a case and methods in JSON."""
     return {"case": asdict(case), "methods": list(methods)}
 
 
 def case_of(task: Mapping[str, Any]) -> Case:
-    """The case of a task."""
+    """Return the case of a task."""
     return Case(**{**task["case"], "parameters": tuple(map(tuple, task["case"]["parameters"]))})
 
 

@@ -35,7 +35,7 @@ def _guarded(
 
 
 def _triangle(rows: Mapping[int, list[Number]], s: int) -> Rows:
-    """Rows 2 to s below the diagonal."""
+    """Return rows 2 to s below the diagonal."""
     for i in range(2, s + 1):
         if len(rows.get(i, [])) != i - 1:
             raise Unread(f"row {i} of A is not an array of {i - 1} numbers")
@@ -48,7 +48,7 @@ _STATIC = re.compile(r"static\s+const\s+double\s+(\w+)\s*(?:\[\s*\w*\s*\])?\s*=\
 
 
 def gsl(text: str) -> Iterator[Table]:
-    """The table of a stepper: rows b21, b3, b4, .., weights c1, .. or Abar, abscissae ah.
+    """Yield the table of a stepper: rows b21, b3, b4, .., weights c1, .. or Abar, abscissae ah.
 
     Yields
     ------
@@ -102,7 +102,7 @@ _BASE = re.compile(
 
 
 def odeint(text: str) -> Iterator[Table]:
-    """The table of a stepper: one struct for each row, or constants with a name each.
+    """Yield the table of a stepper: one struct for each row, or constants with a name each.
 
     Yields
     ------
@@ -122,7 +122,7 @@ def odeint(text: str) -> Iterator[Table]:
 
 
 def _declared(text: str) -> int | None:
-    """The order among the arguments of the base: stages and order, or order first."""
+    """Return the order among the arguments of the base: stages and order, or order first."""
     for base, said in _BASE.findall(text):
         whole = [int(x) for x in re.findall(r"(?<![\w.])\d+(?![\w.])", said)]
         if "generic" in base or "nystroem" in base:
@@ -156,7 +156,7 @@ def _of_structs(text: str) -> Table:
 
 
 def _of_constants(text: str) -> Table:
-    """A pair whose last stage is the new value: a2, b21, c1, dc1 are c, A, b and the error."""
+    """Read a pair whose last stage is the new value: a2, b21, c1, dc1 are c, A, b and the error."""
     scope: Scope = {}
     for key, value in re.findall(r"const value_type ((?:a|b\d|d?c)\d)\s*=([^;]+);", text):
         if key not in scope:

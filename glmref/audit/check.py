@@ -27,7 +27,7 @@ class CheckFailed(GlmrefError, AssertionError):
 
 
 def sentence(x: Finding) -> str:
-    """One finding in words."""
+    """Return one finding in words."""
     head = f"{x.method}: " if x.method else ""
     row = x.claim.removeprefix("order of ")
     declared, found = shown_value(x.declared), f"found {shown_value(x.value)}"
@@ -146,7 +146,7 @@ def _document(A: Any, b: Any, c: Any, **said: Any) -> dict[str, Any]:
 
 
 def examine(document: Mapping[str, Any], where: str = "tableau") -> tuple[Finding, ...]:
-    """Findings about everything that a document says of its tableau; see :func:`check`.
+    """Return findings about everything that a document says of its tableau; see :func:`check`.
 
     Raises
     ------

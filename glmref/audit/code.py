@@ -36,7 +36,7 @@ class Statement:
     kind: str = "do"
 
     def parsed(self) -> ast.stmt | None:
-        """The statement, or ``None`` where it is no Python."""
+        """Return the statement, or ``None`` where it is no Python."""
         try:
             tree = ast.parse(self.text)
         except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -62,12 +62,12 @@ def statements(text: str, language: str) -> Iterator[Statement]:
 
 
 def bare(text: str, language: str = "c") -> str:
-    """The text with blanks for its comments, its lines kept."""
+    """Return the text with blanks for its comments, its lines kept."""
     return re.sub(_COMMENTS[language], _blanked, text, flags=re.DOTALL)
 
 
 def _blanked(m: re.Match[str]) -> str:
-    """A comment as blanks; a long string as an empty one, so that an assignment of it ends.
+    """Return a comment as blanks; a long string as an empty one, so that an assignment of it ends.
 
     Other strings stay.
     """
@@ -78,7 +78,7 @@ def _blanked(m: re.Match[str]) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Numbers with a point as strings, so that no digit is lost."""
+    """Return numbers with a point as strings, so that no digit is lost."""
     text = re.sub(r"(?<!\w)\d[\d_]*\.?[\d_]*", lambda m: m[0].replace("_", ""), text)
     return _FLOAT.sub(lambda m: "'" + re.sub("[dD]", "e", m[1]) + "'", text)
 
@@ -87,7 +87,7 @@ def _quoted(text: str) -> str:
 
 
 def _python(text: str) -> Iterator[Statement]:
-    """All statements in the order of the file; a class or function opens a block."""
+    """Yield all statements in the order of the file; a class or function opens a block."""
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -138,12 +138,12 @@ def _python(text: str) -> Iterator[Statement]:
 
 
 def _joined(text: str) -> str:
-    """One line: comments go, and blanks stand for line ends."""
+    """Return the text as one line, without comments and with blanks for line ends."""
     return re.sub(r"\s*\n\s*", " ", text)
 
 
 def _uncommented(text: str) -> str:
-    """The text with blanks for its comments."""
+    """Return the text with blanks for its comments."""
     rows = text.splitlines(keepends=True)
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
@@ -229,7 +229,7 @@ def _declarations(text: str) -> list[str]:
 
 
 def rewritten(text: str) -> str:
-    """A statement or expression of C as Python."""
+    """Return a statement or expression of C as Python."""
     text = " ".join(text.split()).replace("->", ".").replace("::", ".")
     text = re.sub(r"(?<!&)&(\w+)(?:\[\w+\])*", r"\1", _CASTS.sub("", text))
     head, equal, value = text.partition("=")
@@ -355,7 +355,7 @@ def _keywords(m: re.Match[str]) -> str:
 
 
 def _brackets(text: str) -> str:
-    """Matrix literals as nested lists; what is an index stays."""
+    """Return the matrix literals as nested lists; what is an index stays."""
     out: list[str] = []
     k = 0
     while k < len(text):

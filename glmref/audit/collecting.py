@@ -69,7 +69,7 @@ class Block:
     depth: int = 0  # of round brackets around a block in a macro
 
     def path(self) -> list[str]:
-        """Names from the outermost block to this one."""
+        """Return names from the outermost block to this one."""
         above = self.parent.path() if self.parent else []
         return [*above, self.name] if self.name else above
 

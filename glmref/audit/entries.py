@@ -154,7 +154,7 @@ def _numeric(value: list[Any]) -> bool:
 
 
 def _parts(item: Item, *, named: bool) -> list[Array]:
-    """Rows of a matrix of two rows under the name of weights."""
+    """Return rows of a matrix of two rows under the name of weights."""
     value = item.value
     if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
         return []
@@ -171,7 +171,7 @@ def _parts(item: Item, *, named: bool) -> list[Array]:
 
 
 def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
-    """A dense array from entries that are given one by one."""
+    """Return a dense array from entries that are given one by one."""
     sizes = {len(k) for k in entries}
     if not entries or len(sizes) > 1 or max(max(k) for k in entries) > MAX_SIZE:
         return None
@@ -202,7 +202,7 @@ def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
 
 
 def _of_rows(stem: str, rows: list[tuple[int, Item]], scalars: Any) -> list[Array]:
-    """A matrix from rows of growing length: a2, a3, .. ."""
+    """Return a matrix from rows of growing length: a2, a3, .. ."""
     rows = sorted(rows, key=lambda x: x[0])
     lengths = [len(item.value) for _, item in rows]
     grows = all(y == x + 1 for x, y in pairwise(lengths))
@@ -240,7 +240,7 @@ def _pair(digits: str, more: str | None) -> list[tuple[int, int]]:
 
 
 def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Array]:
-    """A matrix from a21, a31, .., and a vector from b1, b2, .. ."""
+    """Return a matrix from a21, a31, .., and a vector from b1, b2, .. ."""
     singles: dict[int, Item] = {}
     doubles: dict[tuple[int, int], Item] = {}
     twice = ""

@@ -130,7 +130,7 @@ def _near(anchor: Array, pool: Sequence[Array], role: str, s: int) -> Array | No
 
 
 def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
-    """A, Gamma and b of Hairer and Wanner (1996), IV.7."""
+    """Return A, Gamma and b of Hairer and Wanner (1996), IV.7."""
     for x in matrices:
         gamma = _square(x) if x.role == "gamma" else None
         if gamma is None:
@@ -168,7 +168,7 @@ def _packed(x: Array, s: int) -> Rows | None:
 
 
 def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
-    """A, C, m and gamma of the transformed form."""
+    """Return A, C, m and gamma of the transformed form."""
     for m in vectors:
         s = len(m.value)
         if not (_letter(m) in ("m", "b") and s > 1):
@@ -257,7 +257,7 @@ def _half_squares(A: Rows, c: Sequence[Any]) -> bool:
 
 
 def _nystrom(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
-    """A, b, b' and c of q'' = g(q), and A' of q'' = g(q, q')."""
+    """Return A, b, b' and c of q'' = g(q), and A' of q'' = g(q, q')."""
     for x in matrices:
         A = _square(x, strict=True)
         times = [y for y in vectors if A is not None and _half_squares(A, y.value)]
@@ -332,7 +332,7 @@ def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Ite
 
 
 def _low_storage(vectors: list[Array]) -> Iterator[Found]:
-    """A and B of dU = A dU + h f(U), U = U + B dU: Williamson (1980)."""
+    """Yield a and B of dU = A dU + h f(U), U = U + B dU: Williamson (1980)."""
     for x in vectors:
         if _letter(x) != "a":
             continue
@@ -357,7 +357,7 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
 
 
 def _splitting(vectors: list[Array]) -> Iterator[Found]:
-    """Steps of two flows that each sum to 1."""
+    """Yield steps of two flows that each sum to 1."""
     for x in vectors:
         word = next((q for p, q in _FLOWS if _letter(x) == p), "")
         y = next((z for z in vectors if word and _letter(z) == word and _stem(z) == _stem(x)), None)
@@ -380,7 +380,7 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
 
 
 def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
-    """Weights of a composition that read the same backwards, or half of them."""
+    """Yield weights of a composition that read the same backwards, or half of them."""
     for x in vectors:
         if not _WEIGHTS.search(" ".join([*block.path(), x.name])) or len(x.value) < 3:
             continue

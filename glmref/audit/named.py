@@ -35,7 +35,7 @@ _ASSIGNED = re.compile(r"(?<![\w.\]])(?:\w+::)?([abcde]|dc)(\d+(?:_\d+)?)\s*=(?!
 
 
 def constants(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """The table of a C++ file whose coefficients have a name each.
+    """Yield the table of a C++ file whose coefficients have a name each.
 
     Two conventions are known: ``a21, b1, c2`` with ``d1`` (second weights) or ``e1`` (error), and
     ``b21, c1, a2`` with ``dc1`` (error), where without ``c1`` the last row holds the weights.
@@ -104,7 +104,7 @@ def _of_constants(text: str) -> Table:
 
 
 def _pair(digits: str) -> tuple[int, int]:
-    """Row and column: 21, 101, 1110 or 11_10."""
+    """Return the row and column: 21, 101, 1110 or 11_10."""
     if "_" in digits:
         i, _, j = digits.partition("_")
     else:

@@ -23,7 +23,7 @@ _KEYS = frozenset().union(*BLOCKS.values(), ["order", "digits"])
 
 
 def from_json(text: str) -> Iterator[Table]:
-    """Tables of a JSON text: one object, a list of them, or an object of them by name.
+    """Yield tables of a JSON text: one object, a list of them, or an object of them by name.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def from_json(text: str) -> Iterator[Table]:
 
 
 def from_csv(text: str) -> Iterator[Table]:
-    """Tables of a CSV text: the first row holds the keys, each other one a table.
+    """Yield tables of a CSV text: the first row holds the keys, each other one a table.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _cell(key: str, text: str) -> Any:
 
 
 def _table(document: Any, name: str, line: int) -> Table:
-    """The table of a document, or an unread one."""
+    """Return the table of a document, or an unread one."""
     try:
         if not isinstance(document, Mapping):
             raise Unread("an object with A and b is expected")

@@ -23,7 +23,7 @@ _HAT, _PRIME = "\N{COMBINING CIRCUMFLEX ACCENT}", "\N{MODIFIER LETTER PRIME}"
 
 
 def structs(text: str) -> Iterator[Table]:
-    """Tables of a header.
+    """Yield tables of a header.
 
     Yields
     ------
@@ -72,7 +72,7 @@ def _order(scope: Scope, key: str) -> int | None:
 
 
 def _lower(scope: Scope, key: str, s: int) -> Rows:
-    """A strictly lower triangle, row after row."""
+    """Return a strictly lower triangle, row after row."""
     flat = _array(scope, key)
     if len(flat) != s * (s - 1) // 2:
         raise Unread(f"{key} has {len(flat)} entries, and {s} stages need {s * (s - 1) // 2}")

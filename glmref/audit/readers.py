@@ -55,7 +55,7 @@ def _whole(value: Any) -> int | None:
 
 
 def _words(node: ast.expr) -> str:
-    """What an argument is called."""
+    """Return what an argument is called."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     return ast.unparse(node).rpartition(".")[2]
@@ -76,7 +76,7 @@ class _Run:
         self.header, self.line, self.depth = "", 1, 0
 
     def steps(self) -> Iterator[tuple[Statement, ast.stmt | None]]:
-        """Each statement after its assignment was carried out."""
+        """Yield each statement after carrying out its assignment."""
         for step in statements(self.text, self.language):
             if re.match(r"(?:inline )?namespace|extern", step.text) and step.kind == "open":
                 continue  # its end leaves the depth at zero
@@ -122,7 +122,7 @@ class _Run:
             self.scope[name] = Unread(f"{type(error).__name__}: {error}", step.line)
 
     def value(self, node: ast.expr | None) -> Any:
-        """An argument; ``None`` for NULL and what is left out."""
+        """Return an argument; ``None`` for NULL and what is left out."""
         if node is None or (isinstance(node, ast.Name) and node.id in ("NULL", "nothing", "None")):
             return None
         return evaluate(node, self.scope)
@@ -226,7 +226,7 @@ def _petsc_rosw(name: str, line: int, v: list[Any]) -> Table:
 
 
 def _petsc_glee(name: str, line: int, v: list[Any]) -> Table:
-    """A method (A, U, B, V) that starts with S y and whose solution is F times its values.
+    """Return a method (A, U, B, V) that starts with S y and whose solution is F times its values.
 
     Constantinescu (2016), "Estimating global errors in time stepping", arXiv:1503.05166.
     """
@@ -274,7 +274,7 @@ def _petsc_glee(name: str, line: int, v: list[Any]) -> Table:
 
 
 def _ros4(run: _Run, call: ast.Call, line: int) -> Table:
-    """A method of order 4 by its parameters; a2 is a number there, never a sentinel.
+    """Return a method of order 4 by its parameters; a2 is a number there, never a sentinel.
 
     Hairer and Wanner (1996), IV.7, table 7.2: for these methods a2 = 2 gamma.
     """
@@ -297,7 +297,7 @@ _ORDER_FUNCTION = re.compile(
 
 
 def declared_orders(text: str) -> dict[str, int]:
-    """Orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
+    """Return orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
     places = re.findall(
         r"module procedure (\w+)_properties(?:(?!end procedure).){0,4000}?p%order = (\d+)",
         text,
@@ -490,7 +490,7 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
 
 
 def _nystrom(name: str, line: int, given: list[Any], parts: int, order: int | None) -> Table:
-    """A, for two parts also A', b, b', the two estimates, and c without its first entry, 0."""
+    """Return A, for two parts also A', b, b', both estimates, and c without its first entry, 0."""
     below = given[:parts]
     b, b_prime, *errors, c = (vector(x) for x in given[parts:])
     s = len(b_prime)
@@ -501,7 +501,7 @@ def _nystrom(name: str, line: int, given: list[Any], parts: int, order: int | No
 
 
 def _wide(value: Any, s: int) -> Rows:
-    """A matrix (s, s) from one whose last columns may be left out where they are zero."""
+    """Return a matrix (s, s) from one whose last columns may be left out where they are zero."""
     if isinstance(value, Sparse):
         return _square(value, s, base=1)
     return [vector(row, s) for row in value]
@@ -546,7 +546,7 @@ _ENTRY = re.compile(r"(a|b|c|btilde|bhat)_?(\d+)$")
 
 
 def _stages(number: int) -> int:
-    """A number of stages, which a name or an index can make as large as it likes.
+    """Return a number of stages, which a name or an index can make as large as it likes.
 
     Raises
     ------
@@ -657,7 +657,7 @@ def _python(text: str) -> Iterator[Table]:
 
 
 def _python_orders(text: str) -> dict[str, int]:
-    """Orders by the name of the tableau; under ``""`` that of a module with one solver."""
+    """Return orders by the name of the tableau; under ``""`` that of a module with one solver."""
     found: dict[str, int] = {}
     for block in re.split(r"\n(?=class )", text):
         order = re.search(r"\n    order = (\d+)", block)
@@ -671,7 +671,7 @@ def _python_orders(text: str) -> dict[str, int]:
 
 
 def _together(pair: list[Table], order: int | None) -> Table:
-    """Two tables of one additive method."""
+    """Return two tables of one additive method."""
     first, second = pair
     return Table(f"{first.name} with {second.name}", second.line, "additive",
                  [first.A[0], second.A[0]], [first.b[0], second.b[0]],
@@ -766,7 +766,7 @@ def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
 
 
 def _by_name(name: str, s: int, *, pair: bool) -> int | None:
-    """The order in names as SSP104, ten stages and order 4, and of pairs as BS5."""
+    """Return the order in names as SSP104, ten stages and order 4, and of pairs as BS5."""
     digits = re.search(r"(\d+)$", name)
     if digits is None:
         return None
@@ -776,7 +776,7 @@ def _by_name(name: str, s: int, *, pair: bool) -> int | None:
 
 
 def _shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:
-    """A and b of ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)``: Shu, Osher (1988)."""
+    """Return a and b of ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)``: Shu, Osher (1988)."""
     s = len(alpha) - 1
     rows: list[list[Number]] = []
     for i in range(s + 1):
@@ -856,7 +856,10 @@ def _of_desolver(run: _Run, name: str, line: int) -> Table:
 
 
 def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
-    """A splitting given step by step: (0, drift) or (1, kick); drift first, zeros put between."""
+    """Return a splitting given step by step: (0, drift) or (1, kick).
+
+    The drift comes first; zeros are put between.
+    """
     a: list[Number] = []
     b: list[Number] = []
     for which, x in steps:
@@ -906,14 +909,14 @@ def _kpp(text: str) -> Iterator[Table]:
 
 
 def _matlode(text: str) -> Iterator[Table]:
-    """The methods of MATLODE, written as those of KPP."""
+    """Yield the methods of MATLODE, written as those of KPP."""
     text = re.sub(r"%[^\n]*", "", text)
     text = re.sub(r"^\s*function\b[^\n=]*=?\s*(\w+)", r"subroutine \1", text, flags=re.MULTILINE)
     yield from _kpp(f"{text}\nend subroutine\n")
 
 
 def _of_rk(run: _Run, name: str, line: int) -> Table:
-    """Entries ``rkA(i, j)``, ``rkB(i)``, ``rkC(i)``, and weights of the estimate ``rkE``."""
+    """Return entries ``rkA(i, j)``, ``rkB(i)``, ``rkC(i)``, and weights of the estimate ``rkE``."""
     A, b, c, error = (_need(run.scope.get(x)) for x in ("rkA", "rkB", "rkC", "rkE"))
     if not isinstance(A, Sparse) or not isinstance(b, Sparse | list):
         raise Unread("the entries of rkA and rkB do not stand one by one")
@@ -961,7 +964,7 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
 
 
 def _order_of_kpp(text: str, name: str) -> int | None:
-    """The order that the text above a method of KPP gives."""
+    """Return the order that the text above a method of KPP gives."""
     found = re.search(
         rf"SUBROUTINE {name}\b(?:(?!END SUBROUTINE).)*?ORDER (\d)",
         text,
@@ -1003,7 +1006,7 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
 
 
 def read(text: str, form: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """Tables of one file in the order in which they stand there."""
+    """Yield tables of one file in the order in which they stand there."""
     if form in ("julia", "rklib", "constants"):
         yield from FORMATS[form](text, declared)
     else:

@@ -178,7 +178,7 @@ def order_in(reading: Reading, b: Sequence[Any]) -> int:
 
 
 def _fitted(x: Sequence[Any], s: int) -> list[Any] | None:
-    """Weights (s,), of which trailing ones that are zero may be left out."""
+    """Return weights (s,), of which trailing ones that are zero may be left out."""
     if len(x) == s:
         return list(x)
     return [*x, ZERO] if len(x) == s - 1 and s > 2 else None

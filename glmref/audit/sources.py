@@ -45,7 +45,7 @@ _MOST = 60_000_000  # characters of a file
 
 
 def files(source: Path, form: str) -> list[Path]:
-    """Files of a checkout that may hold tables of a format, in the order of their paths.
+    """Return files of a checkout that may hold tables of a format, in the order of their paths.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def _rows(
     completed: Mapping[str, str],
     given: bool,
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
-    """Each file with the tasks of its tables, and with records of what cannot be read."""
+    """Yield each file with the tasks of its tables, and with records of what cannot be read."""
     for path in paths:
         text = read_source(path)
         if text is None:
@@ -204,7 +204,7 @@ def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
 def _tables(
     file: str, form: str, declared: tuple[tuple[str, int], ...], given: bool
 ) -> list[Table]:
-    """Tables of a file, as far as it is understood."""
+    """Return tables of a file, as far as it is understood."""
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):

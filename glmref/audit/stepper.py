@@ -37,7 +37,7 @@ def procedures(text: str) -> Iterator[tuple[str, int, Read | Unread]]:
 
 
 def _joined(text: str) -> Iterator[Any]:
-    """Statements with their continuation lines put together."""
+    """Yield statements with their continuation lines put together."""
     rows = text.split("\n")
     out: list[str] = []
     k = 0
@@ -131,7 +131,7 @@ class _Step:
         return {"1": evaluate(node, self.scope)}
 
     def finished(self) -> Read | Unread:
-        """The tableau, or what was not understood."""
+        """Return the tableau, or what was not understood."""
         if self.trouble is not None:
             return self.trouble
         s = len(self.stages)

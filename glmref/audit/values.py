@@ -50,13 +50,13 @@ class Number:
         self.approximate: float | None = None
 
     def of(self, value: Exact, other: Number | None = None) -> Number:
-        """A result of arithmetic with this number, and maybe another."""
+        """Return a result of arithmetic with this number, and maybe another."""
         used = (self,) if other is None else (self, other)
         places = [x.places for x in used if x.places is not None]
         return Number(value, min(places, default=None), sum(x.size for x in used))
 
     def whole(self) -> int:
-        """The integer it is."""
+        """Return the value as an integer."""
         x = self.value.as_fraction()
         if x is None or x.denominator != 1 or abs(x) > 10_000:
             raise Unread("an index must be a whole number")
@@ -67,7 +67,7 @@ class Number:
 
 
 def literal(text: str) -> Number:
-    """A number as it is written."""
+    """Return a number as it is written."""
     if len(text) > _MOST_DIGITS or not _NUMERAL.fullmatch(text):
         raise Unread(f"{text[:40]!r} is no number")
     mantissa, _, power = text.lower().partition("e")
@@ -340,7 +340,7 @@ def _root(n: Number) -> Exact:
 
 
 def bounded(parts: Iterable[Any]) -> list[Any]:
-    """An array that has no more numbers than are read; a part may stand in it many times."""
+    """Return an array that has no more numbers than are read; a part may stand in it many times."""
     found, left = [], _MOST_ITEMS
     for x in parts:
         left -= _items(x)

@@ -109,7 +109,10 @@ def compact(document: object, *, sort_keys: bool = False) -> bytes:
 
 
 def _write(value: Any, margin: str, step: str, name: str = "", *, ranked: bool) -> str:
-    """Text of a value; ``margin`` is the end of line before it with what stands left of it."""
+    """Return the text of a value.
+
+    ``margin`` is the end of line before it with what stands left of it.
+    """
     deeper = margin + step
     if isinstance(value, Mapping) and value:
         keys = list(value)
@@ -129,7 +132,7 @@ def _write(value: Any, margin: str, step: str, name: str = "", *, ranked: bool) 
 
 
 def _files(root: Path, *without: str) -> list[Path]:
-    """Every file of the data folder but hidden ones and those named, sorted by path."""
+    """Return every file of the data folder but hidden ones and those named, sorted by path."""
     found = (x for x in root.rglob("*") if x.is_file())
     shown = (x for x in found if not any(p[0] in "._" for p in x.relative_to(root).parts))
     places = {x.relative_to(root).as_posix(): x for x in shown}

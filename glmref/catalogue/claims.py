@@ -78,7 +78,7 @@ class ClaimSpec:
         return self.key == "row-sums"
 
     def has_meaning(self, *, pair: bool) -> bool:
-        """Whether a partitioned method (``pair``) or a single one can make this claim."""
+        """Return whether a partitioned method (``pair``) or a single one can make this claim."""
         return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
 
 
@@ -547,7 +547,7 @@ _OF_ROSENBROCK = frozenset(
 
 
 def meant_order(claims: Mapping[str, Any]) -> int | None:
-    """The order that a method is known by: on second-order systems where that is claimed."""
+    """Return the order that a method is known by: on second-order systems where that is claimed."""
     return claims.get(NYSTROM_ORDER.key, stated_orders(claims).get(SOLUTION))
 
 

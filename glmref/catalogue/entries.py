@@ -20,7 +20,7 @@ _PROSE = frozenset({"name", "title", "source", "notes", "broken"})
 
 
 def _strings(value: object) -> Iterator[str]:
-    """Every string in the expressions of a document; those of a list as one."""
+    """Yield every string in the expressions of a document; those of a list as one."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):

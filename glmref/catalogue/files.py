@@ -50,7 +50,7 @@ def _index(root: Path) -> Mapping[str, tuple[str, str]]:
 
 
 def names(folder: str = "methods") -> list[str]:
-    """Names of the shipped files, sorted.
+    """Return names of the shipped files, sorted.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ def names(folder: str = "methods") -> list[str]:
 
 
 def is_broken(name: str | Path) -> bool:
-    """Whether this is the name of a shipped file that is wrong on purpose."""
+    """Return whether this is the name of a shipped file that is wrong on purpose."""
     return _index(data_root()).get(str(name), ("",))[0] == "broken"
 
 
 def path_of(name: str | Path) -> Path:
-    """Path of a shipped method's file, or of the user's file.
+    """Return the path of a shipped method's file, or of the user's file.
 
     Raises
     ------

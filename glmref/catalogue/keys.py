@@ -136,7 +136,7 @@ def class_of_keys(doc: Mapping[str, Any]) -> str:
 
 
 def needed_keys(kind: str) -> frozenset[str]:
-    """Keys of its blocks that a file of a class cannot leave out."""
+    """Return keys of its blocks that a file of a class cannot leave out."""
     more = {"sweep": {"D", "G"}, "nystrom": {"c"}, "pair-sweep": {"c", "G"}}
     return BLOCKS[kind] - OPTIONAL | more.get(kind, set())
 
@@ -216,7 +216,7 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
 
 
 def _is_text(value: object, kinds: tuple[type, ...]) -> bool:
-    """Whether a value is a string, or a list of strings where lists are allowed."""
+    """Return whether a value is a string, or a list of strings where lists are allowed."""
     if isinstance(value, list) and list in kinds:
         return all(isinstance(x, str) for x in value)
     return isinstance(value, str) and str in kinds

@@ -72,7 +72,7 @@ def method_of(given: Any) -> GLM | PartitionedGLM | AdditiveGLM:
 
 
 def is_shipped(path: Path) -> bool:
-    """Whether a file is one of the package, for which no budget is needed."""
+    """Return whether a file is one of the package, for which no budget is needed."""
     return path.resolve().is_relative_to(data_root().resolve())
 
 

@@ -47,7 +47,10 @@ def listed_out(value: Any) -> Any:
 
 
 def _of_sympy(x: Any, depth: int = 0) -> str | None:
-    """A number of sympy as an expression; ``None`` where it is none in real radicals, or long."""
+    """Return a number of sympy as an expression.
+
+    ``None`` where it is none in real radicals, or long.
+    """
     text = None
     if depth > MAX_DEPTH:
         return None

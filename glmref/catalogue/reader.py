@@ -155,7 +155,7 @@ class _Reader(Entries):
         return forms
 
     def _record(self, r: int) -> dict[str, Any]:
-        """What every class shares: name, start, finish, claims, source."""
+        """Return what every class shares: name, start, finish, claims, source."""
         return {
             "name": self.doc["name"],
             "starting": self._starting(r),
@@ -535,7 +535,7 @@ class _Reader(Entries):
         return dict(self.doc["source"])
 
     def _check_real(self, built: Method) -> None:
-        """A real tableau has real entries; a complex one says ``"field": "complex"``."""
+        """Refuse complex entries in a tableau that does not say ``"field": "complex"``."""
         field = self.doc.get("field", "real")
         if field not in ("real", "complex"):
             raise self.error(f"`field` must be 'real' or 'complex', got {shown(field)}")

@@ -54,7 +54,10 @@ def write_json(path: Path, document: object) -> None:
 
 
 def _lines(value: object, margin: str) -> str:
-    """Text of a value; ``margin`` is the end of line before it with the blanks to its left."""
+    """Return the text of a value.
+
+    ``margin`` is the end of line before it with the blanks to its left.
+    """
     line = json.dumps(value, allow_nan=False, ensure_ascii=False)
     deeper = margin + " "
     if len(line) <= _WIDEST or not isinstance(value, dict | list | tuple):
@@ -126,7 +129,7 @@ def same_on_all_pythons(error: json.JSONDecodeError) -> json.JSONDecodeError:
 
 
 def _too_deep(text: str) -> bool:
-    """Whether brackets outside strings are nested too deep, without recursion."""
+    """Return whether brackets outside strings are nested too deep, without recursion."""
     depth = 0
     # without escaped quotes every other piece between quotes is outside strings
     outside = _STRING.sub("", text) if "\\" in text else "".join(text.split('"')[::2])
@@ -157,7 +160,7 @@ def _integer(name: str, text: str) -> int:
 
 
 def unique(pairs: Sequence[tuple[str, Any]], where: str = "") -> dict[str, Any]:
-    """An object of JSON; of two values with one key only the last would be seen.
+    """Return an object of JSON; of two values with one key only the last would be seen.
 
     Raises
     ------
@@ -173,5 +176,5 @@ def unique(pairs: Sequence[tuple[str, Any]], where: str = "") -> dict[str, Any]:
 
 
 def shown(value: object) -> str:
-    """A value as JSON, shortened for a message."""
+    """Return a value as JSON, shortened for a message."""
     return arguments.shown(value, lambda x: json.dumps(x, default=repr))

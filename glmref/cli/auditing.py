@@ -121,7 +121,7 @@ def _stream(file: str) -> TextIO | None:
 
 
 def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> list[Finding]:
-    """Findings about a file or a pipe, decided in a process of its own."""
+    """Return findings about a file or a pipe, decided in a process of its own."""
     from ..audit.check import examine
     from ..catalogue.files import document, plain_document
     from ..catalogue.keys import is_plain

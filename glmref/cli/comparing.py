@@ -52,7 +52,7 @@ def problems(names: tuple[str, ...], form: str) -> int:
 
 
 def _found(name: str) -> tuple[Any, str]:
-    """A problem by name or file, and one line on it."""
+    """Return a problem by name or file, and one line on it."""
     from .. import problems as collection
 
     if name.endswith(".toml"):

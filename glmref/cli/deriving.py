@@ -96,7 +96,7 @@ def _options(words: Sequence[str]) -> dict[str, str]:
 
 
 def _listing() -> str:
-    """The recipes and their options, two lines each."""
+    """Return the recipes and their options, two lines each."""
     from ..derive import recipes
 
     lines: list[str] = []
@@ -120,7 +120,7 @@ def _recipes() -> dict[str, Any]:
 
 
 def _help(recipe: str) -> str:
-    """What a recipe does, and its options with their defaults."""
+    """Return what a recipe does, and its options with their defaults."""
     from ..derive import recipes
 
     name = "search" if recipe.endswith(".toml") else recipe
@@ -147,7 +147,7 @@ def _record(found: Derivation) -> dict[str, Any]:
 
 
 def _report(found: Derivation, output: Path | None) -> None:
-    """Statements to stderr where a file takes stdout, else to stdout; files where they belong."""
+    """Write statements to stderr where a file takes stdout, else to stdout, and files."""
     from ..catalogue.canonical import canonical
 
     to_stdout = output is None and len(found.documents) == 1
@@ -165,7 +165,7 @@ def _report(found: Derivation, output: Path | None) -> None:
 
 
 def _write(documents: Sequence[Mapping[str, Any]], output: Path, *, err: bool = False) -> None:
-    """One file where the name says so and there is one, else files in the folder of that name."""
+    """Write one file where the name says so and there is one, else a folder of files."""
     from ..catalogue.canonical import canonical
 
     alone = output.suffix == ".json" and len(documents) == 1

@@ -104,7 +104,7 @@ def _page(record: Mapping[str, Any], measured: Mapping[str, float] | None, style
 
 
 def _with_modified(method: Any, record: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Ends of the stability intervals, and the modified equation or why there is none."""
+    """Return ends of the stability intervals, and the modified equation or why there is none."""
     from ..errors import GlmrefError
     from ..scenes.modified import modified
 
@@ -116,7 +116,7 @@ def _with_modified(method: Any, record: Mapping[str, Any]) -> list[dict[str, Any
 
 
 def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:
-    """Ends of the stability intervals that are not proved, in floating point."""
+    """Return ends of the stability intervals that are not proved, in floating point."""
     from ..measure.stability import interval
     from ..prove.facts import facts_of
 

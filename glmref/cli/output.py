@@ -72,7 +72,7 @@ def _completed(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
 def format_option(
     formats: Sequence[str] = ("table", "json", "csv"), said: str = "Format of the output."
 ) -> Callable[[Any], Any]:
-    """The option ``--format`` of a command."""
+    """Return the option ``--format`` of a command."""
     return click.option("--format", "form", type=Word(formats), default="table", help=said)
 
 

@@ -80,7 +80,7 @@ def _decided(
     asked: Question | None,
     certificates: str | None,
 ) -> list[Finding]:
-    """Findings about a file. One with a budget is decided apart, and open where that is ended."""
+    """Return findings about a file; with a budget in a child, and open where that is ended."""
     from ..prove.verifier import budget_of, no_more, nobody, verify_file
 
     accepted = nobody if certificates is None else partial(write_certificate, Path(certificates))
@@ -121,12 +121,12 @@ def _decided(
 
 
 def _pending(found: Finding) -> bool:
-    """Whether a claim is open because it was not decided yet."""
+    """Return whether a claim is open because it was not decided yet."""
     return found.verdict is Verdict.OPEN and not found.witness
 
 
 def _plain(found: Finding) -> Finding:
-    """A finding without the exact numbers behind its values, which stay in their process."""
+    """Return a finding without the exact numbers behind its values, which stay in their process."""
     return replace(found, declared=plain(found.declared), value=plain(found.value))
 
 

@@ -342,7 +342,7 @@ def _narrowed(
 
 
 def _columns_of(table: Sequence[Mapping[str, str]]) -> int:
-    """Characters in a line of a table."""
+    """Return characters in a line of a table."""
     keys = list(table[0]) if table else []
     widths = [max(len(key), *(len(row[key]) for row in table)) for key in keys]
     return sum(widths) + 2 * max(len(widths) - 1, 0)

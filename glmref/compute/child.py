@@ -291,7 +291,7 @@ def _start_tracker() -> None:
 
 @contextlib.contextmanager
 def _surroundings() -> Iterator[None]:
-    """What a child inherits: one thread, and a deaf ear for Ctrl-C from its first moment on."""
+    """Set what a child inherits: one thread, and Ctrl-C ignored from its first moment on."""
     before = {name: os.environ[name] for name in _ONE_THREAD if name in os.environ}
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     # a worker that Dask's nanny started counts as a daemon, and such may have no children; ours

@@ -140,17 +140,17 @@ class Adapter(Protocol):
     def stages(
         self, method: str, problem: Problem, t: float, y: np.ndarray, h: float
     ) -> np.ndarray:
-        """Optional: return the stage values (s, d) of a step; of a pair (Q, P), two arrays."""
+        """Return the stage values (s, d) of a step, of a pair (Q, P) two arrays (optional)."""
         ...
 
     def start(self, method: str, problem: Problem, h: float) -> np.ndarray:
-        """Optional: return the starting values (r, d) from ``problem.y0``."""
+        """Return the starting values (r, d) from ``problem.y0`` (optional)."""
         ...
 
     def finish(
         self, method: str, problem: Problem, t: float, y: np.ndarray, h: float
     ) -> np.ndarray:
-        """Optional: return the solution (d,) that belongs to the values."""
+        """Return the solution (d,) that belongs to the values (optional)."""
         ...
 
 

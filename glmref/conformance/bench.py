@@ -81,7 +81,7 @@ class Bench:
         return Fraction(max(found, default=0.0))
 
     def coefficients(self) -> dict[str, Any]:
-        """Every coefficient as a decimal, so that nobody has to read expressions."""
+        """Return every coefficient as a decimal, so that nobody has to read expressions."""
 
         def shown(matrix: Matrix) -> list[list[str]]:
             return [[decimal_of(x, SHOWN) for x in row] for row in matrix]
@@ -112,11 +112,11 @@ class Bench:
     # --- cases ----------------------------------------------------------------------------------
 
     def size(self, task: TestProblem) -> Fraction:
-        """Step size of a problem's cases."""
+        """Return the step size of a problem's cases."""
         return Fraction(_STEP_SIZE.get(task.name, "0.125"))
 
     def engine(self, task: TestProblem, digits: int = DIGITS) -> Stepper:
-        """Stepper of the method on a problem."""
+        """Return the stepper of the method on a problem."""
         key = (task.name, digits)
         if key not in self.engines:
             self.engines[key] = stepper(self.method, task.problem, digits=digits)
@@ -136,7 +136,7 @@ class Bench:
         ]  # fmt: skip
 
     def numbers(self, engine: Stepper, rows: Sequence[Sequence[Fraction]]) -> np.ndarray:
-        """Rows of fractions in the arithmetic of an engine."""
+        """Return rows of fractions in the arithmetic of an engine."""
         context = engine.arithmetic.context
         out = engine.arithmetic.zeros((len(rows), len(rows[0])))
         for k, row in enumerate(rows):
@@ -184,7 +184,10 @@ class Bench:
     def inner_stages(
         self, A: Matrix, task: TestProblem, t: Any, y: np.ndarray, h: Any
     ) -> Sequence[Sequence[Any]]:
-        """Stages (m, d) of ``Y = y + h A f(Y)``, of a start or a finish; none where explicit."""
+        """Return stages (m, d) of ``Y = y + h A f(Y)``, of a start or a finish.
+
+        There are none where it is explicit.
+        """
         if all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:]):
             return []
         one, zero = Exact(1), Exact(0)
@@ -197,7 +200,7 @@ class Bench:
         return y if finishing is None else apply_finish(finishing, engine, t, y, h)[0]
 
     def read_off(self, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
-        """The solution among values of any number type, as one row.
+        """Return the solution among values of any number type, as one row.
 
         Raises
         ------
@@ -228,6 +231,6 @@ def _is_symmetric(matrix: Matrix) -> bool:
 
 
 def _numbers_of(part: Any) -> Iterator[Any]:
-    """Every coefficient of a method, a start or a finish."""
+    """Yield every coefficient of a method, a start or a finish."""
     for c in part.components if part is not None else ():
         yield from (x for matrix in c.matrices for row in matrix for x in row)

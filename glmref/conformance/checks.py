@@ -144,7 +144,7 @@ def _guarded(judge: Callable[[], Judgement]) -> Judgement:
 
 
 def _compared(subject: Subject, vectors: Vectors) -> Iterator[Check]:
-    """Checks of a method of the catalogue."""
+    """Yield checks of a method of the catalogue."""
     judge = Comparison(subject, vectors)
     offered = subject.offers
     cases = [
@@ -212,7 +212,7 @@ _MEASURED, _TIMED = ("pendulum", "kepler"), "forced"
 
 
 def _measured(subject: Subject, name: str, claims: Mapping[str, Any]) -> Iterator[Check]:
-    """Checks of what an adapter claims of a method that the catalogue lacks."""
+    """Yield checks of what an adapter claims of a method that the catalogue lacks."""
     order = claims.get("order")
     for task in (problems()[x] for x in subject.problems or (*_MEASURED, _TIMED)):
         judge = Measurement(subject, name, task)

@@ -46,7 +46,7 @@ class Comparison:
         )
 
     def answer(self, case: Case) -> Judgement:
-        """A step returns finite numbers of the right shape, and leaves its input alone."""
+        """Check that a step is finite and of the right shape, and leaves its input alone."""
         given = case.input
         argument = given[0] if len(given) == 1 else given
         kept = argument.copy()
@@ -59,7 +59,7 @@ class Comparison:
         return Judgement(True)
 
     def repeatable(self, case: Case) -> Judgement:
-        """The same input gives the same output, whatever was asked between."""
+        """Check that the same input gives the same output, whatever was asked between."""
         problem, t, h = case.problem.problem, case.number("t"), case.number("h")
 
         def other() -> object:
@@ -68,7 +68,7 @@ class Comparison:
         return same(lambda: self._step(case), other, self._allowed(case), "step")
 
     def repeatable_run(self, case: Case) -> Judgement:
-        """Two equal runs with another one between them give the same."""
+        """Check that two equal runs with another one between them give the same."""
 
         def other() -> object:
             h, given = case.number("h") / 2, self._given(case)
@@ -77,7 +77,7 @@ class Comparison:
         return same(lambda: self.run(case), other, self._allowed(case), "solve")
 
     def stages(self, case: Case) -> Judgement:
-        """Stage values agree with the vectors."""
+        """Compare the stage values with the vectors."""
         expected = case.stages
         shape: Any = tuple(x.shape for x in expected)
         found = self.subject.stages(
@@ -114,11 +114,11 @@ class Comparison:
         return ""
 
     def step(self, case: Case) -> Judgement:
-        """Values after one step agree with the vector."""
+        """Compare the values after one step with the vector."""
         return self._agree(case, self._step(case), case["output"], "value")
 
     def conserved(self, case: Case) -> Judgement:
-        """The quadratic form stays what it is through ten steps.
+        """Check that ten steps conserve the quadratic form.
 
         Values of size m carry relative errors of some (u + v) rounding each step, and the form is
         quadratic in them: its change is below ``10 * 2 |G| |C| m`` times that.
@@ -146,7 +146,7 @@ class Comparison:
         )
 
     def start(self, case: Case) -> Judgement:
-        """Starting values agree with the vector."""
+        """Compare the starting values with those of the vector."""
         expected = case["output"]
         found = self.subject.start(
             self.name, case.problem.problem, case.number("h"), expected.shape
@@ -154,7 +154,7 @@ class Comparison:
         return self._agree(case, found, expected, "starting value")
 
     def finish(self, case: Case) -> Judgement:
-        """The finished solution agrees with the vector."""
+        """Compare the finished solution with the vector."""
         t, h = case.number("t"), case.number("h")
         found = self.subject.finish(self.name, case.problem.problem, t, case.input, h)
         return self._agree(case, found[None, :], case["output"], "finished solution")
@@ -185,14 +185,14 @@ class Comparison:
         return self.subject.starts == "own" or (given and not self.subject.takes_start)
 
     def _given(self, row: Case | Mapping[str, Any]) -> np.ndarray | None:
-        """Starting values that a run is given; none where the adapter makes its own."""
+        """Return the starting values given to a run; none where the adapter makes its own."""
         if self.own:
             return None
         data = row.data if isinstance(row, Case) else row
         return array(data["input"]) if "input" in data else None
 
     def run(self, case: Case) -> np.ndarray:
-        """Solution at every step, or at the end only."""
+        """Return the solution at every step, or at the end only."""
         return self._solution(
             case.problem, case.number("h"), int(case.data["steps"]), self._given(case)
         )
@@ -211,7 +211,7 @@ class Comparison:
         return np.array(rows)
 
     def _started(self, task: TestProblem, h: float, given: np.ndarray | None) -> np.ndarray:
-        """Starting values: given, the adapter's, or ours where it has none."""
+        """Return starting values: given, the adapter's, or ours where it has none."""
         if given is not None:
             return given
         r = int(self.vectors.document["values"])
@@ -230,7 +230,7 @@ class Comparison:
         return _ours(self.name).finish(self.name, task.problem, t, values, h)
 
     def trajectory(self, case: Case) -> Judgement:
-        """The solution agrees with the vector at every step that is shown."""
+        """Compare the solution with the vector at every step that is shown."""
         found, right = self.run(case), case["solution"]
         right = right if len(found) > 1 else right[-1:]
         allowed = self._allowed(case)
@@ -267,7 +267,7 @@ class Comparison:
         return ""
 
     def order(self, case: Case) -> Judgement:
-        """The error falls with the order of the method."""
+        """Return the error falls with the order of the method."""
         right, end = int(case.data["order"]), float(case.data["t_end"])
         given = {int(row["steps"]): self._given(row) for row in case.data["rows"]}
 
@@ -299,7 +299,7 @@ class Comparison:
         return int(self.vectors.document["values"])
 
     def long(self, task: TestProblem) -> Judgement:
-        """A long run from the adapter's own start keeps a quadratic invariant as ours does.
+        """Return a long run from the adapter's own start keeps a quadratic invariant as ours does.
 
         The form sum G_ij y_i^T C y_j is conserved exactly, so that y^T C y of the solution moves by
         what the other values hold. A start of too low an order leaves something in them for the
@@ -353,14 +353,14 @@ _TIME, _LONG, _DRIFT, _LOST = 100.0, (250, 500), 3.0, 0.1
 
 
 def _drift(C: np.ndarray, rows: np.ndarray) -> float:
-    """Largest change of y^T C y along a run, relative to the sizes of its terms."""
+    """Return the largest change of y^T C y along a run, relative to the sizes of its terms."""
     values = np.einsum("na,ab,nb->n", rows, C, rows)
     scale = np.einsum("na,ab,nb->n", np.abs(rows), np.abs(C), np.abs(rows)).max()
     return float(np.abs(values - values[0]).max() / scale)
 
 
 def _our_run(name: str, problem: Any, h: float, steps: int) -> np.ndarray:
-    """Solution at every step, from the method's own start or the enhanced one."""
+    """Return the solution at every step, from the method's own start or the enhanced one."""
     return np.asarray(solve(problem, load(name), h=h, steps=steps, every=1).y, dtype=float)
 
 

@@ -66,7 +66,7 @@ def single_clock(subject: Subject, vectors: Vectors, case: Case) -> str:
 
 
 def _same_step(subject: Subject, vectors: Vectors, case: Case, *ends: tuple[float, float]) -> bool:
-    """Whether steps from several times and of several sizes have the same bits."""
+    """Return whether steps from several times and of several sizes have the same bits."""
     try:
         rows = [subject.step(vectors.name, case.problem.problem, t, case.input, h) for t, h in ends]
     except (AdapterError, NotOffered):
@@ -127,7 +127,7 @@ def _right(case: Case) -> np.ndarray:
 def _other_steps(
     subject: Subject, vectors: Vectors, case: Case
 ) -> Iterator[tuple[Case, np.ndarray, float]]:
-    """Steps of the program in the other cases whose vectors hold wrong results."""
+    """Yield steps of the program in the other cases whose vectors hold wrong results."""
     if "step" not in subject.offers:
         return
     for other in vectors.cases:
@@ -188,14 +188,14 @@ def _digits(found: float, right: float) -> str:
 
 
 def _blocks(reading: Reading) -> dict[str, np.ndarray]:
-    """Coefficients that were read; those of p, for a pair, as ``A_hat`` and so on."""
+    """Return coefficients that were read; those of p, for a pair, as ``A_hat`` and so on."""
     found = {letter: getattr(reading, letter) for letter in "AUBV"}
     hats = zip("AUBV", reading.hat or (), strict=False)
     return found | {f"{letter}_hat": matrix for letter, matrix in hats}
 
 
 def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
-    """Coefficients of the method, without stages on which nothing depends."""
+    """Return coefficients of the method, without stages on which nothing depends."""
     given: Any = vectors.coefficients
     parts = [given["q"], given["p"]] if "q" in given else [given]
     halves = [tuple(array(part[x]) for x in "AUBV") for part in parts]
@@ -251,7 +251,7 @@ def start_order(subject: Subject, vectors: Vectors, task: TestProblem) -> str:
 
 
 def residual_of_stages(vectors: Vectors, case: Case, stages: Sequence[np.ndarray]) -> float:
-    """Largest defect of ``Y = h A f(Y) + U y`` at stage values of an adapter; of a GLM."""
+    """Return largest defect of ``Y = h A f(Y) + U y`` at stage values of an adapter; of a GLM."""
     c = vectors.coefficients
     A, U, t, h = array(c["A"]), array(c["U"]), case.number("t"), case.number("h")
     times = t + array(c["c"]) * h

@@ -111,7 +111,7 @@ class Bounded:
 
     @staticmethod
     def of(x: Any) -> Bounded:
-        """A number; one that is given carries one rounding."""
+        """Return a number; one that is given carries one rounding."""
         return x if isinstance(x, Bounded) else Bounded(x, abs(x))
 
     @staticmethod

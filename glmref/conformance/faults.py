@@ -40,7 +40,7 @@ class Wrong:
 
 
 def _variant(engine: Stepper, method: GLM | PartitionedGLM, problem: Problem) -> Stepper:
-    """Stepper of a changed method that evaluates f at the times of the right one."""
+    """Return the stepper of a changed method that evaluates f at the times of the right one."""
     changed = stepper(method, problem, digits=engine.arithmetic.digits)
     if method.parts == 1:
         changed.c = engine.c
@@ -124,7 +124,7 @@ Iteration = Callable[[Stepper, Callable[..., Any], np.ndarray, Coupled], np.ndar
 
 
 def _stopped(engine: Stepper, t: Any, values: np.ndarray, h: Any, iterate: Iteration) -> np.ndarray:
-    """A step whose implicit blocks are settled by ``iterate`` instead of solved."""
+    """Return a step whose implicit blocks are settled by ``iterate`` instead of solved."""
     return engine.step(t, values, h, settle=partial(iterate, engine)).values
 
 
@@ -140,7 +140,7 @@ def _fixed_point(rounds: int) -> Iteration:
 def _newton(
     engine: Stepper, rhs: Callable[..., Any], x: np.ndarray, coupled: Coupled
 ) -> np.ndarray:
-    """One iteration from the slopes at ``U y``, the Jacobian at the same place."""
+    """Return one iteration from the slopes at ``U y``, the Jacobian at the same place."""
     h, inner, times, base = coupled
     m, d = x.shape
     at = base + h * inner.dot(x)

@@ -62,7 +62,7 @@ def document_of(method: Any, name: str) -> dict[str, Any]:
 
 
 def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
-    """Every case of a file, in order."""
+    """Yield every case of a file, in order."""
     steps, runs = StepCases(bench), RunCases(bench)
     usable = [x for x in problems().values() if x.separable or not bench.pair]
     for task in usable:
@@ -86,7 +86,7 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
 
 
 def layout(document: Mapping[str, Any]) -> str:
-    """Text of a vector document: keys in the order given, a row of numbers on a line."""
+    """Return the text of a vector document: keys in the order given, a row of numbers on a line."""
     return laid_out(document)
 
 
@@ -116,7 +116,7 @@ def write(folder: Path, names: Sequence[str] = METHODS, on: str | None = None) -
 
 
 def text_of(task: Mapping[str, Any]) -> str:
-    """Text of the vector file of a method."""
+    """Return the text of the vector file of a method."""
     return layout(document_of(load(task["method"]), task["method"]))
 
 

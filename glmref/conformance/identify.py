@@ -125,7 +125,7 @@ def identify(subject: Subject, method: str | None = None) -> list[Probe]:
 
 
 def values_carried(subject: Subject, method: str) -> int:
-    """Number of values r: that of the data file, or what the adapter says, or one."""
+    """Return the number of values r: that of the data file, or what the adapter says, or one."""
     claims = subject.methods[method]
     if claims:
         return int(claims.get("values", 1))
@@ -165,7 +165,7 @@ def _analysis(method: Method, notes: list[str]) -> Any:
 
 
 def recognised(x: float) -> str | None:
-    """Closed form of a number: a fraction, or p + q sqrt(n) with small p and q, or ``None``.
+    """Return closed form of a number: a fraction, or p + q sqrt(n) with small p and q, or ``None``.
 
     The forms tried have some 1e8 values in the unit interval and a hit must be within 4e-16, so
     that chance makes one in a million numbers look like a closed form. It is a guess, and is called
@@ -242,7 +242,7 @@ def matches(reading: Reading) -> list[Match]:
 
 @cache
 def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
-    """Coefficients of a method as doubles, without stages on which nothing depends."""
+    """Return coefficients of a method as doubles, without stages on which nothing depends."""
     method = load(name)
 
     def doubles(matrix: Any) -> Any:
@@ -287,7 +287,7 @@ def _match(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | 
 def _other_times(
     reading: Reading, name: str, order: Sequence[int], same_basis: bool
 ) -> tuple[float, ...]:
-    """Abscissae of a method, in the order of the reading, where those that were read differ.
+    """Return abscissae of a method, in the order of the reading, where those that were read differ.
 
     After a change of values the times are not compared: where the values carried belong to other
     times, so may the stages.
@@ -302,7 +302,7 @@ def _other_times(
 
 @cache
 def _abscissae(name: str) -> np.ndarray:
-    """Abscissae of a method as doubles, without stages on which nothing depends."""
+    """Return the abscissae of a method as doubles, without stages on which nothing depends."""
     (block,) = load(name).components
     blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (block.A, block.B)]
     c = np.array([complex(x).real for x in stage_times(block)])
@@ -325,7 +325,7 @@ def _nearest(left: np.ndarray, right: np.ndarray) -> list[int]:
 
 
 def _signatures(matrices: Sequence[np.ndarray]) -> np.ndarray:
-    """Numbers of each stage that do not depend on the order of the others."""
+    """Return numbers of each stage that do not depend on the order of the others."""
     ones = np.ones(len(matrices[0]))
     columns = [np.diag(x) for x in matrices]
     columns += [x @ ones for x in matrices]

@@ -52,7 +52,7 @@ class Measurement:
         return int(self.subject.methods[self.name].get("values", 1))
 
     def _started(self, h: float) -> np.ndarray:
-        """Starting values (r, d): the solution itself, or what the adapter makes of it."""
+        """Return starting values (r, d): the solution itself, or what the adapter makes of it."""
         y0 = array(self.task.y0)
         if self._carried == 1:
             return y0[None, :]
@@ -65,7 +65,7 @@ class Measurement:
         return f"the method carries {self._carried} values"
 
     def answer(self) -> Judgement:
-        """A short run returns finite numbers of the right shape; a step leaves its input alone."""
+        """Check that a short run is finite and well shaped, and a step leaves its input alone."""
         self._end(_SHORT)
         offers = self.subject.offers
         if "step" in offers and (self._carried == 1 or "start" in offers):
@@ -79,12 +79,12 @@ class Measurement:
         return Judgement(True)
 
     def repeatable(self) -> Judgement:
-        """Two equal runs with another one between them give the same."""
+        """Check that two equal runs with another one between them give the same."""
         allowed = floor_of(self.subject, self.name, _SHORT)
         return same(lambda: self._end(_SHORT), lambda: self._end(2 * _SHORT), allowed, "run")
 
     def order(self, right: int) -> Judgement:
-        """Errors against a Taylor series of 30 digits."""
+        """Return errors against a Taylor series of 30 digits."""
         exact = _taylor_end(self.task.name, _TIME)
         counts = [2**k for k in range(2, 10)]
         steps, errors = errors_of(
@@ -99,7 +99,7 @@ class Measurement:
         return replace(found, message=f"{found.message}; {why}") if why else found
 
     def coefficients(self, right: int) -> Judgement:
-        """The order conditions, at the coefficients that are read out of a step.
+        """Return the order conditions, at the coefficients that are read out of a step.
 
         Judged where a step shows the coefficients and a nonlinear step is what they make of it.
         """
@@ -123,7 +123,7 @@ class Measurement:
         return Judgement(False, said, gap, right, defect.order)
 
     def abscissae(self, declared: Sequence[float]) -> Judgement:
-        """The times at which f is called in a step are those that are declared, and no others."""
+        """Check that a step calls f at the declared times and at no others."""
         problem, h, t0 = self.task.problem, self.size, float(self.task.t0)
         called: list[float] = []
 
@@ -152,7 +152,7 @@ class Measurement:
         return box(self.task.problem, float(self.task.t0), y[None, :], h)[0]
 
     def symmetric(self) -> Judgement:
-        """A step and one back with -h return to the beginning."""
+        """Return a step and one back with -h return to the beginning."""
         if "step" not in self.subject.offers:
             raise NotOffered("steps back need `step`")
         y = array(self.task.y0)
@@ -163,7 +163,7 @@ class Measurement:
         return _measured_claim(gap, allowed, f"{said} (rounding explains {allowed:.2g})")
 
     def symplectic(self) -> Judgement:
-        """The derivative M of a step satisfies ``M^T J M = J``.
+        """Return the derivative M of a step satisfies ``M^T J M = J``.
 
         By central differences of fourth order: step 2e-3 leaves 1e-11 of truncation, and rounding
         (u + v) 100 / 2e-3 below 1e-10 in double precision.

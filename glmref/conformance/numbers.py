@@ -10,7 +10,7 @@ from ..exact import Exact, rounded_decimal
 
 
 def fraction_of(x: Any) -> Fraction:
-    """Exact value of an mpmath number, or of anything a Fraction takes."""
+    """Return the exact value of an mpmath number, or of anything a Fraction takes."""
     if isinstance(x, int | str | Fraction | float):
         return Fraction(x)
     sign, mantissa, exponent, _ = x._mpf_
@@ -50,7 +50,7 @@ def decimals(array: Any, digits: int) -> list[Any]:
 
 
 def upper_text(x: Any, digits: int = 2) -> str:
-    """A decimal of so many digits that is not below a positive number.
+    """Return a decimal of so many digits that is not below a positive number.
 
     It may be a few units above the smallest one: what is rounded down first is raised by a unit of
     its leading digit. The bounds of the vector files are written by this rule.

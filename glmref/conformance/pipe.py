@@ -177,7 +177,7 @@ class PipeAdapter:
             self.process.wait()
 
     def _gone(self) -> bool:
-        """Whether the program has ended; it is left for :meth:`_end` to wait for."""
+        """Return whether the program has ended; it is left for :meth:`_end` to wait for."""
         if self.process.returncode is not None:
             return True
         if not hasattr(os, "waitid"):
@@ -417,7 +417,7 @@ def _short(value: object) -> str:
 
 
 def _code(code: int) -> str:
-    """How a program ended."""
+    """Return how a program ended."""
     return f"{'killed by ' if code < 0 else ''}{ending(code)}"
 
 
@@ -450,7 +450,10 @@ def _served(question: dict[str, Any], problem: Any) -> list[float]:
 
 
 def _flat(answer: Any) -> Iterator[float]:
-    """Numbers of an answer; null is what JSON has for no number, a text or a truth is none."""
+    """Yield numbers of an answer.
+
+    Null is what JSON has for no number, a text or a truth is none.
+    """
     if isinstance(answer, list):
         for x in answer:
             yield from _flat(x)

@@ -68,7 +68,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def _ours(config: pytest.Config) -> bool:
-    """Whether the run names this package."""
+    """Return whether the run names this package."""
     return any(str(x).startswith("glmref.conformance") for x in config.args)
 
 

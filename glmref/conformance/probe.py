@@ -160,7 +160,7 @@ def _test_jacobian(t: float, y: np.ndarray) -> np.ndarray:
 
 
 def method_of(reading: Reading) -> GLM | PartitionedGLM:
-    """The coefficients that were read, as a method."""
+    """Return the coefficients that were read, as a method."""
 
     def exactly(matrix: np.ndarray) -> list[list[Fraction]]:
         return [[Fraction(float(x)) for x in row] for row in matrix]
@@ -183,7 +183,7 @@ def method_of(reading: Reading) -> GLM | PartitionedGLM:
 
 
 def _unexplained(box: Box, reading: Reading, h: float) -> float:
-    """Relative difference of a nonlinear step from what the coefficients make of it."""
+    """Return the relative difference of a nonlinear step from what the coefficients make of it."""
     r, t = len(reading.V), 0.25 if reading.hat is None else 0.0
     if reading.hat is None:
         problem = Problem(
@@ -210,7 +210,7 @@ def _unexplained(box: Box, reading: Reading, h: float) -> float:
 
 
 def box_of(subject: Subject, method: str) -> Box:
-    """One step of an adapter's method: by ``step``, or by ``solve`` with one step."""
+    """Take one step of an adapter's method: by ``step``, or by ``solve`` with one step."""
     if "step" in subject.offers:
         return lambda problem, t, values, h: subject.step(method, problem, t, values, h)
 

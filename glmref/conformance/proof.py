@@ -19,7 +19,7 @@ _VISIBLE = 10**6
 
 
 def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
-    """Proved bound of the distance between the true numbers and the printed ones."""
+    """Return a proved bound of the distance between the true numbers and the printed ones."""
     return max(
         Fraction((ball(x) - Fraction(text)).magnitude())
         for x, text in zip(enclosed, printed, strict=True)
@@ -27,7 +27,7 @@ def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
 
 
 def bound_of(enclosed: Any, printed: Any, doubt: Fraction = Fraction(0)) -> str:
-    """Bound of a case: the largest distance of its numbers, rounded up to one digit.
+    """Return the bound of a case: the largest distance of its numbers, rounded up to one digit.
 
     Parameters
     ----------

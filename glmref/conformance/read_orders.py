@@ -56,7 +56,7 @@ class _Weights:
         self._known: dict[Tree, tuple[np.ndarray, np.ndarray]] = {}
 
     def _slope(self, t: Tree) -> tuple[np.ndarray, np.ndarray]:
-        """Derivative weights of the stages at which the root is evaluated."""
+        """Return the derivative weights of the stages at which the root is evaluated."""
         if t not in self._known:
             A = self.blocks[t.colour]
             value, size = np.ones(len(A)), np.ones(len(A))

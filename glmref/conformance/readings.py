@@ -74,7 +74,10 @@ class Watch:
     markers: int = MARKERS
 
     def place(self, marker: np.ndarray) -> int:
-        """Number of the point with these markers; a new one while the list is open, else -1."""
+        """Return the number of the point with these markers.
+
+        A new one while the list is open, else -1.
+        """
         scale = 1 + np.abs(marker).max()
         for j, other in enumerate(self.points):
             if np.abs(marker - other).max() < _SAME * scale:
@@ -107,12 +110,12 @@ class Watch:
         return j
 
     def again(self) -> Watch:
-        """The same points, for a second reading."""
+        """Return the same points, for a second reading."""
         return Watch(points=self.points, frozen=True, markers=self.markers)
 
 
 def _markers(r: int, count: int) -> np.ndarray:
-    """Generic values (r, count) of the markers, the same on every machine; dyadic."""
+    """Return generic values (r, count) of the markers, the same on every machine; dyadic."""
     rows = [
         [(37 * k + 23 * i + 11 * k * i) % 64 / 64 + 0.25 for i in range(count)] for k in range(r)
     ]
@@ -120,7 +123,7 @@ def _markers(r: int, count: int) -> np.ndarray:
 
 
 def values_of(r: int, tags: int, markers: int = MARKERS) -> np.ndarray:
-    """Values (r, d) of markers, units and tags."""
+    """Return values (r, d) of markers, units and tags."""
     return np.hstack([_markers(r, markers), np.eye(r), np.zeros((r, tags))])
 
 
@@ -159,7 +162,7 @@ def best(attempt: Callable[[float], Reading]) -> Reading:
 
 
 def largest_step(difference: Callable[[float], float]) -> float:
-    """Difference at the largest step size that is taken; infinite where none is."""
+    """Return difference at the largest step size that is taken; infinite where none is."""
     for h in _TEST_STEPS:
         try:
             return difference(h)

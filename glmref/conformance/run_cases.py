@@ -74,7 +74,7 @@ class RunCases:
         return case
 
     def order(self, task: TestProblem) -> dict[str, Any]:
-        """Errors at t = 2 for steps 1/2 to 1/16, against the exact solution."""
+        """Return errors at t = 2 for steps 1/2 to 1/16, against the exact solution."""
         exact_end = _pendulum_end(task)
         rows = []
         for steps in _ORDER_STEPS:
@@ -205,7 +205,7 @@ class _Run:
 
 @cache
 def _pendulum_end(task: TestProblem) -> list[str]:
-    """Solution of the pendulum at the end of the order runs.
+    """Return the solution of the pendulum at the end of the order runs.
 
     By Jacobi's elliptic functions, confirmed by a Taylor series of another module.
     """

@@ -42,32 +42,32 @@ class _TermByTerm(Arithmetic):
         self.convert = convert
 
     def number(self, x: Any) -> Any:
-        """A coefficient in the number type."""
+        """Return a coefficient in the number type."""
         return 0 if isinstance(x, Exact | Ball) and x.is_zero() is True else self.convert(x)
 
     def array(self, matrix: Matrix) -> np.ndarray:
-        """A matrix of coefficients."""
+        """Return a matrix of coefficients."""
         out = np.empty((len(matrix), len(matrix[0]) if matrix else 0), dtype=object)
         for i, row in enumerate(matrix):
             out[i, :] = [self.number(x) for x in row]
         return out
 
     def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
-        """Zeros of the number type."""
+        """Return zeros of the number type."""
         out = np.empty(shape, dtype=object)
         out[...] = self.convert(0)
         return out
 
     def localised(self, problem: Any) -> Any:
-        """The problem, which is in this arithmetic."""
+        """Return the problem, which is in this arithmetic."""
         return problem
 
     def known(self, U: np.ndarray, values: np.ndarray) -> Sequence[Any]:
-        """What stages take from the values; ``None`` where it is nothing."""
+        """Return what stages take from the values; ``None`` where it is nothing."""
         return [_added(None, row, values) for row in U]
 
     def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
-        """One stage."""
+        """Return one stage."""
         for row, slopes in driving:
             known = _added(known, [x if type(x) is int else h * x for x in row], slopes)
         return self.zeros((driving[0][1].shape[1],)) if known is None else known
@@ -75,7 +75,7 @@ class _TermByTerm(Arithmetic):
     def updated(
         self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
     ) -> np.ndarray:
-        """Values after a step."""
+        """Return values after a step."""
         known = self.known(V, values)
         return np.array([self.stage(x, [(b, slopes)], h) for x, b in zip(known, B, strict=True)])
 
@@ -99,15 +99,15 @@ class _Problem:
     terms: tuple[Any, ...] = ()
 
     def f(self, t: Any, y: np.ndarray) -> Any:
-        """The whole right-hand side."""
+        """Return the whole right-hand side."""
         return self.field("f", t, y)
 
     def dq(self, p: np.ndarray) -> Any:
-        """That of q."""
+        """Return the right-hand side of q."""
         return self.field("dq", 0, p)
 
     def dp(self, q: np.ndarray) -> Any:
-        """That of p."""
+        """Return the right-hand side of p."""
         return self.field("dp", 0, q)
 
 
@@ -115,7 +115,7 @@ def step_over(
     method: Method, field: Field, t: Any, values: Rows, h: Any, convert: Callable[[Any], Any],
     enclose: Callable[..., Rows],
 ) -> tuple[Rows, Rows]:  # fmt: skip
-    """One step of a method, a start or a finish: stage vectors (Q before P) and values."""
+    """Return one step of a method, a start or a finish: stage vectors (Q before P) and values."""
     problem: Any = _Problem(field, len(method.carriers) > 1, len(values[0]))
     engine = Stepper(method, problem, arithmetic=_TermByTerm(convert))
     taken = engine.step(t, np.array(values, dtype=object), h, enclose=enclose)
@@ -124,7 +124,7 @@ def step_over(
 
 
 def _field(texts: Any, functions: Any, number: Any) -> Field:
-    """Field of a problem's expressions ``{"f": [..], "dq": [..], "dp": [..]}``."""
+    """Return the field of a problem's expressions ``{"f": [..], "dq": [..], "dp": [..]}``."""
     names = {"f": "y", "dq": "p", "dp": "q"}
 
     def field(kind: str, t: Any, where: Sequence[Any]) -> list[Any]:
@@ -134,12 +134,12 @@ def _field(texts: Any, functions: Any, number: Any) -> Field:
 
 
 def ball_field(texts: Any) -> Field:
-    """Right-hand side over balls."""
+    """Return the right-hand side over balls."""
     return _field(texts, BALL_FUNCTIONS, ball)
 
 
 def error_field(texts: Any, context: Any) -> Field:
-    """Right-hand side over :class:`Bounded` numbers."""
+    """Return the right-hand side over :class:`Bounded` numbers."""
 
     def number(x: Fraction) -> Bounded:
         return Bounded(context.mpf(x.numerator) / x.denominator, 0)
@@ -205,7 +205,7 @@ def _to_ball(x: Any) -> Ball:
 def error_bound(
     method: Method, field: Field, t: Any, values: Rows, h: Any, stages: Rows, context: Any
 ) -> tuple[Rows, Rows]:
-    """One step over :class:`Bounded` numbers: what rounding does to it, to first order.
+    """Return one step over :class:`Bounded` numbers: what rounding does to it, to first order.
 
     Each input, coefficient and operation carries a relative error u. Implicit stages: the error
     solves ``e = |h A| |f'| e + local``, iterated with the values held at the stages given.

@@ -27,7 +27,7 @@ class StepCases:
         self.bench, self.method, self.name = bench, bench.method, bench.name
 
     def step(self, claim: str, task: TestProblem, h: Fraction) -> dict[str, Any]:
-        """One step from values that hide nothing."""
+        """Take one step from values that hide nothing."""
         case = self._one_step(claim, task, Fraction(task.t0), self.bench.values(task), h)
         if self.bench.G is not None and claim == "step" and task.quadratic is not None:
             conserved = self._conserved(task, case)
@@ -80,7 +80,7 @@ class StepCases:
         add_wrong(case, (x for x in found if wanted is None or x.flag.startswith(wanted)))
 
     def reversed(self, task: TestProblem) -> dict[str, Any]:
-        """The way back: from L times the output of a step, with -h, to L times its input."""
+        """Return the way back: from L times the output of a step, with -h, to L times its input."""
         forward = self._one_step(
             "step", task, Fraction(task.t0), self.bench.values(task), self.bench.size(task)
         )
@@ -96,7 +96,7 @@ class StepCases:
         return case
 
     def _conserved(self, task: TestProblem, case: Mapping[str, Any]) -> str | None:
-        """Value of ``sum G_ij y_i^T C y_j``, proved equal before and after the step."""
+        """Return the value of ``sum G_ij y_i^T C y_j``, proved equal before and after the step."""
         assert self.bench.G is not None and task.quadratic is not None
         C = [[Fraction(x) for x in row] for row in task.quadratic]
         half = len(C) // 2
@@ -112,7 +112,7 @@ class StepCases:
         return decimal_of(values[0], SHOWN)
 
     def start(self, task: TestProblem) -> dict[str, Any]:
-        """Starting values of the method's own starting method."""
+        """Return starting values of the method's own starting method."""
         assert self.method.starting is not None
         engine, h = self.bench.engine(task), self.bench.size(task)
         context = engine.arithmetic.context
@@ -128,7 +128,7 @@ class StepCases:
         return case
 
     def finish(self, task: TestProblem) -> dict[str, Any]:
-        """Solution that the method's own finishing method makes of the values."""
+        """Return the solution that the method's own finishing method makes of the values."""
         assert self.method.finishing is not None
         engine, h = self.bench.engine(task), self.bench.size(task)
         context = engine.arithmetic.context
@@ -149,7 +149,7 @@ class StepCases:
         self, claim: str, task: TestProblem, method: Method, h: Fraction, given: list[list[str]],
         output: np.ndarray, stages: Sequence[Sequence[Any]],
     ) -> dict[str, Any]:  # fmt: skip
-        """A case of a starting or finishing method."""
+        """Return a case of a starting or finishing method."""
         rows = [[Fraction(x) for x in row] for row in given]
         engine = self.bench.engine(task)
         context, shown = engine.arithmetic.context, decimals(output, SHOWN)

@@ -90,7 +90,7 @@ class Subject:
         return _small(getattr(self.adapter, key, default), key, self.name)
 
     def tolerance(self, method: str) -> float:
-        """Relative error with which the adapter solves the stage equations of a method."""
+        """Return relative error with which the adapter solves the stage equations of a method."""
         value = self._tolerance
         if isinstance(value, Mapping):
             value = value.get(method, 1e-14)
@@ -116,7 +116,7 @@ class Subject:
         self, method: str, problem: Any, t: float, values: np.ndarray, h: float,
         shape: tuple[tuple[int, int], ...],
     ) -> list[np.ndarray]:  # fmt: skip
-        """Stage values: one array, or for a pair the two of Q and P."""
+        """Return stage values: one array, or for a pair the two of Q and P."""
         given = values[0] if len(values) == 1 else values
         answer = self.call("stages", method, problem, t, given.copy(), h)
         if len(shape) == 1:
@@ -130,13 +130,13 @@ class Subject:
         return [_array(x, y, "stages") for x, y in zip(parts, shape, strict=True)]
 
     def start(self, method: str, problem: Any, h: float, shape: tuple[int, int]) -> np.ndarray:
-        """Starting values (r, d)."""
+        """Return starting values (r, d)."""
         return _array(self.call("start", method, problem, h), shape, "start")
 
     def finish(
         self, method: str, problem: Any, t: float, values: np.ndarray, h: float
     ) -> np.ndarray:
-        """Solution (d,) that belongs to the values (r, d)."""
+        """Return the solution (d,) that belongs to the values (r, d)."""
         given = values[0] if len(values) == 1 else values
         answer = self.call("finish", method, problem, t, given.copy(), h)
         return _array(answer, (values.shape[1],), "finish")
@@ -144,7 +144,7 @@ class Subject:
     def solve(
         self, method: str, problem: Any, h: float, steps: int, start: np.ndarray | None = None
     ) -> np.ndarray:
-        """Solution at every step, (steps + 1, d), or the end alone, (1, d)."""
+        """Return the solution at every step, (steps + 1, d), or the end alone, (1, d)."""
         keywords = {} if start is None else {"start": start.copy()}
         answer = self.call("solve", method, problem, h, steps, **keywords)
         d = problem.dimension
@@ -186,7 +186,7 @@ def _place(error: BaseException) -> str:
 
 
 def _is_foreign(file: Path) -> bool:
-    """Whether a file belongs to this package or to an installed library.
+    """Return whether a file belongs to this package or to an installed library.
 
     The folders count and not the words in a path: a clone may have any name.
     """
@@ -296,7 +296,7 @@ def _claims(claims: Any, method: str, name: str) -> dict[str, Any]:
 
 
 def _are_numbers(value: Any) -> bool:
-    """Whether a value is a list of finite numbers, and not empty."""
+    """Return whether a value is a list of finite numbers, and not empty."""
     return (
         isinstance(value, Sequence)
         and len(value) > 0

@@ -118,7 +118,7 @@ class Tape:
         self.mpf, self.pi = context.mpf, context.pi
 
     def variable(self) -> _Series:
-        """A quantity whose coefficients are set from outside."""
+        """Return a quantity whose coefficients are set from outside."""
         result = _Series(self, lambda k: None)
         self.nodes.pop()
         return result
@@ -182,7 +182,7 @@ class Tape:
         return s, c
 
     def atan2(self, u: Any, x: Any) -> Any:
-        """Angle w of the point (x, u), (x**2 + u**2) w' = x u' - u x'."""
+        """Return the angle w of the point (x, u), (x**2 + u**2) w' = x u' - u x'."""
         if not (isinstance(u, _Series) or isinstance(x, _Series)):
             return self.context.atan2(u, x)
         u = u if isinstance(u, _Series) else self.constant(u)
@@ -229,7 +229,7 @@ class _Integrator:
         self.f = [x if isinstance(x, _Series) else self.tape.constant(x) for x in f]
 
     def expand(self, t: Any, y: Sequence[Any]) -> list[list[Any]]:
-        """Coefficients of the solution through (t, y), one list per component."""
+        """Return coefficients of the solution through (t, y), one list per component."""
         zero, one = self.context.mpf(0), self.context.mpf(1)
         self.time.coefficients[:] = [t, one] + [zero] * self.order
         for series, value in zip(self.y, y, strict=True):

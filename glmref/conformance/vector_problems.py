@@ -45,13 +45,13 @@ class TestProblem:
 
 
 def folder() -> Path:
-    """Where the vector files lie."""
+    """Return where the vector files lie."""
     return data_root() / "vectors"
 
 
 @cache
 def problems() -> Mapping[str, TestProblem]:
-    """Every problem of the vectors, by name."""
+    """Return every problem of the vectors, by name."""
     path = folder() / "problems.json"
     document = document_in(path, PROBLEMS_FORMAT)
     with as_specified(path):

@@ -48,7 +48,7 @@ class Case:
         return array(self.data[key])
 
     def number(self, key: str) -> float:
-        """One number of the case as a double."""
+        """Return one number of the case as a double."""
         return float(self.data[key])
 
     @property
@@ -91,7 +91,7 @@ class Vectors:
 
 
 def file_names() -> list[str]:
-    """Names of the methods that have a vector file."""
+    """Return names of the methods that have a vector file."""
     return sorted(p.stem for p in folder().glob("*.json") if p.stem != "problems")
 
 

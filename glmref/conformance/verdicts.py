@@ -60,7 +60,7 @@ def errors_of(
     run: Callable[[int], np.ndarray], counts: Sequence[int], exact: np.ndarray,
     enough: Callable[[int, float], bool] = lambda n, e: False,
 ) -> tuple[list[int], list[float]]:  # fmt: skip
-    """Errors at the end of runs; the coarsest runs may fail, the others must not."""
+    """Return errors at the end of runs; the coarsest runs may fail, the others must not."""
     steps: list[int] = []
     errors: list[float] = []
     for n in counts:

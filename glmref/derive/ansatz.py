@@ -37,14 +37,14 @@ _REAL_NAMES = ("gamma", "kappa", "lambda")
 
 
 def mirrored(name: str, size: int, parity: int) -> list[str]:
-    """A row ``name1``, ``name2``, .. that its mirror image equals, up to the sign ``parity``."""
+    """Return a row ``name1``, ``name2``, .. equal to its mirror image up to the sign ``parity``."""
     half = [f"{name}{i + 1}" for i in range(size // 2)]
     middle = [f"{name}{size // 2 + 1}" if parity > 0 else "0"] * (size % 2)
     return half + middle + [x if parity > 0 else f"-{x}" for x in reversed(half)]
 
 
 def remainder(name: str, row: Sequence[str]) -> str:
-    """The entry ``name`` from the condition that the row sums to 1."""
+    """Return the entry ``name`` from the condition that the row sums to 1."""
     others = [(x, row.count(x)) for x in dict.fromkeys(row) if x != name]
     total = "1" + "".join(f"-{x}" if k == 1 else f"-{k}*{x}" for x, k in others)
     return total if row.count(name) == 1 else f"({total})/{row.count(name)}"

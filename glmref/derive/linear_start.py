@@ -46,7 +46,7 @@ def collocation(nodes: Sequence[Fraction]) -> list[list[Fraction]]:
 
 
 def tableau(pairs: Sequence[Mapping[str, str]], *, moments: int = 3) -> list[list[Fraction]]:
-    """A with the collocation block and one pair of stages for each record.
+    """Return a with the collocation block and one pair of stages for each record.
 
     Args:
         pairs: for each pair its abscissa ``"c"`` and coefficients by column, rational; those of the
@@ -79,7 +79,7 @@ def tableau(pairs: Sequence[Mapping[str, str]], *, moments: int = 3) -> list[lis
 
 
 def _columns(series: Mapping[Tree, Sequence[Any]], rows: Sequence[Tree], *, even: bool) -> Matrix:
-    """What a weight on stage 0 (odd values only) or on each pair contributes at the given trees."""
+    """Return what a weight on stage 0 (odd values only) or on each pair adds at the given trees."""
     return tuple(
         tuple(
             Exact(0) + (series[t][j] if j == 0 else series[t][j] * 2)
@@ -91,7 +91,7 @@ def _columns(series: Mapping[Tree, Sequence[Any]], rows: Sequence[Tree], *, even
 
 
 def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
-    """As many columns as rows: the first ones where they are regular, else by pivoting.
+    """Choose as many columns as rows: the first ones if regular, else by pivoting.
 
     Raises
     ------

@@ -176,7 +176,7 @@ class Half:
         return [Fraction(1), *[x for b, c in weights for x in (b, -b * c)]]
 
     def series(self, *, ended: bool) -> list[Series]:
-        """The exact values but the first as series in x = h D, times h y'.
+        """Return the exact values but the first as series in x = h D, times h y'.
 
         Parameters
         ----------
@@ -303,12 +303,15 @@ class TwoKicks:
             raise UsageError("these numbers determine no method: a drift is singular") from None
 
     def series(self, *, ended: bool) -> list[Series]:
-        """The exact values but the first at the ends of the step, times h y'; ``ended`` is true."""
+        """Return the exact values but the first at the ends of the step, times h y'.
+
+        Only the exact case is defined: ``ended`` must be true.
+        """
         assert ended
         return self.rows
 
     def blocks(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """(A, U, B, V, output) of the halves q and p; the word of the stages is Q P Q P Q."""
+        """Return (A, U, B, V, output) of the halves q and p, of which the stages are Q P Q P Q."""
         zero, one, half = Fraction(0), Fraction(1), Fraction(1, 2)
         back = [one]  # phi L
         for j, c in enumerate(self.cosines):
@@ -357,14 +360,14 @@ def integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
 
 
 def ring_points(n: int, spacing: Fraction) -> list[Fraction]:
-    """The points +-1, .., +-n times the spacing."""
+    """Return the points +-1, .., +-n times the spacing."""
     return [s * i * spacing for i in range(1, n + 1) for s in (1, -1)]
 
 
 def _start(
     halves: dict[str, Half | TwoKicks], ended: Half | TwoKicks, rounds: int, spacing: Fraction
 ) -> dict[str, Any]:
-    """The starting method, see the module.
+    """Return the starting method, see the module.
 
     ``ended`` is the half that is cut in the middle of an update.
 
@@ -428,7 +431,7 @@ def _apply(V: list[list[Fraction]], column: Sequence[Fraction]) -> list[Fraction
 
 
 def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
-    """(A, U, B, V, output) of the half that is evaluated once, and of that evaluated at both ends.
+    """Return both halves (A, U, B, V, output): evaluated once, and evaluated at both ends.
 
     ``outer`` holds the values that the evaluations at both ends of the step update, by half each;
     its stage is in the middle. ``inner`` holds the others, which the stages at the ends read.
@@ -507,7 +510,7 @@ def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str
 
 
 def written(value: Any) -> Any:
-    """The document with its fractions as text."""
+    """Return the document with its fractions as text."""
     if isinstance(value, Fraction):
         return str(value)
     if isinstance(value, dict):
@@ -523,7 +526,7 @@ def _partitioned(
     start: Mapping[str, Any],
     order: int,
 ) -> dict[str, Any]:
-    """The document of two blocks and a start of an order on separable problems."""
+    """Return the document of two blocks and a start of an order on separable problems."""
     return written({
         "format": "glmref-method-1",
         "name": name,

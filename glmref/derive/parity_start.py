@@ -33,21 +33,21 @@ from ..prove.starting import (
 
 
 def _text(value: str) -> str:
-    """A rational as it is; a rough decimal with all its places, to be recognised as an unknown."""
+    """Return a rational as it is, and an unknown, a rough decimal, with all its places."""
     if "." not in value and "e" not in value:
         return value
     return decimal(ball(Fraction(value)))
 
 
 def negated(text: str) -> str:
-    """Text of the negative of one number."""
+    """Return the text of the negative of one number."""
     if text == "0":
         return text
     return text[1:] if text.startswith("-") else f"-{text}"
 
 
 def _sum(*terms: tuple[str, str]) -> str:
-    """Text of a sum of products (number, factor), with zeros left out."""
+    """Return the text of a sum of products (number, factor), with zeros left out."""
     result = ""
     for number, factor in terms:
         if number == "0":
@@ -80,13 +80,13 @@ class _Parameters:
         self._place = 0
 
     def take(self, count: int) -> list[str]:
-        """The next numbers."""
+        """Return the next numbers."""
         found = self._values[self._place : self._place + count]
         self._place += count
         return found
 
     def stages(self) -> list[list[str]]:
-        """A, row by row."""
+        """Return A, row by row."""
         n = self.pairs
         a = self.take(n)
         p, q = self.take(n * (n - 1) // 2), self.take(n * (n - 1) // 2)
@@ -103,11 +103,11 @@ class _Parameters:
         return rows
 
     def even(self) -> list[tuple[str, str]]:
-        """Weights (on f(Y+), on f(Y-)) of an even value, with f(Y0) in front."""
+        """Return weights (on f(Y+), on f(Y-)) of an even value, with f(Y0) in front."""
         return [("0", "0"), *((x, negated(x)) for x in self.take(self.pairs))]
 
     def odd(self) -> list[tuple[str, str]]:
-        """Weights of an odd value."""
+        """Return weights of an odd value."""
         pairs, (first,) = self.take(self.pairs), self.take(1)
         return [(first, first), *((x, x) for x in pairs)]
 
@@ -153,7 +153,7 @@ def starting_block(
 
 
 def finishing_block(pairs: int, values: Sequence[str]) -> dict[str, Any]:
-    """Tableau of a finish from its parameters a, p, q, v."""
+    """Return the tableau of a finish from its parameters a, p, q, v."""
     parameters = _Parameters(pairs, values)
     A = parameters.stages()
     return {
@@ -165,7 +165,7 @@ def finishing_block(pairs: int, values: Sequence[str]) -> dict[str, Any]:
 
 
 def expanded(half: Mapping[str, Sequence[Sequence[str]]]) -> dict[str, Any]:
-    """The block of a start from one stage of each pair.
+    """Return the block of a start from one stage of each pair.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def with_partitioned_start(
 
 
 def _substitute(rows: Any, system: StartingSystem, found: Sequence[Ball]) -> Any:
-    """Rows with their rough decimals replaced; a sign that has changed is carried along."""
+    """Return rows with their rough decimals replaced; a sign that has changed is carried along."""
     new = {old: decimal(x) for old, x in zip(system.unknowns, found, strict=True)}
     if any(x.startswith("-") for x in new.values()):
         raise ExactnessError("a parameter changed its sign while it was polished")

@@ -99,7 +99,7 @@ class PairAnsatz:
         return mirrored(name, self.stages.count("P" if name in "bw" else "Q"), parity)
 
     def equations(self) -> list[str]:
-        """Names of the equations, see :mod:`glmref.prove.system`."""
+        """Return names of the equations, see :mod:`glmref.prove.system`."""
         family = Family.SECOND_ORDER if self.nystrom else Family.SEPARABLE
         trees = [t for n in range(3, self.order, 2) for t in representatives(n, 1, family)]
         return [*(f"order {t}" for t in trees), "growth q -1", "growth p -1", *STARTS[self.starts]]

@@ -54,7 +54,7 @@ def square_free(square: Fraction, below: int) -> tuple[int, int]:
 
 
 def root_text(square: Fraction, *, negative: bool) -> str:
-    """Text of +-sqrt(p/q) as k*sqrt(n)/m with n free of small squares."""
+    """Return the text of +-sqrt(p/q) as k*sqrt(n)/m with n free of small squares."""
     inside, outside = square_free(square, 10_000)
     factor = Fraction(outside, square.denominator)
     text = f"sqrt({inside})" if inside != 1 else "1"
@@ -90,7 +90,7 @@ def minimal_polynomial(
 
 
 def surd(value: Ball, *, digits: int = 70) -> str | None:
-    """Closed form by square roots of degree at most 4, or ``None``: a guess, not a proof.
+    """Return closed form by square roots of degree at most 4, or ``None``: a guess, not a proof.
 
     Rational, ``p + q sqrt(n)``, or ``sqrt`` of such a number.
     """
@@ -109,7 +109,7 @@ def surd(value: Ball, *, digits: int = 70) -> str | None:
 
 
 def _quadratic_text(polynomial: Sequence[int], value: Ball) -> str:
-    """Text of the root of a polynomial of degree 1 or 2 that lies nearest to a value."""
+    """Return the text of the root of a polynomial of degree 1 or 2 that lies nearest to a value."""
     if len(polynomial) == 2:
         return str(Fraction(-polynomial[1], polynomial[0]))
     a, b, c = polynomial
@@ -122,7 +122,7 @@ def _quadratic_text(polynomial: Sequence[int], value: Ball) -> str:
 
 
 def surds(values: Mapping[str, Ball], *, digits: int = 70) -> dict[str, str]:
-    """Closed forms of the unknowns that have one (see :func:`surd`), checked to their digits."""
+    """Return closed forms of unknowns that have one (see :func:`surd`), checked in all digits."""
     found: dict[str, str] = {}
     for name, value in values.items():
         text = surd(value, digits=digits)

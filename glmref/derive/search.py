@@ -43,7 +43,7 @@ class Batch(Arithmetic):
         return Batch(np.sqrt(self.array))
 
     def conjugate(self) -> Batch:
-        """The unknowns are real, so is everything made of them: nothing to do."""
+        """Return the value: the unknowns are real, and so is everything made of them."""
         return self
 
     def is_zero(self) -> bool | None:
@@ -55,7 +55,7 @@ class Batch(Arithmetic):
         return False
 
     def is_real(self) -> bool:
-        """Real up to the perturbation."""
+        """Return ``True``: values are real up to the perturbation."""
         return True
 
 
@@ -76,7 +76,7 @@ def _array(value: Any) -> Any:
 
 
 def evaluate(residuals: Residuals, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values (starts, m) and Jacobians (starts, m, n) of a system at points (starts, n)."""
+    """Return values (starts, m) and Jacobians (starts, m, n) of a system at points (starts, n)."""
     starts, n = points.shape
     columns = []
     for j in range(n):

@@ -25,7 +25,7 @@ PARCEL = 32
 def tasks_of(
     ansatz: Ansatz | PairAnsatz, *, seed: int, starts: int, scale: float = 0.7
 ) -> Iterator[dict[str, Any]]:
-    """Tasks of a search.
+    """Yield tasks of a search.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def carry_out(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def ends_of(record: Mapping[str, Any]) -> list[Found]:
-    """Where the starts of a parcel ended, from its record."""
+    """Return where the starts of a parcel ended, from its record."""
     return [
         Found(x["number"], tuple(x["point"]), math.inf if x["residual"] is None else x["residual"])
         for x in record["ends"]

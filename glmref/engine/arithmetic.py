@@ -75,7 +75,7 @@ class Arithmetic:
         return found
 
     def zeros(self, shape: tuple[int, ...], like: np.ndarray | None = None) -> np.ndarray:
-        """Zeros of the number type (complex where ``like`` is)."""
+        """Return zeros of the number type (complex where ``like`` is)."""
         if self.context is None:
             complex_ = like is not None and np.iscomplexobj(like)
             return np.zeros(shape, dtype=complex if complex_ else float)
@@ -87,7 +87,7 @@ class Arithmetic:
     # array for a message that nobody reads before it lets numpy multiply.
 
     def known(self, U: np.ndarray, values: np.ndarray) -> Sequence[Any]:
-        """What stages take from the values, ``U y``: (n, d)."""
+        """Return what stages take from the values, ``U y``: (n, d)."""
         return U.dot(values)
 
     def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
@@ -101,7 +101,7 @@ class Arithmetic:
     def updated(
         self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
     ) -> np.ndarray:
-        """Values after a step, ``h B F + V y``: (r, d)."""
+        """Return values after a step, ``h B F + V y``: (r, d)."""
         return B.dot(slopes) * h + V.dot(values)
 
     def localised(self, problem: Problem) -> Problem:
@@ -131,7 +131,7 @@ class Arithmetic:
 
 
 def size(x: np.ndarray) -> Any:
-    """Largest magnitude of an entry."""
+    """Return the largest magnitude of an entry."""
     if x.dtype == float:
         largest = float(np.abs(x).max(initial=0.0))
         if largest == largest:
@@ -222,7 +222,7 @@ class StageSolver:
         self, residual: Callable[[np.ndarray], np.ndarray], x: np.ndarray, at: np.ndarray,
         alike: Sequence[int],
     ) -> np.ndarray:  # fmt: skip
-        """Difference quotients of the residual, whose value at x is ``at``.
+        """Return difference quotients of the residual, whose value at x is ``at``.
 
         The first slope of a stiff system may be zero where that of the next stage is 1e9 and the
         residual 1e18, which hides a step taken from the first one alone: the matrix is singular.

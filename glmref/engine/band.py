@@ -102,7 +102,7 @@ def _levels(neighbours: Sequence[set[int]], first: int) -> list[int]:
 
 
 def formula_structure(formula: Formula) -> Structure:
-    """Components of the vector that each output reads."""
+    """Return components of the vector that each output reads."""
     common, outputs = formula.trees
     known: dict[str, frozenset[int]] = {}
 
@@ -163,7 +163,7 @@ class _Vector(list):  # type: ignore[type-arg]
 def loop_structure(
     text: str, name: str, size: int, count: int, params: Sequence[float], *, timed: bool
 ) -> Structure | None:
-    """Components that each result of a loop body reads; ``None`` where that is not known.
+    """Return components that each result of a loop body reads; ``None`` where that is not known.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ class _Diagonals:
 
 
 def stays_within(text: str, name: str, band: Band, params: Sequence[float]) -> bool:
-    """Whether a Jacobian's body writes to the diagonals of a band only, at every state."""
+    """Return whether a Jacobian's body writes to the diagonals of a band only, at every state."""
     return _run(text, name, len(band.order), params, _Diagonals(band), timed=True)
 
 

@@ -55,7 +55,7 @@ class KernelSource:
 
 
 def choose_kind(stages: int, shape: Shape, options: Options) -> str:
-    """Local variables for small systems, arrays for large ones and for loop bodies."""
+    """Return the local variables for small systems, arrays for large ones and for loop bodies."""
     if options.target != "auto":
         return options.target
     if options.interpreted and not any(part.body and not part.straight for part in shape.parts):
@@ -86,7 +86,7 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
 
 
 def header(shape: Shape, kind: str, *, newton: bool) -> str:
-    """Imports and the functions that a kernel calls."""
+    """Return imports and the functions that a kernel calls."""
     w = Writer()
     w("from math import atan2, cos, exp, log, sin, sqrt, tan", "")
     # a Jacobian by differences calls the parts as functions, whatever the target
@@ -151,7 +151,7 @@ def _jacobian_function(w: Writer, shape: Shape) -> None:
 
 
 def _entry(shape: Shape, i: int, j: int) -> str:
-    """Source of entry (i, j) of the Jacobian, ``""`` beyond the diagonals of a band."""
+    """Return the source of entry (i, j) of the Jacobian, ``""`` beyond the diagonals of a band."""
     band = shape.band
     if band is None:
         return f"out[{i}, {j}]"
@@ -162,7 +162,7 @@ def _entry(shape: Shape, i: int, j: int) -> str:
 
 
 def _called(w: Writer, shape: Shape, part: Part, place: str) -> None:
-    """A part of the right-hand side at ``v``, into ``scratch`` from ``place`` on."""
+    """Write a part of the right-hand side at ``v``, into ``scratch`` from ``place`` on."""
     first, count = len(shape.parameters), part.stop - part.start
     time = "time, " if part.timed else ""
     where = f"v[{part.source}:{part.source_stop}]"
@@ -178,7 +178,7 @@ def _called(w: Writer, shape: Shape, part: Part, place: str) -> None:
 
 
 def _band_differences(w: Writer, shape: Shape, band: Band) -> None:
-    """Difference quotients of a band: columns a width apart have no row in common."""
+    """Write difference quotients of a band: columns a width apart have no row in common."""
     d, n, part = shape.dimension, len(band.order), shape.counted
     order = len(shape.values) + n
     _called(w, shape, part, "0")
@@ -199,7 +199,7 @@ def _band_differences(w: Writer, shape: Shape, band: Band) -> None:
 
 
 def _differences(w: Writer, shape: Shape) -> None:
-    """Columns of the Jacobian by difference quotients, part by part."""
+    """Write columns of the Jacobian by difference quotients, part by part."""
     d = shape.dimension
     for part in shape.parts:
         if part.identity:
@@ -251,7 +251,7 @@ class Builder(KickWriter):
             w("tally[4] = n", "tally[5] = row", "return outcome")
 
     def _preamble(self) -> None:
-        """What is formed once a call."""
+        """Write what is formed once a call."""
         self.t.parameters()
         if self.shape.loops:
             size = len(self.shape.values)
@@ -259,7 +259,7 @@ class Builder(KickWriter):
         self._scaled_weights()
 
     def _blocks(self) -> None:
-        """All stages of a step."""
+        """Write all stages of a step."""
         if self.direct or self.leaps:
             (self._direct_stages if self.direct else self._leap)()
             return
@@ -309,7 +309,7 @@ class Builder(KickWriter):
             self.w(*(f"{name} = 0.0" for name in names + self._newton_names()))
 
     def _state(self) -> list[str]:
-        """Vectors that last from call to call, in their order at the head of ``x``."""
+        """Return vectors that last from call to call, in their order at the head of ``x``."""
         letters = "ye" if self.options.compensated else "y"
         names = [f"{letter}{k}" for letter in letters for k in range(self.form.rows)]
         return names + [name for name, _ in self.form.memory]
@@ -344,7 +344,7 @@ class Builder(KickWriter):
             self.t.vec(copies, self.inner)
 
     def _commit(self) -> None:
-        """New values, their rounding errors, and the check that they are numbers."""
+        """Write the new values, their rounding errors, and the check that they are numbers."""
         if self.leaps or self.in_place or self.one_pass:
             self._commit_kicks()
             return

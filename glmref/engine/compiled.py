@@ -264,7 +264,7 @@ _CALLED = {
 def _kept_around(
     signature: str, source: str, fuse: bool, own: Mapping[str, Any], key: str
 ) -> Mapping[str, Any] | None:
-    """The module from the cache on disk, or compiled into it; ``None`` where that cannot be.
+    """Return the module from the cache on disk, or compiled into it; ``None`` where that cannot be.
 
     Numba itself looks at the text of a module alone, so the fingerprints of the functions it calls
     are in the name of the file.

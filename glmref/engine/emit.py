@@ -112,11 +112,11 @@ class Target:
         """Write them back at its end."""
 
     def ref(self, name: str, c: int) -> str:
-        """Source of component c of a vector."""
+        """Return the source of component c of a vector."""
         raise NotImplementedError
 
     def vec(self, lines: Sequence[str], part: tuple[int, int] | None = None) -> None:
-        """Statements for every component of ``part`` (all of them by default)."""
+        """Write statements for every component of ``part`` (all of them by default)."""
         raise NotImplementedError
 
     def total(self, name: str, template: str, part: tuple[int, int] | None = None) -> None:
@@ -246,7 +246,10 @@ class ArrayTarget(Target):
 
     @contextmanager
     def loop(self, low: int, high: int) -> Iterator[str]:
-        """A loop over a range; its own counter, a while statement: half the work for numba."""
+        """Write a loop over a range as a while statement with its own counter.
+
+        This halves the work of numba.
+        """
         self.loops += 1
         c = f"c{self.loops}"
         self.w(f"{c} = {low}")
@@ -373,13 +376,13 @@ class LaneTarget(_Unrolled):
         return f"x[{self.offset(name) + c * self.width} + l]"
 
     def _passing(self, name: str) -> bool:
-        """Whether a vector is used only in the pass over the lanes that computes it."""
+        """Return whether a vector is used only in the pass over the lanes that computes it."""
         if self.lasting is not None:
             return name not in self.lasting
         return name[0] in self.passing
 
     def lane(self, name: str) -> str:
-        """Source of a quantity with one entry per lane."""
+        """Return the source of a quantity with one entry per lane."""
         return f"x[{self.reserve(name, self.width)} + l]"
 
     def call(self, part: Part, source: str, out: str, tag: str) -> None:
@@ -394,5 +397,5 @@ class VectorTarget(ArrayTarget):
     """The loops of an array, where each number is a vector of lanes; nothing loops over lanes."""
 
     def lane(self, name: str) -> str:
-        """Source of a quantity with one number per lane."""
+        """Return the source of a quantity with one number per lane."""
         return f"x[{self.reserve(name, 1)}]"

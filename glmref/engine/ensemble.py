@@ -106,7 +106,7 @@ def _starts(
     runner: Runner, method: Method, problem: Problem, y0: np.ndarray, h: float,
     start: Any,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
-    """Starting values (N, r, d) and the evaluations they cost."""
+    """Return starting values (N, r, d) and the evaluations they cost."""
     engine = runner.engine
     if start is None:
         start = _own_start(method, engine)
@@ -141,7 +141,10 @@ def _starts(
 
 
 def _own_start(method: Method, engine: Stepper) -> Any:
-    """The explicit start of the file, else the enhanced start; none where one value is carried."""
+    """Return the explicit start of the file, else the enhanced start.
+
+    There is none where one value is carried.
+    """
     own = method.starting
     if method.is_one_step:
         return "zero"
@@ -149,14 +152,14 @@ def _own_start(method: Method, engine: Stepper) -> Any:
 
 
 def _explicit(start: Method, engine: Stepper) -> bool:
-    """Whether no stage that is read needs an equation solved."""
+    """Return whether no stage that is read needs an equation solved."""
     return not any(block.implicit for block in engine.of(start).blocks)
 
 
 def _many_starts(
     start: Method, engine: Stepper, y0: np.ndarray, h: float
 ) -> tuple[np.ndarray, int]:
-    """An explicit starting method on all initial values, stage by stage.
+    """Return an explicit starting method on all initial values, stage by stage.
 
     Parameters
     ----------

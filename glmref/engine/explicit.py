@@ -41,13 +41,16 @@ class ExplicitWriter(StageWriter):
         )  # fmt: skip
 
     def _exact_weights(self, k: int) -> list[Fraction] | None:
-        """Weights of a row with their residue; ``None`` for r = 1 where they do not add up to 1."""
+        """Return weights of a row with their residue.
+
+        ``None`` for r = 1 where they do not add up to 1.
+        """
         rows = zip(self.form.R[k], self.form.R_residue[k], strict=True)
         weights = [Fraction(x) + Fraction(rest) for x, rest in rows]
         return weights if abs(sum(weights) - 1) < Fraction(1, 10**30) else None
 
     def _combined(self) -> dict[int, Fraction]:
-        """Weights b A of the forces in the new position that are not zero."""
+        """Return weights b A of the forces in the new position that are not zero."""
         A, b, s = self.form.M, self._exact_weights(0), range(self.form.s)
         assert b is not None
         sums = {k: sum((b[i] * Fraction(A[i][k]) for i in s), Fraction(0)) for k in s}
@@ -56,7 +59,7 @@ class ExplicitWriter(StageWriter):
     # --- coefficients ---------------------------------------------------------------------------
 
     def _direct_coefficients(self) -> None:
-        """Products with h, and what rounding took from those of the weights."""
+        """Write products with h, and the rounding residuals of those of the weights."""
         form, w = self.form, self.w
         if self.nystrom:
             A = [[Fraction(x) for x in row] for row in form.M]
@@ -118,7 +121,7 @@ class ExplicitWriter(StageWriter):
             self._count([i])
 
     def _earlier(self, i: int) -> list[int]:
-        """Stages that stage i of Nyström's form reads."""
+        """Return stages that stage i of Nyström's form reads."""
         A, s = self.form.M, range(self.form.s)
         return [k for k in s if sum(Fraction(A[i][j]) * Fraction(A[j][k]) for j in s)]
 
@@ -132,7 +135,7 @@ class ExplicitWriter(StageWriter):
         return f"Y{i}"
 
     def _direct_values(self) -> None:
-        """New values in n{k} and their rounding errors in r{k}."""
+        """Write the new values in n{k} and their rounding errors in r{k}."""
         values, form, half = self.values, self.form, self.shape.half
         values.shift()
         for k, row in enumerate(form.R):

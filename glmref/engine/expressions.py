@@ -69,14 +69,14 @@ class Expressions:
         raise Unsupported(f"a {value.type} where a {kind} is needed")
 
     def _floating(self, *values: Any) -> list[Any]:
-        """Values as doubles, or as vectors of them where one is a vector."""
+        """Return values as doubles, or as vectors of them where one is a vector."""
         wide = any(value.type == self.m.vector for value in values)
         return [self._as(value, self.m.vector if wide else self.double) for value in values]
 
     # --- arrays ---------------------------------------------------------------------------------
 
     def _array(self, node: ast.expr) -> Array:
-        """An array: a name, a slice ``a[i:j]``, or ``a[i:j].reshape((m, n))``."""
+        """Return an array: a name, a slice ``a[i:j]``, or ``a[i:j].reshape((m, n))``."""
         if isinstance(node, ast.Name) and node.id in self.arrays:
             return self.arrays[node.id]
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
@@ -106,7 +106,7 @@ class Expressions:
         return self.b.gep(array.pointer, [flat], inbounds=True)
 
     def _alignment(self, place: Any) -> int | None:
-        """Bytes that the address of an entry is a multiple of; of doubles the usual ones."""
+        """Return bytes that the address of an entry is a multiple of; of doubles the usual ones."""
         return CACHE_LINE if place.type.pointee == self.m.vector else None
 
     # --- expressions ----------------------------------------------------------------------------
@@ -259,7 +259,7 @@ class Expressions:
         return self.b.call(self.m.function(name, tuple(kinds)), given)
 
     def _intrinsic(self, name: str, given: Any, result: Any) -> Any:
-        """An intrinsic function of LLVM of one argument."""
+        """Return an intrinsic function of LLVM of one argument."""
         lanes = f"v{given.count}" if isinstance(given, self.ir.VectorType) else ""
         kind = "i1" if given == self.m.bits else "f64"
         return self.m.module.declare_intrinsic(
@@ -283,7 +283,7 @@ class Expressions:
 
 
 def is_slice(node: ast.expr) -> bool:
-    """Whether an expression is a slice or a reshaped slice."""
+    """Return whether an expression is a slice or a reshaped slice."""
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
         return node.func.attr == "reshape"
     return isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice)

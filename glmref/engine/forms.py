@@ -54,7 +54,7 @@ class Rows:
 
 
 def _first(field: str) -> Any:
-    """A field of the first component, which is the only one of a single method."""
+    """Return a field of the first component, which is the only one of a single method."""
     return property(lambda form: getattr(form.components[0], field))
 
 
@@ -160,19 +160,19 @@ class StepForm:
         return tuple((f"L{i}", weight) for i, weight in enumerate(weights))
 
     def place(self, stage: int) -> tuple[int, int]:
-        """The component that a stage is read from, and its row there."""
+        """Return the component that a stage is read from, and its row there."""
         n = len(self.U)
         return (0, stage) if stage < n else (1, stage - n)
 
     def increments(self, stage: int, among: Sequence[int]) -> list[tuple[float, str]]:
-        """Terms of a stage: those of the given stages' increments that it reads."""
+        """Return terms of a stage: those of the given stages' increments that it reads."""
         k, row = self.place(stage)
         moving = len(self.components) - 1 - k
         places = [(j, *self.place(j)) for j in among]
         return [(self.components[k].M[row][i], f"@L{j}") for j, m, i in places if m == moving]
 
     def kept(self, component: int) -> tuple[bool, ...]:
-        """Which values of a component are kept together with their rounding errors.
+        """Return which values of a component are kept together with their rounding errors.
 
         All but those that oscillate in a multistep method with merged kicks, or with stages that
         are evaluated together. Their sums V y have factors like 2 cos(theta), whose products are
@@ -232,12 +232,12 @@ class StepForm:
 
 
 def vanishes(x: Scalar) -> bool:
-    """Whether nothing speaks against zero: exact zero, or a ball around it."""
+    """Return whether nothing speaks against zero: exact zero, or a ball around it."""
     return x.is_zero() is not False
 
 
 def all_vanish(matrix: Matrix) -> bool:
-    """Whether nothing speaks against a zero matrix."""
+    """Return whether nothing speaks against a zero matrix."""
     return all(vanishes(x) for row in matrix for x in row)
 
 
@@ -295,7 +295,7 @@ def mu_form(method: GLM) -> StepForm:
 
 
 def standard_form(method: Any) -> StepForm:
-    """A, U, B, V as given, with what rounding B lost."""
+    """Return A, U, B, V as given, with the rounding residuals of B."""
     components = []
     for one in method.components:
         R, residue = split_rows(one.B)
@@ -364,7 +364,7 @@ def split_rows(matrix: Matrix) -> tuple[tuple[Row, ...], tuple[Row, ...]]:
 
 
 def failing(checks: Mapping[str, Matrix]) -> str:
-    """The first of some identities that does not hold, given their defects; or ``""``."""
+    """Return the first of some identities that does not hold, given their defects; or ``""``."""
     failed = [name for name, defect in checks.items() if not all_vanish(defect)]
     return f"{failed[0]} does not hold" if failed else ""
 

@@ -132,7 +132,7 @@ def inspected(engine: Stepper, t0: Any, y0: np.ndarray) -> Inspection:
 
 
 def _functions(engine: Stepper) -> list[UserFunction]:
-    """The user's functions that a run can call, each once."""
+    """Return the user's functions that a run can call, each once."""
     problem, found = engine.problem, []
     pair = engine.method.parts == 2
     parts = [problem.dq, problem.dp]
@@ -145,7 +145,7 @@ def _functions(engine: Stepper) -> list[UserFunction]:
 
 
 def _point(function: UserFunction, engine: Stepper, t: Any, y: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of f, of a term, of dq(p) or of dp(q) at a point, as copies."""
+    """Return arguments of f, of a term, of dq(p) or of dp(q) at a point, as copies."""
     m = len(y) // 2
     if function.name in ("dq", "dp", "force"):
         return (np.array(y[m:] if function.name == "dq" else y[:m]),)
@@ -153,7 +153,7 @@ def _point(function: UserFunction, engine: Stepper, t: Any, y: np.ndarray) -> tu
 
 
 def _value(function: UserFunction, point: tuple[Any, ...]) -> Any:
-    """Value at a point, ``None`` where there is none."""
+    """Return the value at a point, ``None`` where there is none."""
     try:
         return function(*point)
     except FunctionFailed:
@@ -161,7 +161,7 @@ def _value(function: UserFunction, point: tuple[Any, ...]) -> Any:
 
 
 def _differ(a: Any, b: Any) -> Any:
-    """Largest difference of two values; ``None`` where they are the same."""
+    """Return the largest difference of two values; ``None`` where they are the same."""
     if a is None or b is None:
         return None if a is b else np.inf
     same = [x == y or (x != x and y != y) for x, y in zip(a, b, strict=True)]
@@ -178,7 +178,7 @@ def _few(values: Any) -> str:
 
 
 def _lost(function: UserFunction, kinds: set[np.dtype[Any]]) -> list[str]:
-    """What the types of a result cost."""
+    """Return what the types of a result cost."""
     short = [k for k in kinds if k.kind in "fc" and k.itemsize // (2 if k.kind == "c" else 1) < 8]
     if short:
         digits = 3 if any(k.name == "float16" for k in short) else 7

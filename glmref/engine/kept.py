@@ -43,7 +43,7 @@ _ARGUMENTS = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",), "force": ("q",)}
 
 
 def problem_of(name: str) -> Problem:
-    """A shipped problem with its default parameters, or one of a file."""
+    """Return a shipped problem with its default parameters, or one of a file."""
     return problem(name) if name.endswith(".toml") else _shipped(name)
 
 
@@ -53,7 +53,7 @@ def _shipped(name: str) -> Problem:
 
 
 def method_of(name: str | Path) -> Method:
-    """A method by name or file, read again where the file has changed."""
+    """Return a method by name or file, read again where the file has changed."""
     path = path_of(name)
     about = path.stat()
     return _read(path, about.st_mtime_ns, about.st_size)
@@ -75,7 +75,7 @@ _origins: dict[int, tuple[Method, str]] = {}
 
 @lru_cache(maxsize=_MOST)
 def form_of_method(method: Method, form: str) -> StepForm:
-    """The coefficients a kernel steps with, kept on disk for a method that came from a file.
+    """Return the coefficients a kernel steps with, kept on disk for a method that came from a file.
 
     Roundings for which a quadratic form is conserved are searched for, which takes up to a second;
     what was found depends on the file and on the code alone, and both are in the name of the entry.
@@ -136,7 +136,7 @@ def recalled(
 
 
 def _form_read(fields: dict[str, Any]) -> StepForm:
-    """A form as JSON holds it."""
+    """Return a form as JSON holds it."""
     fields["blocks"] = [StageBlock(tuple(x["stages"]), x["implicit"]) for x in fields["blocks"]]
     rows = [Rows(**{k: _tuples(v) for k, v in x.items()}) for x in fields["components"]]
     return StepForm(**{k: _tuples(v) for k, v in {**fields, "components": rows}.items()})
@@ -157,7 +157,10 @@ def _code() -> str:
 
 @lru_cache(maxsize=_MOST)
 def stepper_of(method: Method, problem: Problem) -> Stepper:
-    """The stepper in double precision; it keeps rounded coefficients and nothing of a run."""
+    """Return the stepper in double precision.
+
+    It keeps rounded coefficients and nothing of a run.
+    """
     return stepper(method, problem)
 
 

@@ -87,7 +87,7 @@ class Kernel:
         return ", ".join((*words, f"{self.source.target} target"))
 
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
-        """State before the first step.
+        """Return the state before the first step.
 
         Parameters
         ----------
@@ -118,7 +118,7 @@ class Kernel:
         return state
 
     def _kept(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The values of p, their rounding errors (zero without them), and the force."""
+        """Return the values of p, their rounding errors (zero without them), and the force."""
         half = slice(self.shape.half, self.shape.dimension)
         rows = len(self.form.components[1].V)
         p = state.y[:rows, half]
@@ -230,7 +230,7 @@ class Kernel:
 
 
 def remembered(slope: np.ndarray, weight: float | None, h: float) -> np.ndarray:
-    """What :attr:`.forms.StepForm.memory` holds before the first step, given f at the start."""
+    """Return :attr:`.forms.StepForm.memory` before the first step, given f at the start."""
     if weight is None:
         return slope
     guess = h * weight * slope
@@ -335,7 +335,7 @@ def form_of(arithmetic: str) -> str:
 
 
 def choose_form(method: Any, problem: Problem, form: str) -> tuple[StepForm, Shape]:
-    """Coefficients in the form asked for, and the shape of the problem.
+    """Return coefficients in the form asked for, and the shape of the problem.
 
     Raises
     ------
@@ -394,7 +394,7 @@ def _source_of(form: StepForm, shape: Shape, options: Options) -> KernelSource:
 def kept_source(
     kind: type[T], form: StepForm, shape: Shape, about: Hashable, write: Callable[[], T]
 ) -> T:
-    """A generated module of a kind, kept in the process and on disk.
+    """Return a generated module of a kind, kept in the process and on disk.
 
     Parameters
     ----------

@@ -53,11 +53,11 @@ class KickWriter(ExplicitWriter):
             self.w("outcome = 2", "break")
 
     def _taking(self, pairs: Sequence[tuple[str, str]], condition: str = "good") -> list[str]:
-        """Statements by which old becomes new; in lanes, where the condition holds."""
+        """Return statements by which old becomes new; in lanes, where the condition holds."""
         return [f"{old} = {new}" for old, new in pairs]
 
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
-        """A force that is kept is G: at the first stage it is known, at the last it is made anew.
+        """Keep the force as G: known at the first stage, evaluated again at the last one.
 
         Kicked values need that of the last good step, so that it becomes G together with them.
         """
@@ -74,7 +74,7 @@ class KickWriter(ExplicitWriter):
             super()._increment(i, slope)
 
     def _leap(self) -> None:
-        """A step of Störmer and Verlet's method on q'' = g(q).
+        """Write a step of Störmer and Verlet's method on q'' = g(q).
 
         In the left half of G is what q moves by, formed at the end of the step before as
         (e + h p) + h (h g): from a force to the next position there are two products and two sums,
@@ -90,7 +90,7 @@ class KickWriter(ExplicitWriter):
         self._count([0])
 
     def _landed(self) -> None:
-        """The values after :meth:`_leap`, if they are numbers."""
+        """Write the values after :meth:`_leap`, if they are numbers."""
         (q, p), kept = (values.part for values in self.sides), self.options.compensated
         self.t.call(self.shape.parts[0], "F0", "T", "")
         # the velocity that q has been moved by is in Y0
@@ -105,17 +105,17 @@ class KickWriter(ExplicitWriter):
         self._take(pairs, new, p)
 
     def _pairs(self, values: Values) -> list[tuple[str, str]]:
-        """What becomes what when the step is good: values, and the force they are kicked by."""
+        """Return what an accepted step replaces: the values and the force that kicks them."""
         if not self.form.kick or values is self.values:
             return values.pairs()
         return [*values.pairs(), ("@G", f"@F{self.form.blocks[-1].stages[0]}")]
 
     def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:
-        """The step is good: old becomes new, after the statements that make what is new."""
+        """Write the replacements of an accepted step, after what makes the new values."""
         self.t.vec(before + self._taking(pairs), part)
 
     def _commit_kicks(self) -> None:
-        """The values after a leap, or after a step of which arrays are passed over once."""
+        """Write the values after a leap, or after a step that passes over its arrays once."""
         if self.leaps:
             self._landed()
         elif self.in_place:

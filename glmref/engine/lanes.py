@@ -39,7 +39,7 @@ class LaneSource:
 
 
 def in_vectors(shape: Shape) -> bool:
-    """Whether lanes are vectors: the single trajectory has arrays, too."""
+    """Return whether lanes are vectors: the single trajectory has arrays, too."""
     return shape.arrays or shape.dimension > SCALAR_LIMIT
 
 
@@ -69,7 +69,7 @@ class _LaneBuilder(Builder):
     inside = False
 
     def _declare(self) -> None:
-        """Nothing to declare: everything lives in the work array."""
+        """Declare nothing: everything lives in the work array."""
 
     def _open(self) -> None:
         """From here on statements are in the loop over lanes, where there is one."""
@@ -122,7 +122,7 @@ class _LaneBuilder(Builder):
             w("return 0")
 
     def _count(self, stages: Sequence[int], rounds: str = "") -> None:
-        """Rounds are counted per lane in the loop itself; explicit stages are known."""
+        """Write nothing: the loop counts rounds per lane, and explicit stages are known."""
 
     def _finite(self, total: str) -> None:
         status, done = self.t.lane("status"), self.t.lane("done")
@@ -160,7 +160,7 @@ class _LaneBuilder(Builder):
         )
 
     def _judge_lanes(self, stages: Sequence[int]) -> None:
-        """The change of each lane, and whether it goes on; see StageWriter._compare."""
+        """Write the change of each lane, and whether it goes on; see StageWriter._compare."""
         w, lane = self.w, self.t.lane
         template = " + ".join(f"abs(@N{i} - @Y{i})" for i in stages)
         self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
@@ -184,7 +184,7 @@ class _LaneBuilder(Builder):
         )
 
     def _refuse_infinite(self) -> None:
-        """As for one trajectory, but without a branch: the lane is named and stands still."""
+        """Name the lane, which stands still: as for one trajectory, but without a branch."""
         status, active = self.t.lane("status"), self.t.lane("active")
         self.w(
             f"before = {status}",
@@ -214,7 +214,7 @@ class _LaneBuilder(Builder):
         return self.options.solver == "newton"
 
     def _round_before(self, stages: Sequence[int], bases: dict, name: str) -> None:
-        """The parts before the counted one, and the counted one's stage values in ``name``."""
+        """Write the parts before the counted one, and its stage values in ``name``."""
         if self.rounds is not None:
             self.rounds.stage_values(stages, name, "b" if name == "Y" else "v")
             return

@@ -69,7 +69,7 @@ class _MapBuilder(Builder):
             w("return outcome")
 
     def _moved(self, template: str, k: int) -> None:
-        """A statement for the entries of value k in the current row."""
+        """Write a statement for the entries of value k in the current row."""
         d = self.shape.dimension
         if isinstance(self.t, ScalarTarget):
             for c in range(d):
@@ -137,7 +137,10 @@ class Map:
 
 
 def map_of(method: Method | None, problem: Problem, *, interpreted: bool = False) -> Map | None:
-    """The kernel of a starting or finishing method; ``None`` for what the reference has to do."""
+    """Return the kernel of a starting or finishing method.
+
+    ``None`` for what the reference has to do.
+    """
     if method is None or method.parts != 1:
         return None
     return _kept_map(method, expressed(problem), interpreted)

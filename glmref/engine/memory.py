@@ -12,7 +12,7 @@ _UNKNOWN = 2**36  # bytes assumed where the system does not say
 
 
 def gibibytes(count: float) -> str:
-    """A number of bytes in words."""
+    """Return a number of bytes in words."""
     return f"{count / 2**30:.3g} GiB"
 
 

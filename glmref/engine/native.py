@@ -37,7 +37,7 @@ def aligned_zeros(size: int) -> np.ndarray:
 
 @cache
 def target_name() -> str:
-    """Processor and its features, as part of a cache key."""
+    """Return processor and its features, as part of a cache key."""
     from llvmlite import binding
 
     return f"{binding.get_host_cpu_name()} {binding.get_host_cpu_features().flatten()}"
@@ -162,7 +162,7 @@ def _resolve_symbols(source: str) -> None:
 
 @cache
 def _mathematics() -> ctypes.CDLL:
-    """The mathematical part of the C library."""
+    """Return the mathematical part of the C library."""
     with contextlib.suppress(OSError):
         return ctypes.CDLL("libm.so.6")  # to search for it takes two processes
     return ctypes.CDLL(ctypes.util.find_library("m") or "msvcrt")

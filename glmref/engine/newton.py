@@ -176,7 +176,10 @@ class Split:
 
 
 def split_of(coupling: Sequence[Sequence[float]]) -> Split | None:
-    """Eigenvalues and vectors of the coupling of a block; ``None`` where they are too close."""
+    """Return eigenvalues and vectors of the coupling of a block.
+
+    The result is ``None`` where they are too close.
+    """
     if len(coupling) == 1:
         return Split((complex(coupling[0][0]),), ((1.0,),), ((1.0,),))
     values, T = np.linalg.eig(np.array(coupling))
@@ -230,7 +233,7 @@ class System:
 
 
 def written_out(form: StepForm, shape: Shape) -> bool:
-    """Whether stages stand alone, with matrices that are small enough to be written out."""
+    """Return whether stages stand alone, with matrices that are small enough to be written out."""
     single = all(len(block.stages) == 1 for block in form.blocks if block.implicit)
     unknowns = shape.half if shape.halved else shape.dimension
     return single and unknowns <= INLINE_LIMIT and shape.jacobian is not None
@@ -292,7 +295,7 @@ class NewtonWriter:
             self._factored_matrix(stages)
 
     def _inline_matrix(self, i: int) -> None:
-        """Entries m{row}{column} of I - factor J at the predicted stage, and 1 / determinant."""
+        """Write entries m{row}{column} of I - factor J at the predicted stage, 1 / determinant."""
         n = self.unknowns
         self._time(i)
         factor, power = self._coupling((i,))[0][0]
@@ -320,7 +323,7 @@ class NewtonWriter:
         self._refuse_infinite()
 
     def _refuse_infinite(self) -> None:
-        """An infinite Jacobian has the inverse 0: nothing would move, and that is no solution."""
+        """Refuse an infinite Jacobian: its inverse 0 would move nothing, which is no solution."""
         with self.w.block("if inverse == 0.0:"):
             self.w("outcome = 1", "break")
 
@@ -333,7 +336,7 @@ class NewtonWriter:
         return ["inverse", *(f"{x}{a}{b}" for x in letters for a in n for b in n)]
 
     def _reduced_entries(self, i: int) -> list[list[str]]:
-        """Entries of J, or of K J_f, at Y_i as expressions; ``"0"`` where they vanish."""
+        """Return entries of J, or of K J_f, at Y_i as expressions; ``"0"`` where they vanish."""
         n, half, d = self.unknowns, self.shape.half, self.shape.dimension
         rows = range(half, d) if self.shape.halved else range(d)
         columns = range(half) if self.shape.halved else range(d)
@@ -396,7 +399,7 @@ class NewtonWriter:
             self.w(f"known = {name}", f"new = known + inverse*({text})", f"{name} = {accepted[a]}")
 
     def _systems(self, stages: Sequence[int]) -> list[System]:
-        """Matrices to be factored for a block; equal couplings share one.
+        """Return matrices to be factored for a block; equal couplings share one.
 
         Couplings are products of rounded numbers: equal diagonals give them equal to a few units of
         the last place only, and a matrix for the one serves the other.
@@ -419,17 +422,17 @@ class NewtonWriter:
         return found
 
     def systems(self) -> dict[str, System]:
-        """All matrices of a step by name."""
+        """Return all matrices of a step by name."""
         blocks = [block.stages for block in self.form.blocks if block.implicit]
         return {one.name: one for stages in blocks for one in self._systems(stages)}
 
     def _view(self, name: str, size: int) -> str:
-        """Source of a vector in the work array."""
+        """Return the source of a vector in the work array."""
         start = self.t.reserve(name, size)
         return f"x[{start}:{start + size}]"
 
     def _matrix(self, one: System) -> str:
-        """Source of a matrix and its pivots, as arguments of :data:`HELPERS`."""
+        """Return the source of a matrix and its pivots, as arguments of :data:`HELPERS`."""
         views = [self._view(name, one.length) for name in one.parts]
         return ", ".join((*views, self._view(f"{one.name}_pivots", one.size)))
 
@@ -501,7 +504,7 @@ class NewtonWriter:
         return max(len(b.stages) for b in self.form.blocks if b.implicit)
 
     def _factored_matrix(self, stages: Sequence[int]) -> None:
-        """Where the kept matrices are stale: Jacobian at this stage, then factor all of them."""
+        """Write, for stale matrices, the Jacobian at this stage and the factors of all of them."""
         w = self.w
         flag = self.t.reserve("fresh", 1)
         with w.block(f"if x[{flag}] == 0.0:"):
@@ -598,7 +601,7 @@ class NewtonWriter:
         w(f"{name}({self._matrix(one)}, {one.numbers})")
 
     def _whole_block(self, one: System, stages: Sequence[int], start: int) -> None:
-        """Entry (a, b) of every pair of stages of a block that is not split."""
+        """Write entry (a, b) of every pair of stages of a block that is not split."""
         coupling, n = self._coupling(stages), self.unknowns
         for i in range(len(stages)):
             for j in range(len(stages)):

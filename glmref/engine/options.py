@@ -23,7 +23,7 @@ class Options:
 
     @classmethod
     def of(cls, arithmetic: str, **others: Any) -> Options:
-        """Options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
+        """Return options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
         return cls(
             compensated=arithmetic != "naive", fused=arithmetic == "fused",
             quick=arithmetic == "quick", **others,

@@ -63,7 +63,7 @@ KERNEL_OUTCOMES = (
 
 
 def is_finite(x: Any) -> bool:
-    """Whether a number is no NaN and not infinite, as one of mpmath above 2^65536 counts.
+    """Return whether a number is no NaN and not infinite, as one of mpmath above 2^65536 counts.
 
     A run that diverges squares its numbers from round to round, and the sine of one with a million
     digits before the point takes for ever.
@@ -76,14 +76,14 @@ def is_finite(x: Any) -> bool:
 
 
 def all_finite(values: np.ndarray) -> bool:
-    """Whether every number is finite, in double precision or of mpmath."""
+    """Return whether every number is finite, in double precision or of mpmath."""
     if values.dtype == object:
         return all(is_finite(x) for x in values.ravel())
     return bool(np.isfinite(values).all())
 
 
 def outcome_of(error: Exception) -> tuple[Outcome, str]:
-    """How a run ends in which ``error`` was raised, and what there is to say of it."""
+    """Return how a run ends in which ``error`` was raised, and what there is to say of it."""
     if isinstance(error, StartFailed):
         return Outcome.STAGE_SOLVE_FAILED, ""
     if isinstance(error, FunctionFailed) and not isinstance(error, NoValue):

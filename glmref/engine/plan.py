@@ -147,7 +147,7 @@ def check_direction(time: float, t0: float, what: str, h: float) -> None:
 
 
 def _whole(time: float, t0: float, what: str, h: float) -> int:
-    """Steps of h from t0 to a time."""
+    """Return steps of h from t0 to a time."""
     span = time - t0
     x = span / h
     if not abs(x) <= MOST_STEPS:
@@ -198,7 +198,7 @@ def plan_of(
 
 
 def _total(problem: Problem, h: float, t_end: Any, steps: int | None) -> int:
-    """Number of steps, from itself or from the final time."""
+    """Return the number of steps, from itself or from the final time."""
     if steps is not None:
         if t_end is not None:
             raise UsageError("give `steps` or `t_end`, not both")
@@ -216,7 +216,7 @@ def _total(problem: Problem, h: float, t_end: Any, steps: int | None) -> int:
 
 
 def _marks(times: Any, t0: float, h: float) -> tuple[int, ...]:
-    """Step numbers of the times asked for."""
+    """Return step numbers of the times asked for."""
     marks: list[int] = []
     last = t0
     for value in listed("times", times):

@@ -32,19 +32,19 @@ SPLITTER = 2.0**27 + 1  # Veltkamp's: halves of a double
 
 
 def halves(x: float) -> tuple[float, float]:
-    """A double as the sum of two with half as many digits, whose products are exact."""
+    """Return a double as the sum of two with half as many digits, whose products are exact."""
     high = SPLITTER * x - (SPLITTER * x - x)
     return high, x - high
 
 
 def split(name: str) -> list[str]:
-    """Source of the halves ``high`` and ``low`` of a number."""
+    """Return the source of the halves ``high`` and ``low`` of a number."""
     whole = f"held - (held - {name})"
     return [f"held = {SPLITTER!r}*{name}", f"high = {whole}", f"low = {name} - high"]
 
 
 def exact_product(product: str, lost: str, a: str, b: str) -> list[str]:
-    """Source of a product and of what its rounding lost (Dekker)."""
+    """Return the source of a product and of what its rounding lost (Dekker)."""
     rest = f"(((upper*high - {product}) + upper*low + lower*high) + lower*low)"
     return [
         *split(a), "upper = high", "lower = low", *split(b), f"{product} = {a}*{b}",
@@ -80,7 +80,7 @@ class PositionRounds:
 
     @staticmethod
     def fits(form: StepForm, shape: Shape, options: Options) -> bool:
-        """Whether the form is a Gauss method's, and the system q'' = g(q)."""
+        """Return whether the form is a Gauss method's, and the system q'' = g(q)."""
         return (
             form.kind == "mu"
             and form.U == ((1.0,),) * form.s
@@ -140,7 +140,7 @@ class PositionRounds:
         self._views([(f"H{j}", f"T{j}") for j in range(self.form.s)])
 
     def _sum(self, i: int, *others: str) -> str:
-        """The others and the forces that Q_i takes, by halves."""
+        """Return the others and the forces that Q_i takes, by halves."""
         terms = [f"hd{i}_{j}*@T{j}" for j in range(self.form.s)]
         return balanced([(1.0, term) for term in [*terms, *others]])
 
@@ -178,7 +178,7 @@ class PositionRounds:
             self.t.vec(lines, (0, self.shape.half))
 
     def commit(self) -> None:
-        """New positions n0 and their rounding errors r0.
+        """Write the new positions n0 and their rounding errors r0.
 
         The corrections are smaller than the last bit of the sum u0 that they enter: what u0 does
         not hold of them goes to the error, and so into the next step.
@@ -212,7 +212,7 @@ class SingleRounds:
 
     @staticmethod
     def fits(form: StepForm, shape: Shape, options: Options) -> bool:
-        """Whether implicit stages stand alone, and the system is q'' = g(q)."""
+        """Return whether implicit stages stand alone, and the system is q'' = g(q)."""
         return (
             len(form.components) == 1
             and all(len(block.stages) == 1 for block in form.blocks)

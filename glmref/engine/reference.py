@@ -72,7 +72,7 @@ Enclose = Callable[[Sequence[int], Callable[[Any], Any]], Any]
 
 
 def _shaped(found: Any, like: np.ndarray, name: str) -> np.ndarray:
-    """What a user's function returned, as an array of the shape of its argument."""
+    """Return what a user's function returned, as an array of the shape of its argument."""
     array = np.asarray(found)
     if array.shape != like.shape:
         raise UsageError(f"`{name}` must return shape {like.shape}, got {array.shape}")
@@ -91,7 +91,7 @@ class _Component:
 
 
 def _matrix(letter: str, which: int = 0) -> property:
-    """A coefficient matrix of a component, to be read and to be replaced."""
+    """Return a coefficient matrix of a component, to be read and to be replaced."""
 
     def read(engine: Stepper) -> np.ndarray:
         return getattr(engine.components[which], letter)
@@ -228,7 +228,7 @@ class Stepper:
         return np.concatenate(parts, axis=-1)
 
     def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
-        """Right-hand side at (t, y), shape (d,).
+        """Return the right-hand side at (t, y), shape (d,).
 
         Raises
         ------
@@ -269,7 +269,7 @@ class _Step:
         self.counts = [0, 0]
 
     def sum_at(self, node: int) -> np.ndarray:
-        """The stage that the slopes as they are make."""
+        """Return the stage that the slopes as they are make."""
         engine, (whose, i) = self.engine, self.engine.nodes[node]
         sums = engine.arithmetic.stage
         if len(whose) == 1 and not self.additive:
@@ -354,7 +354,7 @@ class _Step:
         )  # fmt: skip
 
     def _shown(self) -> tuple[Any, Any]:
-        """Stages and slopes: of two parts as tuples."""
+        """Return stages and slopes: of two parts as tuples."""
         engine = self.engine
         like = self.slopes[0]
         found = [
@@ -477,7 +477,7 @@ def stepper(method: Method, problem: Problem, *, digits: int | None = None) -> S
 def apply_start(
     start: Method, engine: Stepper, t: Any, y0: np.ndarray, h: Any
 ) -> tuple[np.ndarray, int]:
-    """Starting values ``y_k = u_k y0 + h B_k f(Y)`` and the evaluations they cost.
+    """Return starting values ``y_k = u_k y0 + h B_k f(Y)`` and the evaluations they cost.
 
     Evaluations count as in :class:`Step`: of k alone for a pair on a separable problem.
 
@@ -502,7 +502,7 @@ def apply_start(
 def apply_finish(
     finish: FinishingMethod, engine: Stepper, t: Any, y: np.ndarray, h: Any
 ) -> tuple[np.ndarray, int]:
-    """Finished solution ``y + h b f(Y)`` and the evaluations it costs."""
+    """Return the finished solution ``y + h b f(Y)`` and the evaluations it costs."""
     if not finish.A:
         return y, 0
     taken = _applied(finish, engine, t, y, h)

@@ -26,7 +26,7 @@ from .starting_values import Start, starting_values
 
 
 def _picks(basis: Any) -> bool:
-    """Whether every value is one of the kernel's, or a multiple that is not larger."""
+    """Return whether every value is one of the kernel's, or a multiple that is not larger."""
     if not basis or isinstance(basis[0], int | float):
         return sum(bool(x) for x in basis) <= 1 and all(abs(x) <= 1 for x in basis)
     return all(_picks(row) for row in basis)
@@ -84,7 +84,7 @@ class Run:
             self.renew, self.again = renew, start
 
     def _renewal(self, n: int, values: np.ndarray) -> np.ndarray:
-        """Values S(F(y_1)) after step n: the solution, finished and started again.
+        """Return values S(F(y_1)) after step n: the solution, finished and started again.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class Run:
         return out[0, 0] if good else None
 
     def _renewed(self, kernel: Kernel, state: State) -> State:
-        """State of a kernel after a renewal; the counts go on."""
+        """Return the state of a kernel after a renewal; the counts go on."""
         values = self._renewal(state.step, kernel.values(state))
         t = float(self.problem.t_span[0]) + state.step * self.h
         other = kernel.state(values, self._slope(t, values), self.h)
@@ -209,7 +209,7 @@ class Run:
         self.seconds = time.perf_counter() - begin
 
     def _room(self) -> np.ndarray:
-        """Space for every row asked for, which the system hands out as it is written.
+        """Allocate all requested rows (committed lazily by the system).
 
         Zeros: where one half of a pair carries fewer values than the other, nothing is written.
         """
@@ -430,7 +430,7 @@ class Run:
     def _retry(
         self, kernel: Kernel, state: State, mark: int, t0: float, out: np.ndarray
     ) -> tuple[Kernel, State]:
-        """The fixed point failed: go on from the same step with Newton."""
+        """Go on from the same step with Newton's method after the fixed point failed."""
         if kernel.options.solver == "newton" or len(kernel.form.components) > 1:
             return kernel, state
         needed = newton_bytes(kernel.form, with_band(kernel.shape))
@@ -482,7 +482,7 @@ class Run:
         )  # fmt: skip
 
     def _times(self, t0: Any, h: Any) -> np.ndarray:
-        """Times t0 + n h of the rows kept; whole numbers n are exact in doubles."""
+        """Return times t0 + n h of the rows kept; whole numbers n are exact in doubles."""
         every = self.plan.every
         if self.rows.dtype == object:
             steps = [min(i * every, self.done) for i in range(self.kept)] if every else self.marks

@@ -88,12 +88,12 @@ class EnsembleSolution:
 
 
 def slopes_at(problem: Problem, t: float, y: np.ndarray) -> np.ndarray:
-    """Right-hand side at every row of y, shape (N, d)."""
+    """Return the right-hand side at every row of y, shape (N, d)."""
     return rows_at(lambda x: problem.f(t, x), y)
 
 
 def rows_at(function: Callable[[np.ndarray], Any], y: np.ndarray) -> np.ndarray:
-    """A function of one state at every row of y, in the shape of y."""
+    """Return a function of one state at every row of y, in the shape of y."""
     try:
         found = np.asarray(function(y.T), dtype=float)
         if found.shape == y.T.shape:
@@ -136,7 +136,7 @@ class Runner:
         raise NotImplementedError
 
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """Values (N, r, d), outcome codes (N,), steps (N,) and evaluations so far."""
+        """Return values (N, r, d), outcome codes (N,), steps (N,) and evaluations so far."""
         raise NotImplementedError
 
     @property
@@ -147,7 +147,7 @@ class Runner:
     build_seconds = 0.0
 
     def one_step(self, values: np.ndarray) -> tuple[np.ndarray, int]:
-        """One step from given values, for the enhanced start."""
+        """Return one step from given values, for the enhanced start."""
         self.load(values)
         self.advance(0, 1)
         after, _, _, evaluations = self.read()
@@ -164,7 +164,7 @@ class Runner:
                 pass
 
     def stopped(self) -> bool:
-        """Whether the run has been cancelled."""
+        """Return whether the run has been cancelled."""
         if not self.cancelled and self.cancel is not None:
             try:
                 self.cancelled = bool(self.cancel())
@@ -328,7 +328,7 @@ class Lanes(Runner):
         return values, status.astype(int), steps.astype(int), evaluations
 
     def _costs(self) -> tuple[int, int]:
-        """Counted evaluations of the explicit stages of a step, and of one solver round."""
+        """Return the evaluations of the explicit stages of a step, and of a solver round."""
         sizes = {len(b.stages) for b in self.form.blocks if b.implicit}
         return self.form.forces, max(sizes, default=0)
 

@@ -201,7 +201,7 @@ def shape_of(problem: Problem, *, split: bool | None = None, first: bool = False
 
 
 def _straightened(part: Part, params: int) -> Part:
-    """A part with its loop body unrolled, where that is short."""
+    """Return a part with its loop body unrolled, where that is short."""
     if not part.body or part.source_stop > _STRAIGHT_SIZE:
         return part
     sizes = part.source_stop - part.source, params, part.stop - part.start
@@ -209,7 +209,7 @@ def _straightened(part: Part, params: int) -> Part:
 
 
 def banded(shape: Shape) -> Shape:
-    """The shape with the band of its Newton matrices, where there is one.
+    """Return the shape with the band of its Newton matrices, where there is one.
 
     Positions of a separable problem with q' = p and a force of few neighbours, or all components
     of one whose right-hand side has few.
@@ -266,7 +266,7 @@ def _joined(force: str, name: str) -> str:
 
 
 def _source(body: Callable[..., Any]) -> str:
-    """Source text of a top-level function without annotations and docstring, or ``""``."""
+    """Return source text of a top-level function without annotations and docstring, or ``""``."""
     try:
         # a body written by .problems.sums carries its source
         text = getattr(body, "source", None) or inspect.getsource(body)
@@ -370,7 +370,7 @@ def inlined(
 
 
 def jacobian_block(shape: Shape, rows: range, columns: range) -> Formula:
-    """Formula of a block of the Jacobian, with only the common subexpressions it needs."""
+    """Return a block of the Jacobian as a formula, with only the subexpressions it needs."""
     assert shape.jacobian is not None
     d = shape.dimension
     entries = tuple(shape.jacobian.outputs[i * d + j] for i in rows for j in columns)
@@ -385,7 +385,7 @@ def jacobian_block(shape: Shape, rows: range, columns: range) -> Formula:
 def _needed(
     common: Sequence[tuple[str, str]], outputs: Sequence[str]
 ) -> tuple[tuple[str, str], ...]:
-    """Common subexpressions that the outputs need, in order."""
+    """Return the common subexpressions that the outputs need, in order."""
 
     def names(text: str) -> set[str]:
         return {n.id for n in ast.walk(ast.parse(text, mode="eval")) if isinstance(n, ast.Name)}
@@ -400,12 +400,12 @@ def _needed(
 
 
 def parameter_names(shape: Shape) -> dict[str, str]:
-    """Names of parameters inside a kernel, and of t and pi."""
+    """Return names of parameters inside a kernel, and of t and pi."""
     return {name: f"par_{name}" for name in shape.parameters} | {"t": "time", "pi": repr(np.pi)}
 
 
 def used_parameters(shape: Shape) -> Sequence[int]:
-    """Indices of the parameters that some expression of the right-hand side uses."""
+    """Return indices of the parameters that some expression of the right-hand side uses."""
     used: set[str] = set()
     if not shape.parameters:
         return []

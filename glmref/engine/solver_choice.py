@@ -47,7 +47,7 @@ _bands = ByIdentity()
 
 
 def newton_writer(form: StepForm, shape: Shape) -> NewtonWriter:
-    """What knows the matrices of Newton's method, without a kernel around it."""
+    """Return what knows the matrices of Newton's method, without a kernel around it."""
     writer = NewtonWriter()
     writer.form, writer.shape = form, shape
     writer.unknowns = shape.half if shape.halved else shape.dimension
@@ -55,7 +55,7 @@ def newton_writer(form: StepForm, shape: Shape) -> NewtonWriter:
 
 
 def with_band(shape: Shape) -> Shape:
-    """The shape with the band of its Newton matrices, kept by the identity of the shape."""
+    """Return the shape with the band of its Newton matrices, kept by the identity of the shape."""
     if shape.dimension < _BANDED_FROM or shape.band is not None:
         return shape
     return _bands((shape,), None, lambda: banded(shape))
@@ -161,7 +161,7 @@ def _norm_estimate(shape: Shape, problem: Problem) -> float:
 
 
 def newton_bytes(form: StepForm, shape: Shape) -> int:
-    """Memory that Newton's method needs for the Jacobian and its factored matrices."""
+    """Return the memory that Newton's method needs for the Jacobian and its factored matrices."""
     writer = newton_writer(form, shape)
     return 8 * (writer.jacobian_size + sum(one.doubles for one in writer.systems().values()))
 
@@ -169,7 +169,7 @@ def newton_bytes(form: StepForm, shape: Shape) -> int:
 def choose_solver(
     form: StepForm, shape: Shape, problem: Problem, h: float, solver: str = "auto"
 ) -> str:
-    """Fixed point or Newton, by predicted cost; see the module's docstring.
+    """Choose fixed point or Newton by predicted cost; see the module's docstring.
 
     Raises
     ------
@@ -251,7 +251,10 @@ def _latencies(shape: Shape) -> tuple[int, int]:
 
 
 def _latency(formula: Formula) -> int:
-    """Operations of a formula weighted by their latency; equal expressions are counted once."""
+    """Return operations of a formula weighted by their latency.
+
+    Equal expressions are counted once.
+    """
     seen: set[str] = set()
     common, outputs = formula.trees
     return sum(_tree_latency(tree, seen) for tree in (*(t for _, t in common), *outputs))

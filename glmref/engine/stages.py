@@ -68,7 +68,7 @@ class StageWriter(NewtonWriter):
     # --- what a stage starts from ---------------------------------------------------------------
 
     def _due(self, i: int) -> tuple[Part, ...]:
-        """The parts of the right-hand side that are evaluated at a stage."""
+        """Return the parts of the right-hand side that are evaluated at a stage."""
         if len(self.sides) == 1:
             return self.shape.parts
         if self.form.together:  # once for Q and P, and counted at Q
@@ -76,11 +76,11 @@ class StageWriter(NewtonWriter):
         return (self.shape.parts[1 - self.form.place(i)[0]],)
 
     def _at(self, part: Part, stages: Sequence[int]) -> list[int]:
-        """Those of some stages at which a part is evaluated."""
+        """Return those of some stages at which a part is evaluated."""
         return [i for i in stages if any(part is due for due in self._due(i))]
 
     def _base(self, i: int, done: Sequence[int]) -> tuple[str, str]:
-        """References to z and a of stage i, after writing what they need."""
+        """Return references to z and a of stage i, after writing what they need."""
         side, row = self.form.place(i)
         rows, values = self.form.components[side], self.sides[side]
         big, small = values.read(rows.U[row], alone=not any(rows.M[row]))
@@ -92,7 +92,7 @@ class StageWriter(NewtonWriter):
     def _named(
         self, i: int, big: list[Term], small: list[Term], part: tuple[int, int]
     ) -> tuple[str, str]:
-        """Names for the two sums of a stage; none where a sum is one vector already."""
+        """Return names for the two sums of a stage; none where a sum is one vector already."""
         lines, names = [], []
         for letter, terms in (("z", big), ("a", small)):
             text = linear(terms)
@@ -135,7 +135,7 @@ class StageWriter(NewtonWriter):
             self.t.call(part, f"Y{i}", f"F{i}", f"s{i}")
 
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
-        """An explicit stage: its value, what is due there, its increment.
+        """Write an explicit stage: its value, what is due there, its increment.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class StageWriter(NewtonWriter):
         self._count([i])
 
     def _shared_stages(self) -> None:
-        """Explicit stages (Q_i, P_i): both halves of the point, one evaluation, both increments."""
+        """Write explicit stages (Q_i, P_i): the point, one evaluation, both increments."""
         *before, part = self.shape.parts
         n, done = len(self.form.U), []
         for k, block in enumerate(self.form.blocks):
@@ -212,7 +212,7 @@ class StageWriter(NewtonWriter):
         return [x.numerator * (one // x.denominator) for x in exact], one
 
     def _prediction(self, i: int, block: Sequence[int]) -> list[tuple[int, bool, float]]:
-        """Terms (stage, whether of this step, factor) of the first guess of L_i.
+        """Return terms (stage, whether of this step, factor) of the first guess of L_i.
 
         The slopes f nearest in time, of stages already done and of the step before, extrapolated by
         a polynomial. With abscissae that do not separate them: the same stage one step ago.
@@ -239,7 +239,7 @@ class StageWriter(NewtonWriter):
         ]
 
     def _remembered(self) -> list[int]:
-        """Stages whose L of the step before is needed after L has been overwritten."""
+        """Return stages whose L of the step before is needed after L has been overwritten."""
         if len(self.sides) > 1:
             return []
         flat = [j for block in self.form.blocks for j in block.stages]
@@ -294,7 +294,7 @@ class StageWriter(NewtonWriter):
             self._explicit(stages[0], bases[stages[0]])
 
     def _solve(self, stages: tuple[int, ...], bases: Bases) -> None:
-        """Rounds Y from L, f at Y, L from f, until Y is settled.
+        """Write rounds, Y from L, f at Y, L from f, until Y is settled.
 
         Before f is evaluated the new Y is compared with that of the round before: equal Y would
         give the same f again, so the last, confirming, evaluation is never made.
@@ -339,13 +339,13 @@ class StageWriter(NewtonWriter):
                 w("slow = True")
 
     def _slopes(self, stages: Sequence[int]) -> list[tuple[str, str]]:
-        """What a round of the fixed point makes of the slopes F."""
+        """Return what a round of the fixed point makes of the slopes F."""
         if self.rounds is not None:
             return [(f"@H{i}", f"@F{i}") for i in stages]
         return [(f"@L{i}", f"hw{i}*@F{i}") for i in stages]
 
     def _settled(self, stages: Sequence[int], bases: Bases) -> None:
-        """What rounds on positions leave to the end: increments."""
+        """Write what rounds on positions leave to the end: increments."""
         if self.rounds is not None:
             self.t.vec([f"@L{i} = hw{i}*@H{i}" for i in stages], self.inner)
             if self.positions is None:
@@ -359,7 +359,7 @@ class StageWriter(NewtonWriter):
         self.t.vec([f"@L{i} = hw{i}*@F{i}" for i in stages], (part.start, part.stop))
 
     def _sizes(self, stages: Sequence[int], z: Sequence[str]) -> None:
-        """What counts as rounding (``tight``, ``loose``) and as no change at all (``nothing``).
+        """Write what counts as rounding (``tight``, ``loose``) and as no change (``nothing``).
 
         A change of components near zero that the others do not notice counts as none.
         """

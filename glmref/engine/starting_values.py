@@ -109,7 +109,7 @@ def starting_values(
 
 
 def renewal_of(method: Method) -> int:
-    """Steps after which a long run should make the values anew, 0 for never.
+    """Return the steps after which a long run should renew its values, 0 for never.
 
     Parasitic parts neither grow nor decay to first order in h where a method with several values is
     G-symplectic or symmetric; a strictly stable method damps them by itself.
@@ -119,7 +119,7 @@ def renewal_of(method: Method) -> int:
 
 
 def default_passes(method: Method) -> int:
-    """As many passes of the starting method as its claimed order, within limits."""
+    """Return as many passes of the starting method as its claimed order, within limits."""
     order = method.claims.get(ORDER.key, DEFAULT_PASSES)
     return min(MOST_PASSES, order) if isinstance(order, int) else DEFAULT_PASSES
 
@@ -184,7 +184,7 @@ def array_of(
 
 
 def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
-    """How each component of the method is read, and its coefficients."""
+    """Return how each component of the method is read, and its coefficients."""
     return list(zip(engine.readers, engine.method.carriers, strict=True))
 
 
@@ -282,6 +282,6 @@ def enhanced_start(
 
 
 def problem_start(problem: Problem, engine: Stepper) -> tuple[Any, np.ndarray]:
-    """Initial time and value in the arithmetic of the engine."""
+    """Return the initial time and value in the arithmetic of the engine."""
     t0 = engine.arithmetic.number(problem.t_span[0])
     return t0, np.array(engine.problem.y0)

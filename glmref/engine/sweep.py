@@ -210,7 +210,7 @@ def _block_basis(V: Matrix, G: Matrix, index: list[int], tilt: Fraction) -> Matr
 
 
 def integral_basis(V: Matrix, G: Matrix, tilt: Fraction = Fraction(0)) -> Matrix:
-    """Matrix whose columns are the new basis, see :func:`_block_basis`."""
+    """Return the matrix whose columns are the new basis, see :func:`_block_basis`."""
     r = len(V)
     columns: list[list[Scalar]] = [[exact(0)] * r for _ in range(r)]
     for index in _components(V, G):
@@ -375,7 +375,7 @@ def _best_shift(
 
 
 def _dual_sweep(pair: PartitionedGLM) -> StepForm:
-    """The sweep of a partitioned method, which needs neither A nor U."""
+    """Return the sweep of a partitioned method, which needs neither A nor U."""
     found = _bilinear(pair)
     assert found is not None
     G, (D_Q, D_P) = as_balls(found[0]), [[ball(x) for x in D] for D in found[1]]
@@ -423,7 +423,7 @@ def merged(form: StepForm) -> StepForm:
 
 
 def _without_first(form: StepForm, q: Rows, p: Rows, kick: Row) -> StepForm:
-    """The form without its first stage Q, whose force is in the values that are carried."""
+    """Return the form without its first stage Q, whose force is in the values that are carried."""
 
     def rest(rows: tuple[Row, ...]) -> tuple[Row, ...]:
         return tuple(row[1:] for row in rows)

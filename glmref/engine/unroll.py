@@ -77,7 +77,7 @@ def _is_whole(node: ast.expr) -> Any:
 
 
 def unrolled(text: str, sizes: Sequence[int], longest: int) -> str:
-    """Source of a body as one function without loops and branches.
+    """Return the source of a body as one function without loops and branches.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def placed(
     text: str, component: Callable[[int], str], result: Callable[[int], str],
     parameter: Callable[[int], str], prefix: str,
 ) -> list[str]:  # fmt: skip
-    """Statements of an unrolled body with other names for what it reads and writes.
+    """Return statements of an unrolled body with other names for what it reads and writes.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ Term = tuple[float, str]
 
 
 def linear(terms: Sequence[Term]) -> str:
-    """Source of a linear combination: zeros dropped, ones not multiplied."""
+    """Return the source of a linear combination: zeros dropped, ones not multiplied."""
     text = ""
     for factor, name in terms:
         if factor == 0.0:
@@ -32,7 +32,7 @@ def linear(terms: Sequence[Term]) -> str:
 
 
 def balanced(terms: Sequence[Term]) -> str:
-    """The same summed by halves: what is computed last is waited for by fewer additions."""
+    """Return the same summed by halves: what is computed last is waited for by fewer additions."""
     terms = [term for term in terms if term[0]]
     if len(terms) < 4:
         return linear(terms)
@@ -44,7 +44,7 @@ def balanced(terms: Sequence[Term]) -> str:
 
 
 def differences(terms: Sequence[Term]) -> list[Term]:
-    """Terms with neighbours of opposite factors put together: a x - a y is a (x - y)."""
+    """Return terms with neighbours of opposite factors put together: a x - a y is a (x - y)."""
     out: list[Term] = []
     for factor, name in terms:
         if out and factor and out[-1][0] == -factor and not out[-1][1].startswith("("):
@@ -99,7 +99,7 @@ class Values:
         return len(self.V)
 
     def begin(self) -> None:
-        """Values that the stages read: V y, or y itself where increments are added at the end."""
+        """Write the values that stages read: V y, or y itself where increments are added last."""
         self.grown.clear()
         if self.running:
             self.shift()
@@ -157,7 +157,7 @@ class Values:
         return big, small
 
     def adding(self, column: int, name: str) -> list[str]:
-        """Statements of :meth:`add`."""
+        """Return statements of :meth:`add`."""
         lines = []
         for k, row in enumerate(self.R):
             if not row[column]:
@@ -174,19 +174,19 @@ class Values:
         return lines
 
     def add(self, column: int, name: str) -> None:
-        """Running forms: u += R L as soon as L is known."""
+        """Write the running forms: u += R L as soon as L is known."""
         lines = self.adding(column, name)
         if lines:
             self.t.vec(lines, self.part)
 
     def finish(self, names: Sequence[str]) -> None:
-        """New values in n{k} and, compensated, their rounding errors in r{k}."""
+        """Write the new values in n{k} and, compensated, their rounding errors in r{k}."""
         if not self.running:
             self.shift()
         self.t.vec(self.finishing(names), self.part)
 
     def finishing(self, names: Sequence[str]) -> list[str]:
-        """Statements of :meth:`finish`, once the values that the stages read are there."""
+        """Return statements of :meth:`finish`, once the values that the stages read are there."""
         lines = []
         for k, row in enumerate(self.R):
             rest = self.u[k]
@@ -213,7 +213,10 @@ class Values:
         return lines
 
     def new(self, k: int, increments: str) -> list[str]:
-        """Statements for new value k, the increments given as source; after :meth:`shift`."""
+        """Return statements for new value k, the increments given as source.
+
+        They follow :meth:`shift`.
+        """
         (sign, value), rest = self.x[k], self.u[k]
         kept = "" if rest is None else linear([rest])
         total = " + ".join(x for x in (kept, increments) if x) or "0.0"
@@ -223,7 +226,7 @@ class Values:
         return lines
 
     def coming(self) -> str:
-        """Running forms: the sum of the new values, before they are in n{k}."""
+        """Write the sum of the new values of running forms, before they are in n{k}."""
         terms = zip(self.x, self.u, strict=True)
         return linear([term for pair in terms for term in pair if term is not None])
 
@@ -238,7 +241,7 @@ class Values:
         self.t.total(name, f"({total})" if len(names) > 1 else total, self.part)
 
     def pairs(self) -> list[tuple[str, str]]:
-        """What becomes what when the step is good."""
+        """Return what becomes what when the step is good."""
         pairs = [(f"@y{k}", f"@n{k}") for k in range(self.r)]
         return pairs + [(f"@e{k}", f"@r{k}") for k in range(self.r) if self.kept[k]]
 

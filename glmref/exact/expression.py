@@ -203,7 +203,7 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
 
 
 def _generator(kind: str, text: str) -> set[tuple[str, int]]:
-    """The root that a function with its argument stands for, with its degree."""
+    """Return the root that a function with its argument stands for, with its degree."""
     if kind == "sqrt":
         return {(text.strip(), 2)}
     if kind in ("root", "exp"):
@@ -267,7 +267,7 @@ def parse(
 
 @lru_cache(maxsize=1 << 14)
 def rational(text: str) -> Exact | None:
-    """A whole number or a fraction of two, the same object each time: its ball is found once."""
+    """Return a number or fraction, the same object each time, so that its ball is found once."""
     found = _RATIONAL.fullmatch(text)
     if found is None or (found[2] is not None and not int(found[2])):
         return None
@@ -509,7 +509,7 @@ class _Evaluator:
 
 
 def _powers_of_pi(node: Node) -> set[Fraction]:
-    """Powers of pi in an expression; where there is one, it is a number times this power."""
+    """Return powers of pi in an expression; where there is one, it is a number times this power."""
     match node:
         case Name("pi"):
             return {Fraction(1)}
@@ -543,7 +543,7 @@ _POWER = re.compile(r"([a-z]\d*)\^(\d+)")
 
 
 def writable(value: int | Fraction) -> bool:
-    """Whether a number is short enough to be computed with, and to be written out."""
+    """Return whether a number is short enough to be computed with, and to be written out."""
     return max(value.numerator.bit_length(), value.denominator.bit_length()) <= MAX_BITS
 
 

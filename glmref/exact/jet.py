@@ -106,7 +106,7 @@ class Jet:
 
     @staticmethod
     def sum_of_products(pairs: Iterable[tuple[Any, Any]]) -> Jet:
-        """Sum of ``x * y`` over jets, exact numbers and balls, with one jet at least."""
+        """Return the sum of ``x * y`` over jets, exact numbers and balls, with one jet at least."""
         value: Any = _ZERO
         row: _Row = {}
         size = 0
@@ -123,7 +123,7 @@ class Jet:
         return Jet._make(value, size, row)
 
     def sqrt(self) -> Jet:
-        """Principal square root."""
+        """Return the principal square root."""
         root = self.value.sqrt()
         return Jet._make(root, self.size, _scaled(self._row, Exact(1) / (root * 2)))
 
@@ -136,19 +136,19 @@ class Jet:
         return Jet._make(self.value.conjugate(), self.size, row)
 
     def vanishes(self) -> bool:
-        """Whether the value and every derivative are exact zeros."""
+        """Return whether the value and every derivative are exact zeros."""
         # "not !=" would not do: balls that overlap are neither equal nor unequal
         return self.value.vanishes() and all(x == _NIL for x in self._row.values())
 
     def is_zero(self) -> bool | None:
-        """``True`` only where the value and every derivative are exact zeros."""
+        """Return ``True`` only where the value and every derivative are exact zeros."""
         answer = self.value.is_zero()
         if answer is True and self.vanishes():
             return True
         return False if answer is False else None
 
     def is_real(self) -> bool:
-        """Whether the value and its derivatives are real."""
+        """Return whether the value and its derivatives are real."""
         return self.value.is_real() and all(_number(x).is_real() for x in self._row.values())
 
     def __repr__(self) -> str:
@@ -160,7 +160,7 @@ def _number(x: flint.fmpq | flint.acb) -> Exact | Ball:
 
 
 def _scaled(row: _Row, factor: Exact | Ball) -> _Row:
-    """The derivatives times a number, as a new dictionary."""
+    """Return the derivatives times a number, as a new dictionary."""
     result: _Row = {}
     _add_to(result, row, factor)
     return result

@@ -29,7 +29,7 @@ def zeros(rows: int, columns: int) -> Matrix:
 
 
 def identity(size: int) -> Matrix:
-    """Identity matrix."""
+    """Return the identity matrix."""
     return diagonal([_ONE] * size)
 
 
@@ -41,7 +41,7 @@ def diagonal(values: Sequence[Scalar]) -> Matrix:
 
 
 def block_diagonal(*blocks: Matrix) -> Matrix:
-    """Matrix with the given blocks down the diagonal."""
+    """Return the matrix with the given blocks down the diagonal."""
     width = sum(len(b[0]) for b in blocks)
     rows: list[Vector] = []
     left = 0
@@ -70,14 +70,14 @@ def conjugate_transpose(a: Matrix) -> Matrix:
 
 
 def dot(a: Iterable[Scalar], b: Iterable[Scalar]) -> Scalar:
-    """Sum of products; exact zeros are skipped, so sparse rows cost nothing."""
+    """Return the sum of products; exact zeros are skipped, so sparse rows cost nothing."""
     return sum_of_products(
         [(x, y) for x, y in zip(a, b, strict=True) if not (x.vanishes() or y.vanishes())]
     )
 
 
 def matmul(*factors: Matrix) -> Matrix:
-    """Product of one or more matrices, from the left."""
+    """Return the product of one or more matrices, from the left."""
     result = factors[0]
     for factor in factors[1:]:
         columns = transpose(factor)
@@ -86,12 +86,12 @@ def matmul(*factors: Matrix) -> Matrix:
 
 
 def matvec(a: Matrix, x: Sequence[Scalar]) -> Vector:
-    """Matrix times column."""
+    """Return the matrix times column."""
     return tuple(dot(row, x) for row in a)
 
 
 def vecmat(x: Sequence[Scalar], a: Matrix) -> Vector:
-    """Row times matrix."""
+    """Return the row times matrix."""
     return tuple(dot(x, column) for column in zip(*a, strict=True))
 
 
@@ -116,28 +116,31 @@ def scale(factor: Scalar | int, a: Matrix) -> Matrix:
 
 
 def row_sums(a: Matrix) -> Vector:
-    """``A 1``; zeros of no length for rows without entries."""
+    """Return ``A 1``, with zeros of no length for rows without entries."""
     return tuple(sum((x for _, x in nonzero(row)), _ZERO) for row in a)
 
 
 def nonzero(row: Sequence[Scalar]) -> list[tuple[int, Scalar]]:
-    """Entries that are not known to be zero, with their places; each object is asked once."""
+    """Return entries that are not known to be zero, with their places.
+
+    Each object is asked once.
+    """
     zeros = {id(x) for x in {id(x): x for x in row}.values() if x.is_zero() is True}
     return [(j, x) for j, x in enumerate(row) if id(x) not in zeros]
 
 
 def entries(a: Matrix) -> list[tuple[int, int, Scalar]]:
-    """All entries as ``(row, column, value)``."""
+    """Return all entries as ``(row, column, value)``."""
     return [(i, j, x) for i, row in enumerate(a) for j, x in enumerate(row)]
 
 
 def largest(a: Matrix) -> float:
-    """Largest magnitude of an entry (an upper bound where entries are balls)."""
+    """Return the largest magnitude of an entry (an upper bound where entries are balls)."""
     return max((x.magnitude() for row in a for x in row if not x.vanishes()), default=0.0)
 
 
 def is_lower_triangular(a: Matrix) -> bool:
-    """Whether every entry above the diagonal is an exact zero."""
+    """Return whether every entry above the diagonal is an exact zero."""
     return all(x.vanishes() for i, j, x in entries(a) if j > i)
 
 
@@ -161,7 +164,7 @@ def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
 
 
 def _reduce(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
-    """Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
+    """Return Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
     rows = [list(row) for row in a]
     pivots: list[int] = []
     for column in range(columns):
@@ -204,7 +207,7 @@ def solve(a: Matrix, right: Matrix) -> Matrix:
 
 
 def inverse(a: Matrix) -> Matrix:
-    """Inverse of a square matrix.
+    """Return the inverse of a square matrix.
 
     Raises
     ------
@@ -292,7 +295,7 @@ def solve_affine(rows: Matrix, right: Vector) -> Affine:
 
 
 def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
-    """Numbers of rows that are independent of those before them, at most ``enough`` of them.
+    """Return numbers of rows that are independent of those before them, at most ``enough`` of them.
 
     Over balls a row counts only if its independence is certain.
     """

@@ -62,7 +62,7 @@ class Ball(Arithmetic):
 
     @classmethod
     def around(cls, midpoint: Ball, radius: Fraction) -> Ball:
-        """Real ball with the midpoint of a given ball and a given radius."""
+        """Return a real ball with the midpoint of a given ball and a given radius."""
         spread = flint.arb(as_fmpq(radius)).upper()
         return cls._wrap(flint.acb(midpoint._acb.real.mid() + spread.union(-spread)))
 
@@ -106,29 +106,29 @@ class Ball(Arithmetic):
     __rmul__ = __mul__
 
     def is_zero(self) -> bool | None:
-        """``False`` when zero is excluded, ``True`` for the exact zero, else ``None``."""
+        """Return ``False`` when zero is excluded, ``True`` for the exact zero, else ``None``."""
         if not self._acb.contains(_NIL):
             return False
         return True if self._acb == _NIL else None
 
     def vanishes(self) -> bool:
-        """Whether it is the exact zero: ``is_zero() is True`` at a fraction of the cost."""
+        """Return whether it is the exact zero: ``is_zero() is True`` at a fraction of the cost."""
         return self._acb == _NIL
 
     def contains_zero(self) -> bool:
-        """Whether zero lies in the ball."""
+        """Return whether zero lies in the ball."""
         return bool(self._acb.contains(_NIL))
 
     def contains(self, other: Ball | Exact | int | Fraction) -> bool:
-        """Whether the whole of another number lies in this ball."""
+        """Return whether the whole of another number lies in this ball."""
         return bool(self._acb.contains(ball(other)._acb))
 
     def contains_interior(self, other: Ball) -> bool:
-        """Whether a real ball lies in the interior of this real ball."""
+        """Return whether a real ball lies in the interior of this real ball."""
         return bool(self._acb.real.contains_interior(other._acb.real))
 
     def overlaps(self, other: Ball | Exact | int | Fraction) -> bool:
-        """Whether the two balls share a point."""
+        """Return whether the two balls share a point."""
         return bool(self._acb.overlaps(ball(other)._acb))
 
     @property
@@ -146,17 +146,17 @@ class Ball(Arithmetic):
         return Ball._wrap(flint.acb(self._acb.real, -self._acb.imag))
 
     def is_real(self) -> bool:
-        """Whether the imaginary part is the exact zero."""
+        """Return whether the imaginary part is the exact zero."""
         return bool(self._acb.imag == 0)
 
     def sqrt(self) -> Ball:
-        """Principal square root."""
+        """Return the principal square root."""
         if self.is_real() and not self._acb.real < 0:
             return Ball._wrap(flint.acb(self._acb.real.sqrt()))
         return Ball._wrap(self._acb.sqrt())
 
     def root(self, degree: int) -> Ball:
-        """Positive root of a positive ball."""
+        """Return the positive root of a positive ball."""
         return Ball._wrap(flint.acb(self._acb.real.root(degree)))
 
     def sign(self) -> int:
@@ -177,19 +177,19 @@ class Ball(Arithmetic):
         raise ExactnessError(f"the ball {self!r} contains zero: its sign is not known")
 
     def midpoint(self) -> Ball:
-        """The midpoint as a ball of radius zero."""
+        """Return the midpoint as a ball of radius zero."""
         return Ball._wrap(flint.acb(self._acb.real.mid(), self._acb.imag.mid()))
 
     def radius(self) -> float:
-        """Upper bound of the distance from the midpoint, as a float."""
+        """Return an upper bound of the distance from the midpoint, as a float."""
         return max(float(self._acb.real.rad().upper()), float(self._acb.imag.rad().upper()))
 
     def magnitude(self) -> float:
-        """Upper bound of the absolute value, as a float."""
+        """Return an upper bound of the absolute value, as a float."""
         return float(self._acb.abs_upper())
 
     def lower_magnitude(self) -> float:
-        """Lower bound of the absolute value, as a float."""
+        """Return a lower bound of the absolute value, as a float."""
         return float(self._acb.abs_lower())
 
     def ball(self, bits: int = BALL_BITS) -> Ball:
@@ -300,13 +300,13 @@ class Exact(Arithmetic):
         return self._gr
 
     def _as_roots(self) -> Roots | None:
-        """The number as one made of roots, where it is one."""
+        """Return the number as one made of roots, where it is one."""
         if isinstance(self._roots, bool):
             self._roots = roots_of(repr(self._gr)) if self._q is None else Roots.rational(self._q)
         return self._roots
 
     def _among_roots(self, other: Exact, operation: Any) -> Exact | None:
-        """The operation among numbers made of roots, where one of them is kept so."""
+        """Return the operation among numbers made of roots, where one of them is kept so."""
         if not (isinstance(self._roots, Roots) and self._q is None) and not (
             isinstance(other._roots, Roots) and other._q is None
         ):
@@ -472,11 +472,11 @@ class Exact(Arithmetic):
         return self._q is not None or self.imag.is_zero()
 
     def sqrt(self) -> Exact:
-        """Principal square root."""
+        """Return the principal square root."""
         return Exact._wrap(self._element.sqrt())
 
     def root(self, degree: int) -> Exact:
-        """Positive root of a positive number."""
+        """Return the positive root of a positive number."""
         part = flint.fmpq(1, degree)
         if self._q is not None:
             # by its minimal polynomial: the powers of a power are not reduced, and numbers grow
@@ -547,7 +547,7 @@ class Exact(Arithmetic):
         return float(self.ball())
 
     def magnitude(self) -> float:
-        """Absolute value as a float, for residuals and reports."""
+        """Return the absolute value as a float, for residuals and reports."""
         return abs(complex(self))
 
     @property
@@ -557,7 +557,7 @@ class Exact(Arithmetic):
         return None if roots is None else roots.order
 
     def text_of_roots(self) -> str | None:
-        """An entry for a number that is kept as one made of roots, where there is one."""
+        """Return an entry for a number that is kept as one made of roots, where there is one."""
         return self._roots.text() if isinstance(self._roots, Roots) and self._q is None else None
 
     def description(self) -> str:
@@ -565,7 +565,7 @@ class Exact(Arithmetic):
         return repr(self._element)
 
     def _brief(self) -> str:
-        """The number in a message, however long its text is."""
+        """Return the number in a message, however long its text is."""
         text = repr(self)
         return text if len(text) <= 100 else f"{text[:80]}... ({len(text)} characters)"
 

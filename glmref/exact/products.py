@@ -20,7 +20,7 @@ _ZERO = Exact(0)
 
 
 def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
-    """Sum of ``x * y`` over numbers of any kind.
+    """Return the sum of ``x * y`` over numbers of any kind.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
 
 
 def _sum_of_others(pairs: Sequence[tuple[Any, Any]]) -> Any:
-    """The same where a number takes part that is neither exact nor a ball."""
+    """Return the same where a number takes part that is neither exact nor a ball."""
     if any(type(x) is Jet or type(y) is Jet for x, y in pairs):
         return Jet.sum_of_products(pairs)
     total: Any = _ZERO
@@ -92,7 +92,7 @@ class BallMatrix:
 
     @classmethod
     def identity(cls, size: int) -> BallMatrix:
-        """The identity."""
+        """Return the identity."""
         return cls._wrap(flint.acb_mat(size, size, 1))
 
     def __matmul__(self, other: BallMatrix) -> BallMatrix:
@@ -102,7 +102,7 @@ class BallMatrix:
         return BallMatrix._wrap(self._matrix - other._matrix)
 
     def midpoint(self) -> BallMatrix:
-        """The midpoints, as balls of radius zero."""
+        """Return the midpoints, as balls of radius zero."""
         return BallMatrix._wrap(self._matrix.mid())
 
     def inverse(self) -> BallMatrix:

@@ -26,7 +26,7 @@ def factorization(n: int) -> dict[int, int]:
 
 
 def cyclotomic(n: int) -> list[int]:
-    """Coefficients of the n-th cyclotomic polynomial, constant first."""
+    """Return coefficients of the n-th cyclotomic polynomial, constant first."""
     return [int(x) for x in flint.fmpz_poly.cyclotomic(n).coeffs()]
 
 
@@ -50,7 +50,7 @@ class RationalCombinations:
             self._reduced = flint.fmpz_mat(rows).lll().tolist()
 
     def _parts(self, x: Exact) -> list[int] | None:
-        """Real and imaginary part times 2^bits; ``None`` where a last bit is unknown."""
+        """Return real and imaginary part times 2^bits; ``None`` where a last bit is unknown."""
         before, flint.ctx.prec = flint.ctx.prec, 2 * self.bits
         try:
             ball = x.ball(self.bits + 64)._acb

@@ -51,14 +51,14 @@ class BeyondError(Exception):
 
 @lru_cache(maxsize=256)
 def _modulus(n: int) -> flint.fmpq_poly:
-    """The n-th cyclotomic polynomial."""
+    """Return the n-th cyclotomic polynomial."""
     if int(flint.fmpz(n).euler_phi()) > MAX_DEGREE:
         raise BeyondError
     return flint.fmpq_poly(flint.fmpz_poly.cyclotomic(n))
 
 
 def _raised(coefficient: flint.fmpq_poly, step: int, n: int) -> flint.fmpq_poly:
-    """A polynomial in ``zeta_n^step``, reduced."""
+    """Return a polynomial in ``zeta_n^step``, reduced."""
     spread = [flint.fmpq(0)] * n
     for k, x in enumerate(coefficient.coeffs()):
         spread[k * step % n] += x
@@ -84,7 +84,7 @@ class Roots:
 
     @classmethod
     def rational(cls, q: flint.fmpq) -> Roots:
-        """A rational number."""
+        """Return a rational number."""
         return cls(1, {(): flint.fmpq_poly([q])})
 
     @classmethod
@@ -95,7 +95,7 @@ class Roots:
 
     @classmethod
     def power(cls, base: Fraction, exponent: Fraction) -> Roots:
-        """The positive power of a positive rational, or the principal one of -1."""
+        """Return the positive power of a positive rational, or the principal one of -1."""
         if base == -1:
             return cls.of_unity(exponent / 2)
         if base <= 0 or max(base.numerator, base.denominator) > MAX_RADICAND:
@@ -146,7 +146,7 @@ class Roots:
         return total + Roots(n, terms) if total.terms else Roots(n, terms)
 
     def _times_coefficient(self, factor: Roots) -> Roots:
-        """The product with a cyclotomic number."""
+        """Return the product with a cyclotomic number."""
         n = lcm(self.order, factor.order)
         modulus, (other,) = _modulus(n), factor._lifted(n).values()
         return Roots(n, {m: c * other % modulus for m, c in self._lifted(n).items()})
@@ -184,7 +184,7 @@ class Roots:
         return rest * (first * rest).inverse()
 
     def _conjugates(self) -> Iterator[Roots]:
-        """The number, and what becomes of it where every p^(1/m) gets another of its values."""
+        """Return the products of powers in which every p^(1/m) takes another of its values."""
         depth: dict[int, int] = {}
         for monomial in self.terms:
             for p, e in monomial:
@@ -203,21 +203,21 @@ class Roots:
             yield total
 
     def conjugate(self) -> Roots:
-        """The complex conjugate: the products of primes are real."""
+        """Return the complex conjugate: the products of primes are real."""
         n = self.order
         return Roots(n, {m: _raised(c, n - 1, n) for m, c in self.terms.items()})
 
     # -- what it is --------------------------------------------------------------------------------
 
     def as_rational(self) -> flint.fmpq | None:
-        """The number where it is rational, else ``None``."""
+        """Return the number where it is rational, else ``None``."""
         if not self.terms:
             return flint.fmpq(0)
         c = self.terms.get((), _NIL) if len(self.terms) == 1 else _NIL
         return c[0] if c.degree() == 0 else None
 
     def enclosed(self, bits: int) -> flint.acb:
-        """A ball of relative width about ``2**-bits``."""
+        """Return a ball of relative width about ``2**-bits``."""
         before, precision = flint.ctx.prec, bits + 64
         try:
             while True:
@@ -238,7 +238,7 @@ class Roots:
             flint.ctx.prec = before
 
     def element(self) -> Any:
-        """The same number in flint's field, of square roots where it can be.
+        """Return the same number in flint's field, of square roots where it can be.
 
         flint knows no relation between a root of unity and its conjugate: a number of both is
         long, and is compared by its minimal polynomial, which takes hours.
@@ -261,7 +261,7 @@ class Roots:
     # -- text --------------------------------------------------------------------------------------
 
     def text(self) -> str | None:
-        """The number in the grammar of entries, or ``None`` where that has no root of its order.
+        """Return the number in the grammar of entries; ``None`` if that lacks a root of its order.
 
         Coefficients are sums of square roots where they can be, else sums of roots of unity.
         """
@@ -288,7 +288,10 @@ class Roots:
         return "+".join(terms).replace("+-", "-") or "0"
 
     def _square_roots(self) -> dict[int, flint.fmpq] | None:
-        """Weights of square roots of d, where it is their sum; orthogonal for ``Tr(x conj(y))``."""
+        """Return weights of square roots of d, where it is their sum.
+
+        The roots are orthogonal for ``Tr(x conj(y))``.
+        """
         n = self.order
         roots = [1, *([-1] if n % 4 == 0 else []), *([2] if n % 8 == 0 else [])]
         roots += [p if p % 4 == 1 else -p for p in map(int, dict(flint.fmpz(n).factor())) if p > 2]
@@ -308,7 +311,7 @@ class Roots:
         return weights if not (found - self).terms else None
 
     def _in_square_roots(self) -> str | None:
-        """As a rational combination of square roots."""
+        """Return the number as a rational combination of square roots."""
         weights = self._square_roots()
         if weights is None:
             return None
@@ -319,7 +322,7 @@ class Roots:
         return _sum(terms)
 
     def _trace(self) -> flint.fmpq:
-        """The trace of a cyclotomic number divided by the degree of its field."""
+        """Return the trace of a cyclotomic number divided by the degree of its field."""
         total = flint.fmpq(0)
         for k, x in enumerate(self.terms.get((), _NIL).coeffs()):
             m = self.order // gcd(self.order, k)
@@ -327,7 +330,7 @@ class Roots:
         return total
 
     def _in_roots_of_unity(self) -> str | None:
-        """As a sum of products of roots of unity of orders that entries may have."""
+        """Return a sum of products of roots of unity of orders that entries may have."""
         n, coefficients = self.order, self.terms[()].coeffs()
         for turn in (Fraction(k, n) for k in range(n)):
             q = None
@@ -378,7 +381,7 @@ def _times(weight: flint.fmpq, names: list[str]) -> str:
 
 
 def _factor(text: str) -> str:
-    """A text as a factor: in parentheses where it is a sum."""
+    """Return a text as a factor: in parentheses where it is a sum."""
     return f"({text})" if re.search("[-+]", text[1:]) else text
 
 
@@ -403,7 +406,7 @@ def _prime_power(p: int, exponent: Fraction) -> Roots:
 
 @lru_cache(maxsize=4096)
 def _product(a: Monomial, b: Monomial) -> tuple[Monomial, Roots]:
-    """The product of two products of powers: one of exponents below 1/2, and its coefficient."""
+    """Multiply two products of powers: return one with exponents below 1/2, and its coefficient."""
     exponents, factor = dict(a), _ONE
     for p, e in b:
         exponents[p] = exponents.get(p, Fraction(0)) + e
@@ -417,7 +420,7 @@ def _product(a: Monomial, b: Monomial) -> tuple[Monomial, Roots]:
 
 @lru_cache(maxsize=256)
 def _square_root(p: int) -> Roots:
-    """The positive square root of a prime, by Gauss's sum."""
+    """Return the positive square root of a prime, by Gauss's sum."""
     if p == 2:
         eighth = Roots.of_unity(Fraction(1, 8))
         return eighth + eighth.conjugate()
@@ -429,7 +432,7 @@ def _square_root(p: int) -> Roots:
 
 
 def roots_of(text: str) -> Roots | None:
-    """The number that flint prints as a text, or ``None`` where it is none of this kind."""
+    """Return the number that flint prints as a text, or ``None`` where it is none of this kind."""
     if len(text) > MAX_TEXT or "{" not in text:
         return None
     body, _, where = text[text.index("{") + 1 : -1].partition(" where ")
@@ -494,7 +497,7 @@ _OPERATIONS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.
 
 
 def _value(node: ast.AST, names: Mapping[str, Roots]) -> Roots:
-    """The number of a sum of products of powers; one loop for a sum, which may be long."""
+    """Return the number of a sum of products of powers; one loop for a sum, which may be long."""
     match node:
         case ast.Constant(value=int() as n):
             return Roots.rational(flint.fmpq(n))

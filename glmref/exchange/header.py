@@ -48,7 +48,7 @@ def in_comment(text: object) -> str:
 
 
 def _orders(claims: Mapping[str, Any], *, nystrom: bool) -> str:
-    """What is claimed of the order, to begin the sentence on the size."""
+    """Return what is claimed of the order, to begin the sentence on the size."""
     said = []
     if isinstance(claims.get(ORDER.key), int):
         said.append(str(claims[ORDER.key]))
@@ -68,7 +68,7 @@ COMPLETE, ONE_ROW = ("json", "csv"), ("sundials", "petsc", "diffrax", "ordinaryd
 
 
 def left_out(method: Method, target: str) -> list[str]:
-    """What a method has and its export to a target does not hold, in words.
+    """Return what a method has and its export to a target does not hold, in words.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def header(
     *remarks: str,
     exact: Sequence[str] = (),
 ) -> str:
-    """The comment at the head of a file.
+    """Return the comment at the head of a file.
 
     Parameters
     ----------

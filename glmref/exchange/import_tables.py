@@ -108,7 +108,7 @@ def read_table(
 
 
 def _places(token: str) -> int:
-    """Digits after the point of a decimal written without exponent; 0 for a whole number."""
+    """Return digits after the point of a decimal written without exponent; 0 for a whole number."""
     mantissa, _, power = token.lower().replace("d", "e").partition("e")
     return max(0, len(mantissa.partition(".")[2]) - int(power or 0))
 
@@ -238,7 +238,7 @@ class _Writer:
 
     @staticmethod
     def _row(block: str, rows: list[list[str]], shapes: str) -> dict[str, Any]:
-        """A row of ``embedded`` from its block, which has a row for each component."""
+        """Return a row of ``embedded`` from its block, which has a row for each component."""
         what, _, name = block.partition(".")
         if shapes == "nystrom":
             if len(rows) != 2:
@@ -276,7 +276,7 @@ class _Writer:
         raise DataError(f"a table needs A and b, or A, U, B and V, or q and p with these; {there}")
 
     def _entries(self) -> dict[str, list[list[str]]]:
-        """Every entry in our grammar; where all of it is exact, in lowest terms."""
+        """Return every entry in our grammar; where all of it is exact, in lowest terms."""
         normal: dict[str, list[list[tuple[str, list[int]]]]] = {}
         for block, rows in self.found.blocks.items():
             if sum(map(len, rows)) > _MOST_BLOCK:
@@ -317,7 +317,7 @@ class _Writer:
             raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
 
     def _written(self, text: str, places: list[int]) -> str:
-        """An entry: exact ones in lowest terms, decimals with as many digits as are declared."""
+        """Return an entry: exact in lowest terms, or a decimal with the digits declared."""
         if places and self.digits is not None:
             least = self.digits
 
@@ -369,7 +369,7 @@ class _Writer:
                     )
 
     def _unfolded(self, a: list[str], ahat: list[str]) -> dict[str, Any]:
-        """A splitting: a leading kick of weight 0 and a trailing drift of weight 0 are none."""
+        """Return a splitting without a leading kick or trailing drift of weight 0."""
         first = "q" if self._value(ahat[0]).is_zero() is True else "p"
         b = ahat[1:] if first == "q" else ahat
         return {"first": first, "a": a[:-1] if self._value(a[-1]).is_zero() is True else a, "b": b}
@@ -388,7 +388,7 @@ class _Writer:
 
 
 def _normal_or_same(text: str) -> tuple[str, list[int]]:
-    """An entry of JSON or CSV: in our grammar already, short decimals apart."""
+    """Return an entry of JSON or CSV: in our grammar already, short decimals apart."""
 
     def fraction(match: re.Match[str]) -> str:
         value = Fraction(match[0])
@@ -429,7 +429,7 @@ def _without_comments(text: str, pattern: str) -> str:
 
 
 def _balanced(text: str, at: int) -> str:
-    """What stands between the bracket at a place and its partner."""
+    """Return what stands between the bracket at a place and its partner."""
     partner = {"{": "}", "[": "]", "(": ")"}
     waiting = [partner[text[at]]]
     for k in range(at + 1, len(text)):
@@ -468,7 +468,7 @@ def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
 
 
 def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found:
-    """Arrays A, b, c and the order from a call with its arguments."""
+    """Return arrays A, b, c and the order from a call with its arguments."""
     about = _comment(text)
     body = _without_comments(text, _C_COMMENT)
     found = Found(about=about)
@@ -505,7 +505,7 @@ def _whole(arguments: Sequence[str], at: int) -> int:
 
 
 def _sprk(text: str) -> Found | None:
-    """A table of SPRKStep: arrays a and ahat, and the order that is put into the table."""
+    """Return a table of SPRKStep: arrays a and ahat, and the order that is put into the table."""
     body = _without_comments(text, _C_COMMENT)
     if not re.search(r"\bARKodeSPRKTable_(?:Alloc|Create)\s*\(", body):
         return None

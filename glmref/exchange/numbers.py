@@ -27,7 +27,7 @@ def check_digits(digits: int | None) -> None:
 
 
 def is_zero(x: Scalar) -> bool:
-    """Whether a coefficient is zero, or as close to it as counts as zero."""
+    """Return whether a coefficient is zero, or as close to it as counts as zero."""
     return x.is_zero() is True or x.magnitude() < CLOSE
 
 
@@ -51,7 +51,7 @@ def decimal_of(x: Scalar, digits: int) -> str:
 
 
 def rounded(x: Scalar, digits: int | None) -> str:
-    """A coefficient of a source file in double precision.
+    """Return a coefficient of a source file in double precision.
 
     Parameters
     ----------
@@ -67,10 +67,10 @@ def rounded(x: Scalar, digits: int | None) -> str:
 
 
 def lost(x: Scalar, text: str) -> float:
-    """What rounding took: the coefficient minus the double that a compiler makes of its text."""
+    """Return the rounding residual: coefficient minus the double a compiler makes of its text."""
     return 0.0 if is_zero(x) else float(x - Fraction(as_double(text)))
 
 
 def worst(numbers: Iterable[Scalar], digits: int | None) -> float:
-    """The largest difference between a coefficient and the double that is written for it."""
+    """Return the largest difference between a coefficient and the double that is written for it."""
     return max((abs(lost(x, rounded(x, digits))) for x in numbers), default=0.0)

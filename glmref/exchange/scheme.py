@@ -260,7 +260,7 @@ def _basis(output: Vector) -> Matrix:
 
 
 def _place(output: Vector) -> int:
-    """Which value is the solution."""
+    """Return which value is the solution."""
     return next(k for k, x in enumerate(output) if not _vanishes(x))
 
 

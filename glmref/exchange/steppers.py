@@ -46,7 +46,7 @@ _LONGEST = 60  # Fortran takes 63 letters
 
 
 def identifier(name: str) -> str:
-    """A name that every language takes: letters, digits and underscores, a letter first."""
+    """Return a name that every language takes: letters, digits and underscores, a letter first."""
     word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_").lower()[:_LONGEST] or "method"
     return word if word[0].isalpha() and len(word) > 1 and word not in _TAKEN else f"m_{word}"
 
@@ -90,24 +90,24 @@ class Numbers:
     suffix: str = ""  #: What a literal of double precision ends with.
 
     def of(self, x: Scalar) -> str:
-        """One coefficient."""
+        """Return one coefficient."""
         return rounded(x, self.digits) + self.suffix
 
     def residue(self, x: Scalar) -> str:
-        """What rounding took from it, to six digits, which is all that can matter."""
+        """Return its rounding residual to six digits, which is all that can matter."""
         value = lost(x, rounded(x, self.digits))
         return (repr(float(f"{value:.5e}")) if value else "0.0") + self.suffix
 
     def matrix(self, rows: Matrix) -> list[list[str]]:
-        """A matrix."""
+        """Return a matrix."""
         return [[self.of(x) for x in row] for row in rows]
 
     def residues(self, rows: Matrix) -> list[list[str]]:
-        """What rounding took from a matrix."""
+        """Return the rounding residual of a matrix."""
         return [[self.residue(x) for x in row] for row in rows]
 
     def parts(self, table: Table) -> dict[str, list[list[str]]]:
-        """The arrays of a tableau by their letters, c as one row."""
+        """Return the arrays of a tableau by their letters, c as one row."""
         return {
             "A": self.matrix(table.A),
             "U": self.matrix(table.U),
@@ -222,7 +222,7 @@ def _c_tables(scheme: Scheme, numbers: Numbers) -> str:
 
 
 def _timed(scheme: Scheme, **texts: str) -> dict[str, str]:
-    """Replacements that are empty for a pair, which knows no time."""
+    """Return replacements that are empty for a pair, which knows no time."""
     return {name: "" if scheme.pair else text for name, text in texts.items()}
 
 
@@ -246,7 +246,7 @@ def _c_values(scheme: Scheme, name: str) -> dict[str, str]:
 
 
 def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) -> dict[str, str]:
-    """Arguments of start and finish, which are unused where nothing is evaluated there."""
+    """Return arguments of start and finish, which are unused where nothing is evaluated there."""
     found = {}
     for where, used in (
         ("start", scheme.begins != "plain"), ("finish", scheme.finish is not None)
@@ -366,12 +366,12 @@ def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
 
 
 def _double(text: str) -> str:
-    """A literal of double precision."""
+    """Return a literal of double precision."""
     return text.replace("e", "d") if "e" in text else f"{text}d0"
 
 
 def _fortran_rows(name: str, rows: Sequence[Sequence[str]]) -> list[str]:
-    """DATA statements, one for each row, within the limits on lines and continuations."""
+    """Return a DATA statement for each row, within the limits on lines and continuations."""
     lines: list[str] = []
     for i, row in enumerate(rows):
         head = f"    data ({name}({i + 1}, j), j = 1, {len(row)}) / &"
@@ -494,7 +494,7 @@ def _python_values(scheme: Scheme, name: str) -> dict[str, str]:
 
 
 def _julia_matrix(rows: Sequence[Sequence[str]]) -> list[str]:
-    """A matrix from its rows; the layout is that of columns, so it is transposed."""
+    """Return a matrix from its rows; the layout is that of columns, so it is transposed."""
     shape = f"{len(rows[0])}, {len(rows)}"
     return ["permutedims(reshape([", *wrapped(_flat(rows), "        "), f"    ], {shape}))"]
 

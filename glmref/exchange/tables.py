@@ -131,7 +131,7 @@ def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
 
 
 def expression(x: Scalar) -> str | None:
-    """The exact expression of a number, or ``None`` where it has none."""
+    """Return the exact expression of a number, or ``None`` where it has none."""
     if not isinstance(x, Exact):
         return None
     try:
@@ -148,7 +148,7 @@ def _quotient(x: Scalar) -> tuple[int, int] | None:
 
 
 def _exact_lines(rows: Mapping[str, Matrix]) -> list[str]:
-    """Lines of a comment with the exact rows, where quotients do not say it all."""
+    """Return lines of a comment with the exact rows, where quotients do not say it all."""
     lines: list[str] = []
     if all(_quotient(x) is not None for m in rows.values() for row in m for x in row):
         return []
@@ -214,7 +214,7 @@ def _c_arrays(rows: Mapping[str, Matrix], target: str, digits: int) -> list[str]
 def _c_tableau(
     method: GLM | PartitionedGLM, target: str, does: str, digits: int
 ) -> tuple[Butcher, str, list[str]]:
-    """A tableau that is at most diagonally implicit, the head of its file, and its arrays."""
+    """Return an at most diagonally implicit tableau, the head of its file, and its arrays."""
     tab = butcher(method, target)
     if not method.is_diagonally_implicit:
         raise UsageError(
@@ -225,7 +225,7 @@ def _c_tableau(
 
 
 def _imex(method: AdditiveGLM, target: str, digits: int) -> tuple[str, list[str], int, int]:
-    """The head, the arrays and the orders of an implicit-explicit Runge-Kutta method.
+    """Return the head, the arrays and the orders of an implicit-explicit Runge-Kutta method.
 
     The arrays A, b, c belong to the explicit part, which comes first where both are explicit, and
     At, bt, ct to the other, in the letters of PETSc; d and dt hold embedded weights. The second
@@ -262,12 +262,12 @@ def _imex(method: AdditiveGLM, target: str, digits: int) -> tuple[str, list[str]
 
 
 def _is_lower(A: Matrix, above: int) -> bool:
-    """Whether entries beyond the diagonal, or with 0 on it too, are zero."""
+    """Return whether entries beyond the diagonal, or with 0 on it too, are zero."""
     return all(is_zero(x) for i, row in enumerate(A) for x in row[i + above :])
 
 
 def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
-    """A splitting as a table of SPRKStep, ``None`` for another pair.
+    """Return a splitting as a table of SPRKStep, ``None`` for another pair.
 
     In each stage p += ahat_i h k(q), then q += a_i h f(p).
     """
@@ -315,7 +315,7 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
 
 
 def _ark_tables(method: AdditiveGLM, digits: int) -> str:
-    """The two tables of an implicit-explicit method, given to ARKStep."""
+    """Return the two tables of an implicit-explicit method, given to ARKStep."""
     head, arrays, order, lower = _imex(method, "sundials", digits)
     size = f"{method.s}, {order}, {lower}"
     d, dt = ("d", "dt") if method.embedded else ("NULL", "NULL")
@@ -505,7 +505,7 @@ Rows = list[list[str]]
 
 
 def _all_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
-    """The blocks of a method by name, vectors as one row."""
+    """Yield the blocks of a method by name, vectors as one row."""
     if method.additive:
         for n, c in enumerate(method.components):
             yield from ((f"parts.{n}.A", c.A), (f"parts.{n}.b", c.B))
@@ -532,19 +532,19 @@ def _all_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
 
 
 def places_of(numbers: Sequence[Scalar], wanted: int | None) -> int:
-    """Digits after the point: as many as are wanted and as the narrowest enclosure has."""
+    """Return digits after the point: as many as are wanted and as the narrowest enclosure has."""
     widest = max((x.radius() for x in numbers if isinstance(x, Ball)), default=0.0)
     known = PLACES if widest == 0 else min(PLACES, max(1, math.floor(-math.log10(2 * widest)) - 1))
     return known if wanted is None else min(wanted, known)
 
 
 def fixed(x: Scalar, places: int) -> str:
-    """A decimal with so many digits after the point, of a real number."""
+    """Return a decimal with so many digits after the point, of a real number."""
     return decimal(x.ball(), places)
 
 
 def _form_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
-    """The forms and the outputs that a method gives, by their names in a method file."""
+    """Yield the forms and the outputs that a method gives, by their names in a method file."""
     names = {"G": "G", "D": "D", "D_P": "D_P", "D_Q": "D_Q", "output": "output"}
     if method.parts == 2:
         names |= {"output": "q.output", "output_hat": "p.output"}
@@ -557,7 +557,7 @@ def _form_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
 def method_document(
     method: GLM | PartitionedGLM | AdditiveGLM, name: str, digits: int | None
 ) -> dict[str, Any]:
-    """A method file of what a method is: blocks, starting and finishing method, forms, outputs.
+    """Return a method file of blocks, starting and finishing method, forms and outputs.
 
     Parameters
     ----------
@@ -638,7 +638,7 @@ def blocks_of(
     digits: int | None,
     more: Mapping[str, Matrix] | None = None,
 ) -> tuple[dict[str, Rows], int | None]:
-    """The blocks of a method as rows of expressions, and the digits of its decimals, if any.
+    """Return the blocks of a method as rows of expressions, and the digits of its decimals, if any.
 
     Returns
     -------
@@ -703,7 +703,7 @@ def _about(method: Method) -> dict[str, Any]:
 
 
 def held(method: Method) -> dict[str, Matrix]:
-    """The blocks of a method in JSON and CSV: all that determines it.
+    """Return the blocks of a method in JSON and CSV: all that determines it.
 
     Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
     estimate, with a row for each component; those of a method of several values have a second row,
@@ -820,7 +820,7 @@ def _latex(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> st
 
 
 def _multistep_array(alpha: Vector, beta: Vector, cell: Callable[[Scalar], str]) -> list[str]:
-    """Coefficients of a multistep method as in a book, that of the new value last."""
+    """Return coefficients of a multistep method as in a book, that of the new value last."""
     lines = ["% sum alpha_m y_(n+m) = h sum beta_m f_(n+m); below as a general linear method"]
     lines.append(rf"\begin{{array}}{{c|{'c' * len(alpha)}}}")
     for name, row in ((r"\alpha_m", alpha), (r"\beta_m", beta)):
@@ -832,7 +832,10 @@ def _array(
     A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Vector | None,
     more: Sequence[tuple[EmbeddedRow, Vector, Vector]], cell: Callable[[Scalar], str],
 ) -> list[str]:  # fmt: skip
-    """One tableau: c | A over b for a Runge-Kutta method, [A U; B V] for others; embedded rows."""
+    """Return one tableau: c | A over b for a Runge-Kutta method, [A U; B V] for others.
+
+    Embedded rows follow.
+    """
 
     def row(*parts: Sequence[Scalar]) -> str:
         return "  " + " & ".join(cell(x) for part in parts for x in part) + r" \\"

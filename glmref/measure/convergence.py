@@ -163,7 +163,7 @@ def _aitken(orders: Sequence[float]) -> float:
 
 
 def _norm(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Euclidean distance: smooth in h, unlike the maximum, where components take turns."""
+    """Return the Euclidean distance, which unlike the maximum is smooth in h."""
     return sum(abs(x - y) ** 2 for x, y in zip(a, b, strict=True)) ** 0.5
 
 
@@ -175,7 +175,7 @@ def _log2_ratio(coarse: Any, fine: Any) -> float:
 
 
 def _digits(order: int, finest: float) -> int:
-    """Digits that keep differences at the finest usual step above round-off.
+    """Return digits that keep differences at the finest usual step above round-off.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _run(
 
 
 def isochronous() -> Problem:
-    """Harmonic motion seen through a polynomial change of variables: every period is 2 pi.
+    """Return harmonic motion seen through a polynomial change of variables: every period is 2 pi.
 
     With z1' = z2, z2' = -z1: y1 = z1 + a z2^2, y2 = z2 + b y1^2. The equations are not Hamiltonian,
     and no elementary differential of them vanishes for a reason of structure.

@@ -115,7 +115,7 @@ def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law
 
 
 def samples_of(problem: Problem, method: Method, solution: Solution, quantity: str) -> np.ndarray:
-    """Relative deviation of one conserved quantity along a solution, (m,).
+    """Return the relative deviation of one conserved quantity along a solution, (m,).
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def diagnose(
 
 
 def _in_doubles(run: Solution, y: np.ndarray) -> Solution:
-    """The run itself, or the precise one rounded to doubles."""
+    """Return the run itself, or the precise one rounded to doubles."""
     if np.asarray(run.y).dtype != object:
         return run
     history = None if run.history is None else np.array(run.history).astype(complex)
@@ -237,7 +237,7 @@ def _cause(method: Method, first: Solution, laws: list[Law], compared: Law) -> s
 
 
 def _outgrown(method: Method, run: Solution) -> bool:
-    """Whether the values beyond the solution ended larger than they began."""
+    """Return whether the values beyond the solution ended larger than they began."""
     if run.history is None:
         return False
     sizes = parasitic_size(run, solution_direction(method))

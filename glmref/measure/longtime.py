@@ -75,7 +75,9 @@ def along(function: Callable[[Any], Any], y: np.ndarray) -> np.ndarray:
 
 
 def energy_scale(problem: Problem, y: np.ndarray) -> float:
-    """Size of the energy of a state (d,); where that is zero but for rounding, of its terms.
+    """Return the size of the energy of a state (d,).
+
+    Where that is zero but for rounding, of its terms.
 
     An energy that cancels at a state, as in a transformed time, does not where the state is a
     little larger: ``y . grad H`` stands for its terms.
@@ -273,7 +275,7 @@ def g_form(history: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
 
 
 def _g_scale(first: np.ndarray, G: np.ndarray, C: np.ndarray) -> float:
-    """Size of the largest terms of the form at the start, (r, d) values."""
+    """Return the size of the largest terms of the form at the start, (r, d) values."""
     products = np.abs(np.einsum("id,de,je->ij", np.abs(first), np.abs(C), np.abs(first)))
     return float(np.sum(products * np.abs(G)))
 
@@ -287,7 +289,7 @@ def watch(
     quadratic: bool = True,
     invariants: bool = True,
 ) -> list[Drift]:
-    """Drifts of what a problem conserves along a solution.
+    """Return drifts of what a problem conserves along a solution.
 
     Parameters
     ----------

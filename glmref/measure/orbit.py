@@ -54,7 +54,7 @@ class Orbit:
 
 
 def plane_of(problem: Problem) -> tuple[tuple[str, str], list[tuple[int, int]]]:
-    """Names of the two axes, and for each body the two components of the state.
+    """Return names of the two axes, and for each body the two components of the state.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def plane_of(problem: Problem) -> tuple[tuple[str, str], list[tuple[int, int]]]:
 
 
 def marks(steps: int, points: int) -> list[int]:
-    """Numbers of steps, increasing, from 0 to the last, at most so many."""
+    """Return numbers of steps, increasing, from 0 to the last, at most so many."""
     found = {round(steps * (k * _GOLDEN % 1.0)) for k in range(max(points - 1, 1))}
     return sorted(found | {steps})
 
@@ -121,7 +121,7 @@ def orbit(
 
 
 def _good(problem: Problem, y: np.ndarray) -> tuple[int, str]:
-    """How many rows are good, and why the next one is not."""
+    """Return how many rows are good, and why the next one is not."""
     finite = np.all(np.isfinite(y), axis=1)
     bad, why = ~finite, "not finite"
     if problem.hamiltonian is not None:

@@ -43,7 +43,7 @@ class Mode:
 
 
 def modes(method: GLM) -> list[Mode]:
-    """Parasitic modes of a method, by increasing argument of zeta in (0, 2 pi).
+    """Return parasitic modes of a method, by increasing argument of zeta in (0, 2 pi).
 
     Computed from the tableau rounded to double precision; a multiple eigenvalue has no single
     parasitic equation and is left out.
@@ -198,7 +198,7 @@ def predicted_propagator(mu: complex, problem: Problem, *, time: float) -> np.nd
 
 
 def solution_direction(method: Method) -> np.ndarray:
-    """Preconsistency vector u, (r,): what the solution is in the values.
+    """Return the preconsistency vector u, (r,): what the solution is in the values.
 
     (1, 0, ...) for a method that is not pre-consistent; for a pair, that of its q half.
     """

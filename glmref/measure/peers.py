@@ -64,7 +64,7 @@ def _scipy(problem: Problem, tolerance: float, times: np.ndarray, method: str) -
 
 
 def _floor(problem: Problem) -> float:
-    """Absolute tolerance per unit of relative tolerance: the size of the initial state."""
+    """Return absolute tolerance per unit of relative tolerance: the size of the initial state."""
     return float(np.max(np.abs(problem.y0))) or 1.0
 
 
@@ -186,7 +186,7 @@ def _rebound(problem: Problem, tolerance: float, times: np.ndarray, method: str)
 
 
 def _bodies(problem: Problem) -> tuple[float, list[float], int]:
-    """Gravity constant, masses and dimension of space of a gravitational problem."""
+    """Return the gravity constant, masses and dimension of space of a gravitational problem."""
     if problem.name == "kepler":
         return 1.0, [1.0, 0.0], 2
     body = getattr(getattr(problem, "force", None), "body", None)
@@ -246,7 +246,7 @@ _INSTALLED = {"sksundae": "scikit-sundae"}
 
 
 def package_of(name: str) -> str:
-    """Package a peer comes from.
+    """Return the package a peer comes from.
 
     Raises
     ------

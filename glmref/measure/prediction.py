@@ -179,7 +179,7 @@ def _halves(engine: Stepper) -> list[tuple[Any, np.ndarray, np.ndarray, np.ndarr
 
 
 def _zetas(engine: Stepper) -> list[complex]:
-    """Eigenvalues of V of modulus one but 1, of nonnegative imaginary part."""
+    """Return eigenvalues of V of modulus one but 1, of nonnegative imaginary part."""
     met: list[complex] = []
     for z in (z for *_, values in _halves(engine) for z in values):
         wanted = abs(abs(z) - 1) < 1e-9 and abs(z - 1) > 1e-9 and z.imag > -1e-9
@@ -227,7 +227,7 @@ def _bundle(z: complex, halves: Sequence[Any], engine: Stepper) -> _Bundle:
 
 
 def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray) -> np.ndarray:
-    """Derivatives of the step at many values (N, r, d): (N, n, n), by central differences."""
+    """Differentiate the step at many values (N, r, d) by central differences: (N, n, n)."""
     count, n = len(values), values[0].size
     sizes = np.max(np.abs(values), axis=(0, 1))
     nudges = NUDGE * np.where(sizes > 0, sizes, max(float(np.max(sizes)), 1e-300))
@@ -257,7 +257,7 @@ def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray, passes: int = PAS
 
 
 def _times(real: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Products of real matrices with matrices that may be complex."""
+    """Return products of real matrices with matrices that may be complex."""
     if x.dtype.kind != "c":
         return real @ x
     both = real @ np.concatenate([np.real(x), np.imag(x)], axis=-1)
@@ -266,7 +266,7 @@ def _times(real: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def _weights(count: int) -> np.ndarray:
-    """Smooth weights with sum 1 that vanish at both ends with all derivatives."""
+    """Return smooth weights with sum 1 that vanish at both ends with all derivatives."""
     x = (np.arange(count) + 0.5) / count
     weights = np.exp(-1 / (x * (1 - x)))
     return weights / weights.sum()
@@ -305,21 +305,24 @@ class _Growing:
         self.products = _products(psi)
 
     def size(self, product: np.ndarray) -> float:
-        """Size of phi where the product of the propagators is so much."""
+        """Return the size of phi where the product of the propagators is so much."""
         if not np.isfinite(product).all():
             return math.inf
         least = ROUND_OFF * float(np.linalg.norm(product, 2))
         return max(float(np.linalg.norm(product @ self.start)), least)
 
     def found(self, period: float | None, *, grows: bool) -> tuple[float, float]:
-        """Rate per step and step of loss, in the way that fits; ``grows``: mu is not zero."""
+        """Return the rate per step and step of loss, in the way that fits.
+
+        ``grows`` says that mu is not zero.
+        """
         near = np.isfinite(_logarithms(self.psi)).all()  # else steps are too large for averages
         if period is not None and near and period + 3 < len(self.psi):
             return self.periodic(period)
         return self.seen() if grows or not near else self.averaged()
 
     def averaged(self) -> tuple[float, float]:
-        """Rate per step, and the step of loss, where the propagators are near to I.
+        """Return the rate per step, and the step of loss, where the propagators are near to I.
 
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         """
@@ -331,7 +334,7 @@ class _Growing:
         return max(found, key=lambda pair: pair[1])
 
     def periodic(self, period: float) -> tuple[float, float]:
-        """The same from the product over a period of so many steps, repeated."""
+        """Return the same from the product over a period of so many steps, repeated."""
         whole = int(period)
         part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
         once = _exponential(part) @ self.products[whole]
@@ -344,7 +347,7 @@ class _Growing:
         return rate, done * period + last
 
     def seen(self) -> tuple[float, float]:
-        """The same from growth by :data:`CLEAR` within the pilot run; NaN where it is less."""
+        """Return the same from growth by :data:`CLEAR` within the pilot run; NaN if it is less."""
         lengths = range(len(self.psi), 0, -1)
         end = next((n for n in lengths if self.size(self.products[n]) < math.inf), 0)
         half = end // 2
@@ -357,7 +360,7 @@ class _Growing:
         return rate, float(lost) if lost is not None else end + further
 
     def _repeated(self, once: np.ndarray) -> tuple[float, np.ndarray]:
-        """How often a product may be taken until phi is large, and what it is then."""
+        """Return how often a product may be taken until phi is large, and what it is then."""
         powers = [once]
         with np.errstate(all="ignore"):
             while self.size(powers[-1]) < self.level and 2 ** len(powers) <= FOR_EVER:
@@ -381,7 +384,7 @@ def _products(psi: np.ndarray) -> list[np.ndarray]:
 
 
 def _inside(cells: np.ndarray, x: float) -> np.ndarray:
-    """Integral over [0, x] of the third of five cells, whose integrals are given: (m, m)."""
+    """Return integral over [0, x] of the third of five cells, whose integrals are given: (m, m)."""
     edges = np.concatenate([cells[:1] * 0, np.cumsum(cells, axis=0)])
     edges = edges - edges[2]
     found = np.polyfit(np.arange(-2, 4), edges.reshape(6, -1), 5)
@@ -390,7 +393,10 @@ def _inside(cells: np.ndarray, x: float) -> np.ndarray:
 
 @np.errstate(over="ignore")
 def _period(y: np.ndarray) -> float | None:
-    """Number of steps, not whole, after which an orbit (N, d) is back; ``None``: never."""
+    """Return the number of steps, not whole, after which an orbit (N, d) is back.
+
+    ``None`` stands for never.
+    """
     distance, size = np.linalg.norm(y - y[0], axis=1), float(np.max(np.linalg.norm(y, axis=1)))
     left = np.flatnonzero(distance > AWAY * size)
     if not len(left):

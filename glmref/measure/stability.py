@@ -29,12 +29,12 @@ GROWTH = 1e-7
 
 @lru_cache(maxsize=8)
 def _rounded(method: GLM) -> FloatGLM:
-    """The tableau in double precision, rounded once for the thousands of z of a bisection."""
+    """Return the tableau in double precision, rounded once for the many z of a bisection."""
     return method.to_float()
 
 
 def amplification(method: GLM, z: Any) -> np.ndarray:
-    """Stability matrix M(z) in double precision.
+    """Return the stability matrix M(z) in double precision.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def amplification(method: GLM, z: Any) -> np.ndarray:
 
 
 def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
-    """Eigenvalues (..., r); infinite for a matrix that is not finite."""
+    """Return eigenvalues (..., r); infinite for a matrix that is not finite."""
     finite = np.isfinite(matrices).all(axis=(-1, -2))
     values = np.full(matrices.shape[:-1], np.inf, dtype=complex)
     values[finite] = np.linalg.eigvals(matrices[finite])
@@ -65,12 +65,12 @@ def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
 
 
 def radius(method: GLM, z: Any) -> np.ndarray:
-    """Spectral radius of M(z), shape of z; infinite at a pole."""
+    """Return the spectral radius of M(z), shape of z; infinite at a pole."""
     return np.max(np.abs(_eigenvalues(amplification(method, z))), axis=-1)
 
 
 def bounded(method: GLM, z: Any) -> np.ndarray:
-    """Whether no eigenvalue of M(z) is larger than one by :data:`GROWTH`; shape of z."""
+    """Return whether no eigenvalue of M(z) is larger than one by :data:`GROWTH`; shape of z."""
     return radius(method, z) <= 1 + GROWTH
 
 

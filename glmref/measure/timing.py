@@ -79,7 +79,7 @@ def circumstances() -> dict[str, Any]:
 
 
 def _pinned() -> bool:
-    """Whether this process stays on one core of several."""
+    """Return whether this process stays on one core of several."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 0
     return usable == 1 and (os.cpu_count() or 1) > 1
 
@@ -92,7 +92,7 @@ def machine(where: Mapping[str, Any]) -> str:
 
 
 def _processor() -> str:
-    """Model name of the processor where the system tells it."""
+    """Return the model name of the processor where the system tells it."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as stream:
             for line in stream:

@@ -178,7 +178,7 @@ def _last_time(problem: Problem, solution: Solution) -> float:
 
 
 def _errors(problem: Problem, solution: Solution, ask: Collection[str]) -> dict[str, Any]:
-    """Fields of :class:`Work` that answer the questions about a completed run."""
+    """Return fields of :class:`Work` that answer the questions about a completed run."""
     record: dict[str, Any] = {}
     if "state" in ask:
         at = _last_time(problem, solution)
@@ -207,7 +207,7 @@ class Deadline:
         self._end: float | None = None
 
     def __call__(self) -> bool:
-        """Whether the time is over."""
+        """Return whether the time is over."""
         now = perf_counter()
         if self._end is None:
             self._end = now + self.budget
@@ -260,7 +260,7 @@ def _timed(
 
 
 def energy_error(problem: Problem, solution: Solution) -> float:
-    """Largest relative error of H over the samples of a solution."""
+    """Return the largest relative error of H over the samples of a solution."""
     y = np.real(np.asarray(solution.y)).astype(float)
     return float(np.max(energy_deviation(problem, np.vstack([problem.y0, y]))))
 
@@ -302,7 +302,7 @@ def judged_state(problem: Problem, y: Any, t: float, notices: Iterable[str] = ()
 
 
 def state_error(y: np.ndarray, reference: Reference) -> float:
-    """Euclidean error of a state relative to the reference's norm."""
+    """Return the Euclidean error of a state relative to the reference's norm."""
     size = float(np.linalg.norm(reference.state)) or 1.0
     return float(np.linalg.norm(np.real(y).astype(float) - reference.state)) / size
 

@@ -150,10 +150,10 @@ class AdditiveGLM(Own, Method):
         )
 
     def weighted(self, B: tuple[Matrix, ...]) -> AdditiveGLM:
-        """The method with other weights, for one of its embedded rows."""
+        """Return the method with other weights, for one of its embedded rows."""
         return replace(self, B=B, embedded=(), document=None, claims=MappingProxyType({}))
 
     def part(self, n: int) -> GLM:
-        """The method that integrates ``y' = f_n(t, y)`` alone, n from 1."""
+        """Return the method that integrates ``y' = f_n(t, y)`` alone, n from 1."""
         c = self.components[n - 1]
         return GLM(c.A, c.U, c.B, c.V, name=f"{self.name}, part {n}", output=c.output)

@@ -58,7 +58,7 @@ _SMALL = 10_000  # denominators of fractions that a rounded number may stand for
 
 
 def _depth() -> int:
-    """How many calls up the first one is that is no code of this package, for a warning."""
+    """Return how many calls up the first one is that is no code of this package, for a warning."""
     package = __name__.partition(".")[0]
     depth, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == package:

@@ -44,7 +44,7 @@ SEPARABLE: Palette = MappingProxyType({"f": "k", "k": "f"})
 
 
 def additive_palette(k: int) -> Palette:
-    """Palette of an additive method of k parts: the digits 1 to k, each below each."""
+    """Return the palette of an additive method of k parts: the digits 1 to k, each below each."""
     colours = "123456789"[:k]
     return MappingProxyType(dict.fromkeys(colours, colours))
 

@@ -15,7 +15,7 @@ from ..exact.linalg import Matrix, Vector
 
 
 def quoted(name: str) -> str:
-    """The name of a row in a message, however long it is."""
+    """Return the name of a row in a message, however long it is."""
     text = repr(name)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -55,7 +55,7 @@ class EmbeddedRow:
         return self.other(b) if self.difference else tuple((x,) for x in self.weights)
 
     def estimate(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
-        """Weights (1, s) of the error estimate, for each component."""
+        """Return weights (1, s) of the error estimate, for each component."""
         return tuple((x,) for x in self.weights) if self.difference else self.other(b)
 
     def permuted(self, *orders: Sequence[int]) -> EmbeddedRow:

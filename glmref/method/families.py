@@ -17,7 +17,7 @@ _ZERO, _ONE = Exact(0), Exact(1)
 
 
 def runge_kutta(A: Rows, b: Entries, name: str = "", *, embedded: Any = None) -> GLM:
-    """Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
+    """Return the Runge-Kutta method as the GLM with r = 1, U = 1, V = 1.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def partitioned_runge_kutta(
     b_hat: Entries,
     name: str = "",
 ) -> PartitionedGLM:
-    """Pair of Runge-Kutta methods: (A, b) for q acts on f, (A_hat, b_hat) for p acts on k.
+    """Return a pair of Runge-Kutta methods: (A, b) for q acts on f, (A_hat, b_hat) for p acts on k.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def partitioned_runge_kutta(
 
 
 def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> PartitionedGLM:
-    """Splitting method for q' = f(p), p' = k(q): ``q += a_i h f(p)``, ``p += b_j h k(q)`` in turn.
+    """Return the splitting ``q += a_i h f(p)``, ``p += b_j h k(q)`` in turn, as a pair.
 
     Parameters
     ----------

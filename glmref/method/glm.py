@@ -67,7 +67,9 @@ def _take_output(method: GLM | PartitionedGLM, name: str, r: int) -> None:
 
 
 def _moved_output(m: preconsistency.Block, back: Matrix) -> Vector | None:
-    """The output ``w T^-1`` after a change of values; ``None`` where there is no solution to read.
+    """Return the output ``w T^-1`` after a change of values.
+
+    ``None`` where there is no solution to read.
 
     Written down even where the method declares none, because the rule that finds an undeclared one
     looks at the values by number.
@@ -78,7 +80,7 @@ def _moved_output(m: preconsistency.Block, back: Matrix) -> Vector | None:
 
 
 def _without_file(method: Any, outputs: Mapping[str, str], changes: Mapping[str, Any]) -> Any:
-    """A copy with other coefficients, and without whatever else a file may give.
+    """Return a copy with other coefficients, and without whatever else a file may give.
 
     The outputs, by the letter of the values that they read, stay where their sizes do.
     """
@@ -235,14 +237,14 @@ class GLM(Own, Method):
         return super().times if self.abscissae_given is None else (self.abscissae_given,)
 
     def weighted(self, B: tuple[Matrix, ...]) -> GLM:
-        """The method with other weights, for one of its embedded rows."""
+        """Return the method with other weights, for one of its embedded rows."""
         one = ((Exact(1),),)
         return self.bare(
             B=B[0], U=one * self.s, V=one, output=None, abscissae_given=self.abscissae_given
         )
 
     def with_row(self, row: EmbeddedRow) -> Method:
-        """The method with an embedded solution in the place of its own.
+        """Return the method with an embedded solution in the place of its own.
 
         Where several values are carried, those after a step are moved along u, so that their
         output is the embedded solution: ``B + u (b - w B)`` and ``V + u (v - w V)``.
@@ -349,7 +351,7 @@ class GLM(Own, Method):
         )
 
     def permute_stages(self, order: Sequence[int]) -> Self:
-        """Number the stages anew: the new stage i is the old stage ``order[i]`` (from 0).
+        """Renumber the stages: the new stage i is the old stage ``order[i]`` (from 0).
 
         Starting and finishing methods have stages of their own and stay as they are.
         """
@@ -579,7 +581,7 @@ class PartitionedGLM(Own, Method):
         )
 
     def permute_stages(self, Q: Sequence[int], P: Sequence[int] | None = None) -> Self:
-        """Number the stages anew: the new Q_i is the old Q_j, j = ``Q[i]`` (from 0), P likewise.
+        """Renumber the stages: the new Q_i is the old Q_j, j = ``Q[i]`` (from 0), P likewise.
 
         Parameters
         ----------
@@ -611,7 +613,7 @@ class PartitionedGLM(Own, Method):
         )
 
     def weighted(self, B: tuple[Matrix, ...]) -> PartitionedGLM:
-        """The pair with other weights, for one of its embedded rows."""
+        """Return the pair with other weights, for one of its embedded rows."""
         one = ((Exact(1),),)
         return self.bare(
             B=B[0], U=one * self.n_Q, V=one, B_hat=B[1], U_hat=one * self.n_P, V_hat=one,

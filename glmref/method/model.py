@@ -51,11 +51,11 @@ class Method:
         return self
 
     def weighted(self, B: tuple[Matrix, ...]) -> Method:
-        """The method with other weights, for one of its embedded rows."""
+        """Return the method with other weights, for one of its embedded rows."""
         raise NotImplementedError
 
     def with_row(self, row: EmbeddedRow) -> Method:
-        """The method with an embedded row in the place of that of the solution."""
+        """Return the method with an embedded row in the place of that of the solution."""
         return self.weighted(row.solution(self.weights))
 
     @property
@@ -135,7 +135,7 @@ class Method:
         )
 
     def stage_blocks(self, palette: Palette | None = None) -> tuple[stage_order.StageBlock, ...]:
-        """Stages in an order in which they can be computed: see :mod:`.stage_order`.
+        """Return stages in an order in which they can be computed: see :mod:`.stage_order`.
 
         Parameters
         ----------

@@ -29,12 +29,12 @@ _ZERO, _ONE = Exact(0), Exact(1)
 
 
 def _combined(first: Scalar, second: Sequence[Scalar]) -> Vector:
-    """First V_0 + sum second_l (V_l - V_0)."""
+    """Return the first V_0 + sum second_l (V_l - V_0)."""
     return (first - sum(second, _ZERO), *second)
 
 
 def nystrom_weights(b: Vector, b_prime: Vector, *, shared: bool) -> tuple[Vector, Vector]:
-    """Weights of q on the stages P and of p on the stages Q, for b and b' on the slopes g.
+    """Return weights of q on the stages P and of p on the stages Q, for b and b' on the slopes g.
 
     Parameters
     ----------

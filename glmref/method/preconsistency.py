@@ -122,7 +122,7 @@ def preconsistency(
 
 
 def _choices(V: Matrix, B: Matrix | None, output: Vector | None) -> list[tuple[Matrix, Vector]]:
-    """Equations in (u, v) that choose among several u, the most demanding first."""
+    """Return equations in (u, v) that choose among several u, the most demanding first."""
     r = len(V)
     nothing = (_ZERO,) * r
     reads: tuple[Vector, ...] = () if output is None else ((*output, *nothing),)
@@ -156,7 +156,7 @@ def preconsistency_vector(m: Block) -> Vector | None:
 
 
 def first_functional(u: Sequence[Scalar]) -> Vector:
-    """The functional of a method that declares none: the first value that carries the solution.
+    """Return the default functional: the first value that carries the solution.
 
     Raises
     ------

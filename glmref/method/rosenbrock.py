@@ -83,7 +83,7 @@ class RosenbrockGLM(AdditiveGLM):
         )  # fmt: skip
 
     def with_any_matrix(self) -> RosenbrockGLM:
-        """The same method where J is any matrix."""
+        """Return the same method where J is any matrix."""
         kept = {x.name: getattr(self, x.name) for x in fields(self)}
         return RosenbrockGLM(**{**kept, "system": "w", "document": None})
 

@@ -26,7 +26,9 @@ class StageBlock:
 
 
 def reached(first: Iterable[int], needs: Callable[[int], Iterable[int]]) -> set[int]:
-    """Numbers that are needed for the first ones, directly or through others; these included.
+    """Return numbers that are needed for the first ones, directly or through others.
+
+    The first ones are included.
 
     Parameters
     ----------
@@ -66,12 +68,12 @@ def dependency_blocks(size: int, needs: Needs) -> tuple[StageBlock, ...]:
 
 
 def is_shared(palette: Mapping[str, str]) -> bool:
-    """Whether every right-hand side is evaluated at the stages of all components."""
+    """Return whether every right-hand side is evaluated at the stages of all components."""
     return all(len(seen) == len(palette) for seen in palette.values())
 
 
 def offsets(components: Sequence[Component], palette: Mapping[str, str]) -> dict[str, int]:
-    """Number of the first stage of each component, by colour; 0 where stages are shared."""
+    """Return the first stage of each component, by colour; 0 where stages are shared."""
     found, at = {}, 0
     for c in components:
         found[c.colour] = at
@@ -100,7 +102,10 @@ def stage_blocks(
 
 
 def read_stages(components: Sequence[Component], palette: Mapping[str, str]) -> frozenset[int]:
-    """Stages that some value reads, directly or through others; numbers as in stage_blocks."""
+    """Return stages that some value reads, directly or through others.
+
+    They are numbered as in :meth:`stage_blocks`.
+    """
     table, first = _needs(components, palette), offsets(components, palette)
     ends = {j for c in components for row in c.B for j in _sources(c, row, palette, first)}
     return frozenset(reached(ends, table.__getitem__))
@@ -121,7 +126,7 @@ def _needs(
     palette: Mapping[str, str],
     counts: Callable[[Scalar], bool] = lambda x: True,
 ) -> dict[int, set[int]]:
-    """What each stage is computed from through entries that count: stages by number."""
+    """Return what each stage is computed from through entries that count: stages by number."""
     first = offsets(components, palette)
     table: dict[int, set[int]] = {}
     for c in components:
@@ -139,6 +144,6 @@ def _sources(
     first: Mapping[str, int],
     counts: Callable[[Scalar], bool] = lambda x: True,
 ) -> set[int]:
-    """Stages whose slopes a row of A or B sums, with factors that count."""
+    """Return stages whose slopes a row of A or B sums, with factors that count."""
     used = [j for j, x in nonzero(row) if counts(x)]
     return {first[d] + j for d in palette[c.colour] for j in used}

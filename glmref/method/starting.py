@@ -86,7 +86,7 @@ class StartingMethod(_Start):
         return len(self.A)
 
     def transform(self, T: Matrix) -> StartingMethod:
-        """The start of the same method carrying ``T y``: ``T B`` and ``T u``, T (r, r)."""
+        """Return the start of the same method carrying ``T y``: ``T B`` and ``T u``, T (r, r)."""
         return replace(self, B=linalg.matmul(T, self.B), u=linalg.matvec(T, self.u))
 
 
@@ -127,7 +127,7 @@ class PairStartingMethod(_Start):
         return len(self.A), len(self.A_hat)
 
     def transform(self, T: Matrix, T_hat: Matrix) -> PairStartingMethod:
-        """The start of the same pair carrying ``T q`` and ``T_hat p``."""
+        """Return the start of the same pair carrying ``T q`` and ``T_hat p``."""
         return replace(
             self,
             B=linalg.matmul(T, self.B),

@@ -89,7 +89,7 @@ class SweepForm:
     explicit: Collection[int] = ()
 
     def partner(self, colour: str) -> str:
-        """The colour at whose stages the values of a component are read."""
+        """Return the colour at whose stages the values of a component are read."""
         first, *_, last = (*self.D, *self.D)
         return last if colour == first else first
 
@@ -159,7 +159,7 @@ def columns(rows: Sequence[Sequence[Any]], size: int) -> Matrix:
 
 
 def stage_word(text: str, n_P: int, n_Q: int) -> tuple[tuple[str, int], ...]:
-    """The stages of a pair in their order: the colour evaluated (f at P, k at Q) and its number.
+    """Return the stages of a pair in their order: colour evaluated (f at P, k at Q) and number.
 
     Raises
     ------

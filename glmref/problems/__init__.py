@@ -47,7 +47,7 @@ _HOME = {name: module for module, listed in _MODULES.items() for name in listed}
 
 
 def names() -> list[str]:
-    """Names of the problems, sorted."""
+    """Return names of the problems, sorted."""
     return sorted(_HOME)
 
 
@@ -106,7 +106,7 @@ def from_path(path: str | Path) -> Problem:
 
 
 def about(name: str) -> str:
-    """One line on a problem, from the docstring of the function that builds it."""
+    """Return one line on a problem, from the docstring of the function that builds it."""
     return (inspect.getdoc(_builder(name)) or "").partition("\n")[0]
 
 

@@ -93,7 +93,7 @@ def _clocked(part: Formula, vector: str, half: int, slope: str) -> Formula:
 
 
 def timed(formula: Formula) -> bool:
-    """Whether t occurs in a formula."""
+    """Return whether t occurs in a formula."""
     common, outputs = formula.trees
     trees = (*(tree for _, tree in common), *outputs)
     return any(isinstance(n, ast.Name) and n.id == "t" for x in trees for n in ast.walk(x))
@@ -107,14 +107,14 @@ def _minus(text: str) -> str:
 
 
 def taken(formula: Formula, outputs: tuple[str, ...], letter: str = "e") -> Formula:
-    """The formula with other outputs, and with only the common subexpressions that they need."""
+    """Return the formula with other outputs and only the common subexpressions they need."""
     return shared(replace(formula, outputs=outputs, shape=(len(outputs),)), letter)
 
 
 def constant_matrix(
     formula: Formula, first: int, columns: int
 ) -> list[list[Fraction | None]] | None:
-    """Derivative of a formula by components first, first + 1 ... where it is constant.
+    """Return the derivative of a formula by components first, first + 1 ... where it is constant.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def constant_matrix(
 
 
 def _exact(tree: ast.AST, values: Mapping[str, Fraction | None]) -> Fraction | None:
-    """Value of a constant expression, ``None`` where it is not rational."""
+    """Return the value of a constant expression, ``None`` where it is not rational."""
     if isinstance(tree, ast.Constant):
         return Fraction(repr(tree.value))
     if isinstance(tree, ast.Name):
@@ -188,7 +188,7 @@ class _Numbered:
         self.written: dict[int, ast.expr] = {}
 
     def of(self, tree: ast.expr) -> int:
-        """The number of an expression's value."""
+        """Return the number of an expression's value."""
         if isinstance(tree, ast.Name) and tree.id in self.names:
             return self.names[tree.id]
         if isinstance(tree, ast.Name | ast.Constant | ast.Subscript):
@@ -224,7 +224,7 @@ class _Numbered:
                 todo.extend(self.parts[k])
 
     def text(self, k: int) -> str:
-        """Expression of a value, with names for those used more than once."""
+        """Return the expression of a value, with names for those used more than once."""
         return ast.unparse(self._tree(k))
 
     def _tree(self, k: int) -> ast.expr:

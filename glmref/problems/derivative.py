@@ -90,7 +90,10 @@ def _names(text: str) -> list[ast.Name]:
 
 
 def _derivative(tree: Tree, j: int, chain: Mapping[str, Mapping[int, Tree]]) -> Tree:
-    """Derivative of a checked tree by component j; ``_ZERO`` itself where it vanishes."""
+    """Return the derivative of a checked tree by component j.
+
+    It is ``_ZERO`` itself where it vanishes.
+    """
     if isinstance(tree, ast.Constant):
         return _ZERO
     if isinstance(tree, ast.Name):
@@ -117,7 +120,7 @@ def _derivative(tree: Tree, j: int, chain: Mapping[str, Mapping[int, Tree]]) -> 
 
 
 def _power(tree: ast.BinOp, d_base: Tree, d_exponent: Tree) -> Tree:
-    """Derivative of base**exponent."""
+    """Return the derivative of base**exponent."""
     base, exponent = tree.left, tree.right
     if isinstance(exponent, ast.Constant):
         value = exponent.value
@@ -133,7 +136,7 @@ def _power(tree: ast.BinOp, d_base: Tree, d_exponent: Tree) -> Tree:
 
 
 def _call(tree: ast.Call, j: int, chain: Mapping[str, Mapping[int, Tree]]) -> Tree:
-    """Derivative of a function of the whitelist."""
+    """Return the derivative of a function of the whitelist."""
     assert isinstance(tree.func, ast.Name)
     name, x = tree.func.id, tree.args[0]
     dx = _derivative(x, j, chain)

@@ -101,7 +101,7 @@ def exact_number(value: object, what: str) -> Number:
 
 
 def _has_double(number: Number) -> bool:
-    """Whether the nearest double is finite, and zero for zero alone."""
+    """Return whether the nearest double is finite, and zero for zero alone."""
     try:
         nearest = float(number)
     except OverflowError:
@@ -370,7 +370,7 @@ def _check_numbers(tree: ast.AST, where: str) -> None:
 
 
 def _value(node: ast.AST, values: Mapping[int, Any]) -> Any:
-    """Value of a number or of arithmetic of numbers; ``None`` for anything else."""
+    """Return the value of a number or of arithmetic of numbers; ``None`` for anything else."""
     if isinstance(node, ast.Constant):
         return node.value
     if isinstance(node, ast.Name) and node.id == "pi":

@@ -44,7 +44,7 @@ def hamiltonian_entries(
     observables: Mapping[str, str] | None = None, name: str = "own", source: str = "",
     time: Any = None, n: int | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Entries of a problem q' = dH/dp, p' = -dH/dq, with what is separable of it seen.
+    """Return entries of a problem q' = dH/dp, p' = -dH/dq, with what is separable of it seen.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def equation_entries(
     time: Any = None, coordinates: Sequence[str] | None = None,
     momenta: Sequence[str] | None = None, n: int | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Entries of a problem y' = f(t, y) from one expression per component.
+    """Return entries of a problem y' = f(t, y) from one expression per component.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ class _AtSite(ast.NodeTransformer):
 
 
 def _is_free(name: str) -> bool:
-    """Whether a user may give this name; those that end in _ are given to subexpressions."""
+    """Return whether a user may give this name; those that end in _ are given to subexpressions."""
     taken = (*FUNCTIONS, "pi", "t", "sum", "range")
     return (
         name.isidentifier() and not iskeyword(name) and not name.endswith("_") and name not in taken
@@ -283,7 +283,7 @@ def _rest(name: Any, source: Any, t0: Any, t_end: Any, time: Any) -> dict[str, A
 
 
 def time_of(value: Any, what: str) -> float:
-    """A number, or an expression in numbers such as ``"20*pi"``."""
+    """Return a number, or an expression in numbers such as ``"20*pi"``."""
     if isinstance(value, str):
         text = _text(value, what)
         try:
@@ -317,7 +317,7 @@ class _Names:
         return not self.of_y and bool(self.half)
 
     def listed(self) -> tuple[str, ...]:
-        """Names of all components; those of lists are numbered."""
+        """Return names of all components; those of lists are numbered."""
         if self.of_y or 2 * self.half > MOST_LABELS:
             return self.of_y
         halves, sites = (self.layout.q, self.layout.p), range(self.half // len(self.layout.q))
@@ -325,7 +325,7 @@ class _Names:
 
     @classmethod
     def of_vector(cls, y0: Start) -> _Names:
-        """Components written ``y[k]``."""
+        """Return components written ``y[k]``."""
         if isinstance(y0, Mapping):
             raise UsageError("`y0` must be a list as `f` is; name the components of both or none")
         return cls((), 0)
@@ -335,7 +335,7 @@ class _Names:
         cls, y0: Start, coordinates: Sequence[str] | None, momenta: Sequence[str] | None,
         parameters: Mapping[str, Any],
     ) -> _Names:  # fmt: skip
-        """Names of q and p from what a user gave."""
+        """Return names of q and p from what a user gave."""
         if (coordinates is None) != (momenta is None):
             raise UsageError("`coordinates` and `momenta` go together; give both or neither")
         if coordinates is not None and momenta is not None:
@@ -374,7 +374,7 @@ class _Names:
     def _of_lists(
         cls, y0: Mapping[str, Any], layout: Layout, parameters: Mapping[str, Any]
     ) -> _Names:
-        """Components numbered by site, in lists of one length."""
+        """Return components numbered by site, in lists of one length."""
         wanted = (*layout.q, *layout.p)
         sizes = {len(x) if isinstance(x, list | tuple) else 0 for x in y0.values()}
         if set(y0) != set(wanted) or len(sizes) != 1 or 0 in sizes:
@@ -396,14 +396,14 @@ class _Names:
             seen.add(name)
 
     def scalars(self, values: Mapping[str, Any]) -> dict[str, Number]:
-        """Parameters of a problem without sums: single numbers."""
+        """Return parameters of a problem without sums: single numbers."""
         for key, value in values.items():
             if isinstance(value, tuple):
                 raise UsageError(f"`parameters.{key}` is a list, which goes with sums over q[i]")
         return dict(values)
 
     def renamed(self, text: Any, what: str) -> str:
-        """An expression with components written as ``y[k]``."""
+        """Return an expression with components written as ``y[k]``."""
         text = _text(text, what)
         if "^" in text:
             raise UsageError(f"`{what}` contains ^; write ** for powers")
@@ -417,7 +417,7 @@ class _Names:
         self, what: str, text: Any, parameters: Mapping[str, Number],
         variables: tuple[str, ...] = ("y",),
     ) -> Formula:  # fmt: skip
-        """One expression in the components as a formula."""
+        """Return one expression in the components as a formula."""
         formula = Formula(
             (self.renamed(text, what),), variables=variables, parameters=parameters, shape=()
         )
@@ -434,7 +434,7 @@ class _Names:
             raise UsageError(f"`{what}` uses component {beyond[0]} of {2 * self.half}")
 
     def _said(self, sentence: str, what: str, parameters: Iterable[str]) -> str:
-        """A complaint of the whitelist in the user's names."""
+        """Return a complaint of the whitelist in the user's names."""
         for k in range(len(self.of_y) - 1, -1, -1):
             sentence = sentence.replace(f"y[{k}]", self.of_y[k])
         known = re.sub(r"known are [^;]*$", "", sentence).rstrip("; ")
@@ -466,7 +466,7 @@ class _Names:
     def watched(
         self, invariants: Any, observables: Any, parameters: Mapping[str, Number]
     ) -> dict[str, Any]:
-        """Conserved functions and observables as entries of a problem."""
+        """Return conserved functions and observables as entries of a problem."""
         found: dict[str, Any] = {}
         for key, given in (("invariants", invariants), ("observables", observables)):
             if given is not None and not isinstance(given, Mapping):

@@ -411,7 +411,7 @@ class Problem(Shown):
 
 
 def _protected(value: Any, name: str, size: int, shape: tuple[int, ...]) -> Any:
-    """A callable as the problem keeps it: what a user gave is called on copies and looked at."""
+    """Wrap a callable of the user: it is called on copies, and its results are checked."""
     if value is _identity or hasattr(value, "on"):
         return value
     return UserFunction(plain(value), name, size, shape)
@@ -456,7 +456,7 @@ def _initial_entry(i: int, x: Any, parameters: Mapping[str, Number], context: An
 
 
 def _sum_of(terms: Sequence[Any], parameters: Mapping[str, Number]) -> Any:
-    """The right-hand side that is the sum of its terms: expressions where all of them are."""
+    """Sum the terms to a right-hand side, as expressions where all of them are."""
     if all(isinstance(term, Formula) and not term.common for term in terms):
         rows = zip(*(term.outputs for term in terms), strict=True)
         texts = tuple(" + ".join(f"({x})" for x in row) for row in rows)

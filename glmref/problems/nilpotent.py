@@ -93,7 +93,7 @@ class Truncation:
         return x ** (self.mpf(1) / 2) if isinstance(x, Nilpotent) else self.context.sqrt(x)
 
     def atan2(self, u: Any, x: Any) -> Any:
-        """Angle of the point (x, u): its change is the imaginary part of a logarithm."""
+        """Return the angle of the point (x, u): its change is the imaginary part of a logarithm."""
         if not (isinstance(u, Nilpotent) or isinstance(x, Nilpotent)):
             return self.context.atan2(u, x)
         u, x = (v if isinstance(v, Nilpotent) else self._constant(v) for v in (u, x))

@@ -119,7 +119,7 @@ def hamiltonian_parts(H: str, half: int, values: Values, layout: Layout = FLAT) 
 
 
 def _halves(term: _Term, layout: Layout) -> set[str]:
-    """Which of q and p a term names."""
+    """Return which of q and p a term names."""
     return {layout.half_of(vector) for vector, _ in term.slots}
 
 
@@ -256,7 +256,7 @@ class _Reader:
         return name, ", ".join(bounds if len(bounds) == 2 else ["0", *bounds])
 
     def index(self, tree: ast.expr, variables: list[str] | tuple[str, ...]) -> str:
-        """Whole-number arithmetic as source, with parameters by value."""
+        """Return whole-number arithmetic as source, with parameters by value."""
         if isinstance(tree, ast.Constant) and type(tree.value) is int:
             return str(tree.value)
         if isinstance(tree, ast.Name) and tree.id in variables:
@@ -369,14 +369,14 @@ def _check_indices(term: _Term, half: int, values: Values, layout: Layout) -> No
 
 
 def _value(index: str, places: Mapping[str, Any]) -> Any:
-    """Value of an index expression, which :meth:`_Reader.index` has written."""
+    """Return the value of an index expression, which :meth:`_Reader.index` has written."""
     return eval(index, {"__builtins__": {}}, dict(places))
 
 
 def _places(
     loops: tuple[tuple[str, str], ...], known: Mapping[str, Any]
 ) -> Iterator[Mapping[str, Any]]:
-    """Values of the variables of nested loops; those of the innermost as one array."""
+    """Yield values of the variables of nested loops; those of the innermost as one array."""
     if not loops:
         yield known
         return
@@ -396,7 +396,7 @@ class _Writer:
         self.constants, self.layout = list(constants), layout
 
     def energy(self, terms: list[_Term]) -> Callable[..., Any]:
-        """The body that adds up H."""
+        """Return the body that adds up H."""
         lines = ["def energy(y, params):", "    half = len(y) // 2", "    total = 0 * y[0]"]
         for term in terms:
             inner, (value,) = self._term(term, shared(term.formula), self._in_y)
@@ -406,7 +406,7 @@ class _Writer:
     def gradient(
         self, name: str, arguments: str, half: str, terms: list[_Term]
     ) -> Callable[..., Any]:
-        """The body that fills ``out`` with dH/dp, with -dH/dq, or with both."""
+        """Return the body that fills ``out`` with dH/dp, with -dH/dq, or with both."""
         vector = arguments[-1]
         source = (
             self._in_y if vector == "y" else lambda v, i: f"{vector}[{self.layout.place(v, i)}]"
@@ -434,7 +434,7 @@ class _Writer:
     def _term(
         self, term: _Term, formula: Formula, source: Callable[[str, str], str]
     ) -> tuple[list[str], list[str]]:
-        """Assignments and outputs of a formula of a term."""
+        """Return assignments and outputs of a formula of a term."""
         lines = [f"s{k}_ = {source(v, i)}" for k, (v, i) in enumerate(term.slots)]
         lines += [
             f"{name} = {text if '[' in text else '1.0 * ' + text}"
@@ -492,7 +492,7 @@ class _Texts(ast.NodeTransformer):
 
 
 def exact_decimal(value: Any) -> Number:
-    """A literal as the number it reads as: 0.1 is 1/10."""
+    """Return a literal as the number it reads as: 0.1 is 1/10."""
     return value if isinstance(value, int) else Fraction(repr(value))
 
 
@@ -504,7 +504,7 @@ def _nested(loops: tuple[tuple[str, str], ...], inner: list[str]) -> list[str]:
 
 
 def _made(lines: list[str], name: str) -> Callable[..., Any]:
-    """The function of a source, which it carries along for the compiler."""
+    """Return the function of a source, which it carries along for the compiler."""
     text = "\n".join(lines) + "\n"
     namespace: dict[str, Any] = {"__name__": __name__}
     exec(compile(text, "<sums>", "exec"), namespace)

@@ -154,7 +154,7 @@ def from_file(
 
 
 def _changed(problem: Problem, changes: Mapping[str, Any]) -> Problem:
-    """A problem of a file with another name or other times."""
+    """Return a problem of a file with another name or other times."""
     for key in changes:
         if key not in ("t_end", "t0", "name"):
             raise UsageError(f"`{key}` does not go with `file`; the function of the file gives it")

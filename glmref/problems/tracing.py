@@ -115,7 +115,7 @@ def traced(
 
 
 def _agree(formula: Formula, function: Callable[..., Any], point: tuple[Any, ...]) -> bool:
-    """Whether both have the same value at a point, or neither has one."""
+    """Return whether both have the same value at a point, or neither has one."""
     *times, state = point
     with np.errstate(all="ignore"):
         ours = np.asarray(formula(*times, np.array(state)), dtype=float)
@@ -146,7 +146,7 @@ class _Trace:
         return _Symbol(self, self.known[text])
 
     def text(self, x: Any) -> str:
-        """An operand as it stands in a line."""
+        """Return an operand as it stands in a line."""
         if isinstance(x, _Symbol):
             return x.name
         if isinstance(x, np.generic):
@@ -231,7 +231,7 @@ class _Symbol:
 
 
 def _references(function: FunctionType) -> Iterator[tuple[str, Any]]:
-    """Global names and closure variables that a function reads, with their values.
+    """Yield global names and closure variables that a function reads, with their values.
 
     Raises
     ------
@@ -300,7 +300,7 @@ def _mark(value: Any, depth: int) -> Any:
 
 
 def _code_mark(code: CodeType) -> Any:
-    """What a code object computes, equal in every process: without places and names of files."""
+    """Return what a code object computes, without file names: equal in every process."""
     constants = tuple(
         _code_mark(x) if isinstance(x, CodeType) else (type(x).__name__, repr(x))
         for x in code.co_consts
@@ -315,7 +315,7 @@ def _code_mark(code: CodeType) -> Any:
 
 
 def _copied(function: Any, trace: _Trace, known: dict[int, Any]) -> FunctionType:
-    """The function with everything that it reads made fit for symbols."""
+    """Return the function with everything that it reads made fit for symbols."""
     if not isinstance(function, FunctionType):
         raise Untraceable
     if id(function) in known:
@@ -347,7 +347,7 @@ def _copied(function: Any, trace: _Trace, known: dict[int, Any]) -> FunctionType
 
 
 def _fit(value: Any, trace: _Trace, known: dict[int, Any]) -> Any:
-    """A value that the function reads, or what stands for it."""
+    """Return a value that the function reads, or what stands for it."""
     if isinstance(value, int | float | np.number | Fraction):
         return value
     if isinstance(value, tuple):
@@ -423,7 +423,7 @@ class _Linalg:
 
     @staticmethod
     def norm(x: Any) -> Any:
-        """The Euclidean norm of a vector."""
+        """Return the Euclidean norm of a vector."""
         if np.ndim(x) != 1:
             raise Untraceable
         return np.dot(x, x).sqrt()

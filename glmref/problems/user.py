@@ -28,7 +28,7 @@ class NoValue(FunctionFailed, ValueError):
 
 
 def _place(arguments: tuple[Any, ...]) -> str:
-    """Where a function was called, for a message."""
+    """Return where a function was called, for a message."""
     *times, last = arguments
     shown = ", ".join(_digits(x) for x in np.asarray(last).ravel()[:_SHOWN])
     dots = ", ..." if np.size(last) > _SHOWN else ""
@@ -37,12 +37,12 @@ def _place(arguments: tuple[Any, ...]) -> str:
 
 
 def _digits(x: Any) -> str:
-    """Six digits of a number, real or complex, in doubles or of an mpmath context."""
+    """Return six digits of a number, real or complex, in doubles or of an mpmath context."""
     return f"{complex(x) if np.iscomplexobj(x) else float(x):.6g}"
 
 
 def _sentence(error: BaseException) -> str:
-    """Type and message of an exception in one line of moderate length."""
+    """Return the type and message of an exception in one line of moderate length."""
     text = shown(error, str, 200)
     name = type(error).__name__
     return f"{name}: {text}" if text else name
@@ -62,7 +62,7 @@ def raised(name: str, error: BaseException, arguments: tuple[Any, ...] = ()) -> 
 
 
 def _kind(found: Any) -> str:
-    """What a result is, for a message: the shape of an array, else the type."""
+    """Return what a result is, for a message: the shape of an array, else the type."""
     if found is None:
         return "None"
     if hasattr(found, "__next__"):
@@ -94,7 +94,7 @@ class UserFunction:
         return str(getattr(self.function, "__name__", self.function))
 
     def __call__(self, *arguments: Any) -> Any:
-        """Value at a state (size,), or at states in columns (size, m), one after the other.
+        """Return value at a state (size,), or at states in columns (size, m), one after the other.
 
         Raises
         ------
@@ -114,7 +114,7 @@ class UserFunction:
         return self._numbers(self.raw(*times, state), state)
 
     def examined(self, *arguments: Any) -> tuple[Any, set[np.dtype[Any]]]:
-        """The value at one state, and the types of numbers in which the function returned it.
+        """Return the value at one state, and the types of numbers the function returned.
 
         Whole numbers in a list are meant as they are; an array of them has lost its fractions.
         """
@@ -130,11 +130,11 @@ class UserFunction:
         return value, {k for k in kinds if isinstance(k, np.dtype)}
 
     def listed(self, *arguments: Any) -> list[float]:
-        """The value as a list of Python numbers, which plain Python computes with fastest."""
+        """Return the value as a list of Python numbers, the fastest input of plain Python."""
         return self(*arguments).tolist()
 
     def raw(self, *arguments: Any) -> Any:
-        """What the function itself returns for these very arguments."""
+        """Return what the function itself returns for these very arguments."""
         try:
             return self.function(*arguments)
         except FunctionFailed:  # of a function that this one calls
@@ -190,7 +190,7 @@ class UserFunction:
         return result if self.shape else result[()]
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
-        """Entries as numbers of the context: text and what else it would take are none."""
+        """Return entries as numbers of the context: text and what else it would take are none."""
         convert = getattr(self.context, "convert", None)
         if convert is None:  # what is recorded or expanded is no number
             return array
@@ -212,7 +212,7 @@ class UserFunction:
 
 
 def _entry(array: np.ndarray) -> str:
-    """The first entry of an array of objects that is no number, for a message."""
+    """Return the first entry of an array of objects that is no number, for a message."""
     for x in array.ravel():
         try:
             float(x)

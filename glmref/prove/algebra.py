@@ -26,7 +26,7 @@ MAX_PLACES = 50_000
 
 
 def all_of(answers: Sequence[bool | None]) -> bool | None:
-    """Conjunction in three values."""
+    """Return conjunction in three values."""
     return False if False in answers else None if None in answers else True
 
 
@@ -51,7 +51,7 @@ def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
 
 
 def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
-    """Whether no ball stands in the matrices."""
+    """Return whether no ball stands in the matrices."""
     return all(isinstance(x, Exact) for m in matrices for row in m for x in row)
 
 
@@ -92,13 +92,13 @@ def consistent_values(
 
 
 def _with_one(basis: list[Vector]) -> Vector | None:
-    """The first vector of a basis whose last entry is not 0, divided by it, without that entry."""
+    """Return the first basis vector whose last entry is not 0, scaled by it and without it."""
     whole = next((x for x in basis if not x[-1].vanishes()), None)
     return None if whole is None else tuple(x / whole[-1] for x in whole[:-1])
 
 
 def first_value(basis: list[Vector]) -> Vector | None:
-    """The output of a method that declares none, the same for every u of :func:`constants`.
+    """Return the output of a method that declares none, the same for every u of :func:`constants`.
 
     It is the first value in which u is not 0, divided by u there; ``None`` where that value, or u
     there, is not the same for all u with x = 1.
@@ -115,7 +115,7 @@ def first_value(basis: list[Vector]) -> Vector | None:
 
 
 def inside_circle(p: Any) -> bool | None:
-    """Whether all roots lie inside the circle; ``None`` where balls leave it open.
+    """Return whether all roots lie inside the circle; ``None`` where balls leave it open.
 
     ``False`` says that one lies outside the closed disc.
 
@@ -142,7 +142,7 @@ def inside_circle(p: Any) -> bool | None:
 
 
 def bounded(V: Matrix) -> bool | None:
-    """Whether the powers of a matrix are bounded.
+    """Return whether the powers of a matrix are bounded.
 
     Exact: with the characteristic polynomial p = q h, all roots of h inside the circle and those
     of q on it, this is so exactly if rad(q)(V) h(V) = 0 (Hairer, Norsett, Wanner 1993, III.3): q is
@@ -169,7 +169,7 @@ def bounded(V: Matrix) -> bool | None:
 
 
 def bounded_exactly(V: Matrix) -> bool:
-    """The exact case of :func:`bounded`."""
+    """Return the exact case of :func:`bounded`."""
     h = poly.characteristic_polynomial(V)
     zeros = 0
     while h[0].is_zero():
@@ -211,7 +211,7 @@ def full_rank(rows: Matrix, r: int) -> bool | None:
 def involutions(
     relations: Sequence[tuple[Matrix, Matrix, int, int]], sizes: Sequence[int]
 ) -> list[tuple[int, ...]] | None:
-    """Every involution P with A[i][j] + A[Pi][Pj] = target[i][j] as far as balls can tell.
+    """Return every involution P with A[i][j] + A[Pi][Pj] = target[i][j] as far as balls can tell.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def involutions(
 
 
 def multiple_on_axis(P: Sequence[Any]) -> bool:
-    """Whether P(w, y) may have a multiple root w for some real y other than 0.
+    """Return whether P(w, y) may have a multiple root w for some real y other than 0.
 
     The resultant of P and its derivative by w is a polynomial in y, of degree at most (2 r - 1) d;
     it is interpolated, and its squared modulus has a real zero where P has a multiple root.
@@ -296,7 +296,7 @@ def multiple_on_axis(P: Sequence[Any]) -> bool:
 
 
 def escape(p: Any, where: str) -> str:
-    """A sentence with the largest modulus of a root."""
+    """Return a sentence with the largest modulus of a root."""
     size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
     return f"M(z) has an eigenvalue of modulus {size:.10g} {where}"
 

@@ -196,7 +196,7 @@ _OF_SOME = (
 
 
 def plain_ends(stability: Mapping[str, Any]) -> dict[str, Any]:
-    """Ends of stability intervals as JSON has them: a whole half-axis is ``"infinity"``."""
+    """Return ends of stability intervals as JSON has them: a whole half-axis is ``"infinity"``."""
     return {key: "infinity" if x == math.inf else x for key, x in stability.items()}
 
 
@@ -227,7 +227,9 @@ def analyze(method: Method | str | Path, *, budget: float | None = None) -> Anal
 
 
 def record_of(name: str | Path, further: Callable[[Method, Any], Any]) -> tuple[Any, Any]:
-    """The record of a method; questions about a user's file are answered in processes of their own.
+    """Return the record of a method.
+
+    Questions about a user's file are answered in processes of their own.
 
     One that does not return from an operation within its budget is ended. The next takes over the
     answers that were found, and leaves out the question.
@@ -318,7 +320,7 @@ class _Questions:
         nothing: Any = None,
         seconds: float | None = None,
     ) -> Any:
-        """The answer; where there is none, that is noted, and what stands for nothing returned."""
+        """Return the answer; where there is none, note that and return ``nothing``."""
         answer, why = next(self._answered, (None, None))
         if why is None:
             answer, why = self._found(what, nothing, seconds or self.share)
@@ -364,7 +366,7 @@ class _Questions:
         return truth
 
     def range(self, claim: str) -> Range:
-        """Proved bounds of an order; no upper bound and the reason where none was found."""
+        """Return proved bounds of an order, or the reason why no upper bound was found."""
         found = self.ask(claim, lambda f: asdict(f.nominal.kernel.range(claim)))
         if found is None:
             return Range(0, None, reason=self.undecided[claim])
@@ -408,7 +410,7 @@ def _shared(q: _Questions) -> dict[str, Any]:
 
 
 def _size_to(facts: Facts, order: int) -> str | None:
-    """The largest residual through an order of rounded decimals, rounded up."""
+    """Return the largest residual through an order of rounded decimals, rounded up."""
     if facts.nominal is facts:
         return None
     sizes = _proved_sizes(facts).get(SOLUTION, ())[1:] or _measured_sizes(facts)
@@ -416,7 +418,7 @@ def _size_to(facts: Facts, order: int) -> str | None:
 
 
 def _proved_sizes(facts: Facts) -> Mapping[str, Sequence[Fraction]]:
-    """Bounds of the residuals through each order by rows of weights, from order 0."""
+    """Return bounds of the residuals through each order by rows of weights, from order 0."""
     try:
         return facts.kernel.sizes_to_digits if facts.kernel.exact else {}
     except ExactnessError:
@@ -424,7 +426,10 @@ def _proved_sizes(facts: Facts) -> Mapping[str, Sequence[Fraction]]:
 
 
 def _measured_sizes(facts: Facts) -> list[Fraction]:
-    """The same from order 1 as measured; what is beyond the range of doubles is as large as any."""
+    """Return the same from order 1 as measured.
+
+    What is beyond the range of doubles is as large as any.
+    """
     return [Fraction(repr(min(x, sys.float_info.max))) for x in facts.kernel.nearly()]
 
 
@@ -434,7 +439,10 @@ def _constants(facts: Facts) -> tuple[dict[str, float], float]:
 
 
 def _row_orders(kernel: Kernel) -> dict[str, int] | None:
-    """Orders of the embedded rows by name; ``None`` without rows, or without the u they need."""
+    """Return orders of the embedded rows by name.
+
+    ``None`` without rows, or without the u they need.
+    """
     try:
         return {name: x.range(kernel.row_claim).value for name, x in kernel.row_kernels} or None
     except ExactnessError:
@@ -442,7 +450,7 @@ def _row_orders(kernel: Kernel) -> dict[str, int] | None:
 
 
 def _stability(q: _Questions, part: int = 0) -> dict[str, Any]:
-    """A- and L-stability and the intervals of a method that is a single one on linear systems.
+    """Find A- and L-stability and the intervals of a method that is one method on linear systems.
 
     That is one method, a Rosenbrock method, or one part of an additive method.
     """
@@ -463,7 +471,7 @@ def _stability(q: _Questions, part: int = 0) -> dict[str, Any]:
 
 
 def _stability_of_parts(q: _Questions) -> dict[str, dict[str, Any]] | None:
-    """The same of each implicit part of an additive method, by its number."""
+    """Return the same of each implicit part of an additive method, by its number."""
     m = q.facts.method
     implicit = [n for n in range(1, m.k + 1) if m.part(n).implicit_stages]
     return {str(n): _stability(q, n) for n in implicit} or None
@@ -484,7 +492,7 @@ JUMP = 100.0
 
 
 def staircase(facts: Facts) -> str:
-    """How well a rounded tableau satisfies the conditions beyond its proved order.
+    """Return how well a rounded tableau satisfies the conditions beyond its proved order.
 
     Rational numbers of methods that carry one value are evaluated with a bound of all roundings,
     each row of weights for itself and Nystrom methods on second-order systems; the sizes, rounded
@@ -522,7 +530,7 @@ def _steps(sizes: Sequence[Fraction], proved: int) -> str:
 
 
 def _analyzed_sum(q: _Questions) -> Analysis:
-    """An additive method: the whole by trees in the colours of its parts, and each part alone."""
+    """Analyze an additive method: the whole by trees in the colours of its parts, and each part."""
     m = q.facts.method
     return Analysis(
         **_shared(q),
@@ -651,7 +659,10 @@ def _growth_rates(facts: Facts) -> dict[str, float] | None:
 
 
 def _periodicity(facts: Facts) -> float | None:
-    """The periodicity interval; over published digits, that a form is conserved is proved apart."""
+    """Return the periodicity interval.
+
+    Over published digits, that a form is conserved is proved apart.
+    """
     method = facts.method
     conserving = False
     if not method.is_exact and facts.truth(G_SYMPLECTIC.key) and method.G is not None:

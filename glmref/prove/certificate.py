@@ -89,7 +89,7 @@ def certificate_of(
 
 
 def _trees(series: StartingSeries, nystrom: bool) -> str:
-    """Which trees a series is about, in the words of a certificate."""
+    """Return which trees a series is about, in the words of a certificate."""
     if series.along_paths:
         return "nystrom-paths" if nystrom else "paths"
     return "nystrom" if nystrom else "all"
@@ -156,11 +156,11 @@ class Shared:
         return found
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
-        """The field of a statement about exact numbers."""
+        """Return the field of a statement about exact numbers."""
         return self._field(self.exact_texts, parts, declared)
 
     def field(self, claim: str, parts: list[Part]) -> dict[str, Any]:
-        """The field of a statement about decimals; the same for all that need no start."""
+        """Return the field of a statement about decimals; the same for all that need no start."""
         found = self._field(self.enclosed_texts, parts, [])
         kept = {k: found.get(k, empty) for k, empty in (("generators", []), ("radicals", {}))}
         if self.facts.implied is None:
@@ -200,7 +200,7 @@ class _Texts:
         return found
 
     def _in(self, text: str) -> dict[str, None]:
-        """The radicals of one entry; words such as rules and trees hold none."""
+        """Return the radicals of one entry; words such as rules and trees hold none."""
         return dict.fromkeys(radicals_of(written_out(text, self.constants)))
 
 
@@ -272,11 +272,11 @@ class _Writer:
         self.holds = judged.truth is True
 
     def parts(self) -> list[Part]:
-        """The parts that prove the statement."""
+        """Return the parts that prove the statement."""
         return [{"rule": "absent", "witness": {}}] if self._absent() else self._parts()
 
     def _absent(self) -> bool:
-        """Whether the file has nothing that the claim is about."""
+        """Return whether the file has nothing that the claim is about."""
         if self.claim == EMBEDDED_ORDER.key:
             rows = {x.name for x in self.facts.method.embedded}
             return not rows or set(self.declared) != rows
@@ -298,7 +298,7 @@ class _Writer:
         raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
 
     def _of(self, method: Any, claim: str) -> _Writer:
-        """The writer of the same statement about another method."""
+        """Return the writer of the same statement about another method."""
         return _Writer(type(self.facts)(method), claim, self.declared, self.judged)
 
     # -- what stands beside a tableau
@@ -312,7 +312,7 @@ class _Writer:
         return found
 
     def _of_row(self, row: EmbeddedRow) -> Self:
-        """The writer of the order of a row."""
+        """Return the writer of the order of a row."""
         facts = type(self.facts)(self.facts.method.with_row(row))
         return type(self)(facts, self.kernel.row_claim, self.declared[row.name], self.judged)
 
@@ -389,16 +389,16 @@ class _Writer:
         return [least, most] if settled else [least]
 
     def _is_above_declared(self, lower: int) -> bool:
-        """Whether an order of at least this is not the one declared, which fails."""
+        """Return whether an order of at least this is not the one declared, which fails."""
         return not self.holds and self.claim in _ORDERS and lower > self.declared
 
     def _is_below_declared(self, upper: int | None) -> bool:
-        """Whether an order of at most this is not the one declared, which fails."""
+        """Return whether an order of at most this is not the one declared, which fails."""
         fails = not self.holds and self.claim in _ORDERS
         return fails and upper is not None and upper < self.declared
 
     def _no_order(self) -> Part:
-        """A component that is not consistent."""
+        """Return a component that is not consistent."""
         for c in self.kernel.method.components:
             _, U, B, V = c.matrices
             if consistency_vector(c) is None if is_exact(U, B, V) else (
@@ -410,7 +410,7 @@ class _Writer:
 
     @staticmethod
     def _other_u(U: Matrix, B: Matrix, V: Matrix) -> bool:
-        """Whether U u is not 1 for the u with W u = W B 1."""
+        """Return whether U u is not 1 for the u with W u = W B 1."""
         D = linalg.sub(V, linalg.identity(len(V)))
         right, left = linalg.nullspace(D), linalg.nullspace(linalg.transpose(D))
         if not right:
@@ -499,7 +499,7 @@ class _Writer:
         ]
 
     def _symmetric_reduced(self) -> list[Part]:
-        """The method without idle values, which is minimal, and its symmetry."""
+        """Return the method without idle values, which is minimal, and its symmetry."""
         proposed = self._witness()
         smaller = proposed["reduced"]
         inner = _Writer(_Reduced(smaller), SYMMETRIC.key, self.declared, self.judged)
@@ -540,7 +540,7 @@ class _Writer:
         return [self._vectors(v=False) if self._truth() else self._no_vector()]
 
     def _no_vector(self) -> Part:
-        """A component for which V u = u, U u = 1 contradict each other."""
+        """Return a component for which V u = u, U u = 1 contradict each other."""
         for c in self.kernel.method.components:
             if not is_exact(c.V):
                 continue
@@ -550,7 +550,7 @@ class _Writer:
 
     @staticmethod
     def _differing(U: Matrix, V: Matrix) -> bool:
-        """Whether U u differs at two stages for the one u = V u, or V has no such u."""
+        """Return whether U u differs at two stages for the one u = V u, or V has no such u."""
         fixed = linalg.nullspace(linalg.sub(V, linalg.identity(len(V))))
         if len(fixed) != 1:
             return not fixed
@@ -563,12 +563,12 @@ class _Writer:
 
     @staticmethod
     def _blocks(V: Matrix) -> list[Matrix]:
-        """Diagonal blocks of V in the order of the page: by the values in them."""
+        """Return diagonal blocks of V in the order of the page: by the values in them."""
         groups = sorted(diagonal_values(V))
         return [tuple(tuple(V[i][j] for j in group) for i in group) for group in groups]
 
     def _unbounded(self) -> Part:
-        """The first V, or block of V, with a root outside the circle, or a defective one on it."""
+        """Return the first V, or block of V, with a root outside the circle or defective on it."""
         c = next(c for c, b in self.kernel.blocks.items() if bounded(b[3]) is False)
         V, where = self.kernel.blocks[c][3], {}
         if not is_exact(V):
@@ -620,14 +620,14 @@ class _Writer:
         return self._reached(ENERGY_ORDER.key, "energy")
 
     def _reached(self, claim: str, name: str) -> list[Part]:
-        """Both bounds of an order of the underlying one-step method, or the lower one."""
+        """Return both bounds of an order of the underlying one-step method, or the lower one."""
         found = self.kernel.range(claim)
         bounds = {"at-least": found.lower, "at-most": found.upper}
         return [{"rule": f"{name}-{which}", "witness": {"q": q}}
                 for which, q in bounds.items() if q is not None]  # fmt: skip
 
     def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
-        """A form that no finder proposes."""
+        """Return a form that no finder proposes."""
         vectors = [preconsistency_vector(c) for c in self.kernel.method.components]
         u, u_hat = vectors[0], vectors[-1]
         assert u is not None and u_hat is not None
@@ -657,7 +657,7 @@ class _Writer:
         return self._not_symmetric()
 
     def _not_symmetric(self) -> list[Part]:
-        """A V that is singular, or a search of the checker through the exchanges of stages."""
+        """Show that V is singular, or let the judge search the exchanges of stages."""
         where: dict[str, Any] = {}
         for c, (_, _, _, V) in self.kernel.blocks.items():
             if is_exact(V) and linalg.nullspace(V):
@@ -678,7 +678,7 @@ class _Writer:
         return [{"rule": "other-abscissae", "witness": {}}]
 
     def _has_vectors(self) -> bool:
-        """Whether every component is consistent."""
+        """Return whether every component is consistent."""
         components = self.kernel.method.components
         return all(consistency_vector(c) is not None for c in components)
 
@@ -767,7 +767,7 @@ class _Writer:
         return [*parts, {"rule": "grows", "witness": {"part": self._growing(declared)}}]
 
     def _growing(self, declared: list[Any]) -> int:
-        """The part whose parameters are others than declared, or -1: their number is another."""
+        """Return the part whose parameters are not those declared; -1 if their number differs."""
         groups = self.kernel._growth_matrices(self._witness())
         if self.kernel.is_pair:  # the claim is about what the halves feed each other
             groups = [(zeta, found[:2]) for zeta, found in groups]
@@ -835,7 +835,7 @@ class _EnclosedWriter(_Writer):
         return super()._parts()
 
     def _rows(self) -> list[Part]:
-        """Every row; of a claim that fails, one whose order is another."""
+        """Return every row; of a claim that fails, one whose order is another."""
         kernel = self.kernel
         implied = kernel.implied is not None
         if self.holds:
@@ -889,7 +889,7 @@ class _EnclosedWriter(_Writer):
         return parts if self.holds else parts[1:]
 
     def _implied_stages(self, *, free: bool) -> list[Part]:
-        """The stage order of the one method that the equations of the file give."""
+        """Return the stage order of the one method that the equations of the file give."""
         least, most = self._bounds(free=free, nystrom=False)
         stages, p = self.kernel.range(STAGE_ORDER.key), least["witness"]["order"]
         q = stages.upper
@@ -905,7 +905,7 @@ class _EnclosedWriter(_Writer):
         return [least, most, {"rule": "implied-stage-order", "witness": {"q": q}}, above]
 
     def _exact_order(self, *, free: bool, nystrom: bool) -> list[Part]:
-        """An order that no entry in decimals touches."""
+        """Return an order that no entry in decimals touches."""
         kernel = self.kernel.timed
         p = kernel.order_range(free=free, nystrom=nystrom)
         series = kernel.series[free, nystrom]
@@ -917,7 +917,7 @@ class _EnclosedWriter(_Writer):
         return [first, parts[1]] if self.holds else [first]
 
     def _stages(self, *, free: bool) -> list[Part]:
-        """The stage order of decimals: with the order where that is settled, else without it."""
+        """Return the stage order of decimals, with the order where that is settled."""
         stages, parts = self.kernel.range(STAGE_ORDER.key), []
         if self.holds or stages.lower > self.declared:
             try:
@@ -1002,7 +1002,7 @@ class _EnclosedWriter(_Writer):
         return [{"rule": "symmetric", "witness": witness}]
 
     def _failing_start(self, nystrom: bool) -> dict[str, Any]:
-        """The first tree at which the start of a pair is certainly wrong, and the value."""
+        """Return the first tree at which the start of a pair is certainly wrong, and the value."""
         kernel = self.kernel
         if not kernel.is_pair:
             raise ExactnessError("the order of the start is not written out")

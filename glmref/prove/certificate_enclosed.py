@@ -94,7 +94,7 @@ def _text(radius: Any) -> str:
 
 
 def _conditions(block: Mapping[str, Any], target: Target, count: int) -> list[list[Any]]:
-    """The conditions of a start, in the order of :meth:`.starting.Target.conditions`."""
+    """Return the conditions of a start, in the order of :meth:`.starting.Target.conditions`."""
     listed = target.conditions(known_stage_order(block, target))
     rest = [(k, t) for k, _, t in listed if k > 0]
     if count == len(rest):  # the first value starts from y itself
@@ -105,7 +105,7 @@ def _conditions(block: Mapping[str, Any], target: Target, count: int) -> list[li
 
 
 def equation_numbers(document: Mapping[str, Any]) -> list[str]:
-    """Numbers that stand in the names of equations: eigenvalues and abscissae."""
+    """Return numbers that stand in the names of equations: eigenvalues and abscissae."""
     found = []
     for text in document.get("enclosure", {}).get("equations", ()):
         kind, _, rest = text.partition(" ")

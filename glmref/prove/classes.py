@@ -73,14 +73,14 @@ class Family(Enum):
 
 @cache
 def _fits(t: Tree, family: Family) -> bool:
-    """Whether every edge of a tree joins colours that may be neighbours."""
+    """Return whether every edge of a tree joins colours that may be neighbours."""
     allowed = family.palette[t.colour]
     return all(x.colour in allowed and _fits(x, family) for x in t.children)
 
 
 @cache
 def _listed(order: int, family: Family) -> tuple[Tree, ...]:
-    """All trees of an order that belong to a family."""
+    """Return all trees of an order that belong to a family."""
     whole = trees(order, family.palette)
     return tuple(t for t in whole if family is not Family.SECOND_ORDER or second_order(t))
 
@@ -104,7 +104,7 @@ def moves(version: Tree) -> tuple[tuple[Tree, Tree, Tree], ...]:
 
 @cache
 def free_tree(version: Tree) -> tuple[Tree, ...]:
-    """All rooted versions of the free tree under a rooted tree, in ascending order."""
+    """Return all rooted versions of the free tree under a rooted tree, in ascending order."""
     found, waiting = {version}, [version]
     while waiting:
         for _, _, other in moves(waiting.pop()):
@@ -116,14 +116,14 @@ def free_tree(version: Tree) -> tuple[Tree, ...]:
 
 @cache
 def second_order(t: Tree) -> bool:
-    """Whether every vertex f of the free tree has at most two neighbours."""
+    """Return whether every vertex f of the free tree has at most two neighbours."""
     allowed = 2 if t.colour == "f" else t.order
     return len(t.children) <= allowed and all(map(is_nystrom, t.children))
 
 
 @cache
 def reduce_tree(t: Tree, q: int) -> tuple[Tree, Fraction]:
-    """The class of a tree at stage order q, and its factor."""
+    """Return the class of a tree at stage order q, and its factor."""
     if q == 1:
         return t, Fraction(1)
     children: list[Tree] = []
@@ -141,7 +141,7 @@ def reduce_tree(t: Tree, q: int) -> tuple[Tree, Fraction]:
 
 @cache
 def classes(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Tree, ...]:
-    """The trees of an order that are their own class."""
+    """Return the trees of an order that are their own class."""
     return tuple(t for t in _listed(order, family) if reduce_tree(t, q)[0] is t)
 
 
@@ -158,7 +158,7 @@ def pairs(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Pair, ...
 
 
 def _spread(pair: Pair, index: dict[Tree, int], q: int, size: int) -> list[Fraction]:
-    """Coefficients of ``x(t*u) + x(u*t)`` in the values of x at the classes."""
+    """Return coefficients of ``x(t*u) + x(u*t)`` in the values of x at the classes."""
     row = [Fraction(0)] * size
     t, u = pair
     for grown in (attach(t, u), attach(u, t)):
@@ -275,7 +275,7 @@ def _cuts(t: Tree, q: int) -> tuple[tuple[Tree, Fraction], ...]:
 def _identities(
     order: int, q: int, family: Family
 ) -> tuple[dict[object, int], list[list[Fraction]]]:
-    """The identities of an odd order: unknowns (R at classes, leftover Q below) and rows."""
+    """Return the identities of an odd order: unknowns (R at classes, leftover Q below) and rows."""
     leftover = plan(order - 1, q, family=family).leftover if q > 1 else ()
     by_class = {t: i for i, t in enumerate(classes(order, q, family))}
     index: dict[object, int] = {**by_class}
@@ -313,7 +313,7 @@ def follows(order: int, q: int, given: Collection[Tree], family: Family = Family
 
 @cache
 def representatives(order: int, q: int = 1, family: Family = Family.ROOTED) -> tuple[Tree, ...]:
-    """Trees whose conditions give all others of their order: as few as there can be.
+    """Return trees whose conditions give all others of their order: as few as there can be.
 
     One for each free tree at stage order 1: 1, 1, 3, 11 for the orders 1, 3, 5, 7 and one colour;
     at stage order 2, of odd orders, 1, 0, 1, 3; at stage order 3: 1, 0, 1, 1, 3 (order 9).

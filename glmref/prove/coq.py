@@ -136,7 +136,7 @@ class _Writer:
         return ""
 
     def _nested(self, terms: Mapping[tuple[int, ...], Fraction], depth: int) -> str:
-        """A polynomial in the last root whose coefficients lie in the levels below."""
+        """Return a polynomial in the last root whose coefficients lie in the levels below."""
         terms = {power: x for power, x in terms.items() if x}
         if not any(map(any, terms)):
             x = sum(terms.values(), Fraction(0))
@@ -165,7 +165,7 @@ class _Writer:
         return text
 
     def levels(self) -> str:
-        """The tower, last root first; every radicand lies in the levels below its root."""
+        """Return the tower, last root first; every radicand lies in the levels below its root."""
         items = []
         for depth, (n, x) in enumerate(zip(self.tower.degrees, self.tower.values, strict=True)):
             below = {k[:depth]: w for k, w in self.tower.coordinates(x**n).items() if w}
@@ -178,7 +178,7 @@ class _Writer:
         self.definitions.append(f"Definition {name} : {kind} :=\n    {value}.\n")
 
     def theorem(self, suffix: str, statement: str, proof: str) -> None:
-        """A theorem for every field and all roots in it."""
+        """Write a theorem for every field and all roots in it."""
         name = f"{self.name}_{suffix}"
         text = (
             f"Theorem {name} : forall (F : field) (x : list F), roots_of F T x ->\n"
@@ -192,7 +192,7 @@ class _Writer:
         self.define(letter, "glm (in_tower T)", value)
 
     def best_order(self, most: int) -> OrderResult:
-        """The order with the solution as first value, unless free principal parts give more."""
+        """Write the order with identity, unless free principal parts give more."""
         same = order_of(self.method, max_order=most, principal="identity")
         if self.method.is_one_step:
             return same
@@ -200,7 +200,7 @@ class _Writer:
         return same if same.order == found.order else found
 
     def starting_series(self, found: OrderResult, palette: str, method: str, method_K: str) -> None:
-        """The order, with the starting series as witness; trees left out have no weight."""
+        """Write the order with the starting series as witness, without trees of no weight."""
         eta, p = found.eta, found.order
         if eta is None:
             return
@@ -230,7 +230,7 @@ class _Writer:
             self.theorem(f"order_{p}", f"has_order {value} {p}", f"apply (@check_order {proof}")
 
     def weight(self, t: Tree) -> Exact:
-        """Elementary weight b phi(t) of methods that carry one value."""
+        """Return the elementary weight b phi(t) of methods that carry one value."""
         blocks = {c.colour: c for c in self.method.components}
 
         def phi(t: Tree) -> list[Any]:
@@ -243,7 +243,7 @@ class _Writer:
         return as_exact(linalg.dot(blocks[t.colour].B[0], phi(t)))
 
     def not_order(self, found: OrderResult, palette: str, value: str, method_K: str) -> None:
-        """The next order fails at one tree, where the series with the identity is the only one."""
+        """Write a tree at which the next order fails; the series with the identity is unique."""
         t, p = found.failing_tree, found.order
         resolvents = [_resolvent(c.V) for c in self.method.components]
         solutions = [x for x in resolvents if x is not None]
@@ -271,7 +271,7 @@ class _Writer:
 
 
 def _resolvent(V: Matrix) -> tuple[Matrix, Vector] | None:
-    """Rows z and numbers a with z (I - V) + a e_1 = e_i: where 1 is simple and u_1 not 0."""
+    """Return rows z and numbers a with z (I - V) + a e_1 = e_i: where 1 is simple and u_1 not 0."""
     r, rows, numbers = len(V), [], []
     shifted = linalg.transpose(linalg.sub(linalg.identity(r), V))
     system = tuple((*row, Exact(int(i == 0))) for i, row in enumerate(shifted))
@@ -310,7 +310,7 @@ class _One(_Writer):
             self.growth()
 
     def one_step(self, found: OrderResult) -> None:
-        """Order by the classical conditions, and one tree that fails at the next order."""
+        """Write the order by the classical conditions, and one tree that fails at the next."""
         p, values = found.order, "(matrix F x a) (vector F x b)"
         if p:
             proof = f"apply (@check_rk_order T a b F x H {p}); {_COMPUTE}"

@@ -42,7 +42,7 @@ SMALLEST = 120
 
 
 def step_below(size: str) -> Fraction:
-    """The number of two digits before one: 2.6e-83 of 2.7e-83, and 9.9e-84 of 1.0e-83."""
+    """Return the number of two digits before one: 2.6e-83 of 2.7e-83, and 9.9e-84 of 1.0e-83."""
     digits, exponent = size.split("e")
     unit = Fraction(10) ** (int(exponent) - 1)
     tens = int(digits.replace(".", ""))
@@ -50,7 +50,7 @@ def step_below(size: str) -> Fraction:
 
 
 def rounded_up(x: Fraction) -> str:
-    """A positive number rounded up to two digits, such as ``2.7e-83``; ``0`` of zero."""
+    """Return a positive number rounded up to two digits, such as ``2.7e-83``; ``0`` of zero."""
     return f"{rounded_decimal(x, 2, ROUND_CEILING):.1e}" if x else "0"
 
 
@@ -126,7 +126,7 @@ class _Residuals:
         return {c: self.found.weights(_rational(row)) for c, row in b.items()}
 
     def residual(self, t: Tree, b: Mapping[str, Any], *, keep: bool = False) -> tuple[int, int]:
-        """Bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
+        """Return bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
         spend()
         low, high = self.found.residual(_plain(t), b[t.colour], keep)
         return int(low), int(high)
@@ -137,11 +137,11 @@ class _Residuals:
         return Fraction(int(found.p), int(found.q))
 
     def level(self, n: int) -> Iterator[Tree]:
-        """Trees of an order that are conditions."""
+        """Yield trees of an order that are conditions."""
         return filter(self.counts, trees(n, self.palette))
 
     def through(self, order: int) -> Iterator[tuple[Tree, bool]]:
-        """Trees through an order, and whether what is found of them serves higher orders."""
+        """Yield trees through an order, and whether what is found of them serves higher orders."""
         for n in range(1, order + 1):
             level = list(self.level(n))
             if n < order - 1:
@@ -185,7 +185,7 @@ class _Residuals:
         return Sized(False, reason, order=order + 1)
 
     def vanish(self, b: Mapping[str, Any], order: int) -> bool:
-        """Whether all conditions through an order hold exactly."""
+        """Return whether all conditions through an order hold exactly."""
         return all(self.exactly(t, b) == 0 for t, _ in self.through(order))
 
     def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
@@ -208,7 +208,7 @@ class _Residuals:
         return [*found, max(found[-1], Fraction(last, self.one))]
 
     def beyond(self, order: int) -> Iterator[Tree]:
-        """Trees of an order: first those with one branch.
+        """Yield trees of an order: first those with one branch.
 
         Of one method without a system of its own every tree counts, and those with one child need
         no list of the trees of their order.
@@ -220,7 +220,7 @@ class _Residuals:
 
 
 def _carries_on(A: Any, U: Any, B: Any, V: Any) -> bool:
-    """Whether U = 1 and V = 1: the value carried is the solution."""
+    """Return whether U = 1 and V = 1: the value carried is the solution."""
     return all((x - 1).is_zero() is True for row in (*U, *V) for x in row)
 
 
@@ -251,11 +251,11 @@ class DigitRules:
         }
 
     def _counted(self) -> Callable[[Tree], bool]:
-        """Which trees are conditions."""
+        """Return which trees are conditions."""
         return self.timed._counts(nystrom=self._is_nystrom)
 
     def to_digits(self, declared: Mapping[str, Any]) -> dict[str, Sized]:
-        """What is known of each of the declared orders, by the names of the weights."""
+        """Return what is known of each of the declared orders, by the names of the weights."""
         rows = self._rows_of_weights()
         if set(declared) != set(rows):
             raise ExactnessError("the weights of the method are others")

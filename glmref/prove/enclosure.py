@@ -188,7 +188,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
 
 
 def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:
-    """Largest magnitude of what the theorems say vanishes.
+    """Return the largest magnitude of what the theorems say vanishes.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series
 
 
 def _checked_signs(system: SweepSystem) -> tuple[tuple[int, ...], ...] | None:
-    """Diagonals of E = V L of a system whose equations give all conditions up to its orders.
+    """Return diagonals of E = V L of a system whose equations give all conditions up to its orders.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def _checked_signs(system: SweepSystem) -> tuple[tuple[int, ...], ...] | None:
 
 
 def radius_of(document: Mapping[str, Any]) -> Fraction:
-    """Radius of the box of the interval test of a file.
+    """Return the radius of the box of the interval test of a file.
 
     Raises
     ------
@@ -334,7 +334,7 @@ def shift_matrix(order: int) -> Matrix:
 
 
 def obstruction(series: Series, order: int) -> float:
-    """Bound from below what no starting method can remove at ``order + 1``.
+    """Return a lower bound of what no starting method can remove at ``order + 1``.
 
     Let S' be any starting method with which the method has order ``order + 1``. It gives order
     ``order`` too, and composing it with the flow over a multiple of h makes its principal part

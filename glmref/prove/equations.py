@@ -174,7 +174,7 @@ def starting_series(
 
 
 def _subtrees(given: Sequence[Tree]) -> list[Tree]:
-    """The trees with everything that stands in them, each once."""
+    """Return the trees with everything that stands in them, each once."""
     found: dict[Tree, None] = {}
     waiting = list(given)
     while waiting:
@@ -202,7 +202,7 @@ def _minus_weighted(
 
 
 def _resolvent(V: Matrix) -> Matrix:
-    """Inverse of 1 - V on the values 2..r."""
+    """Return the inverse of 1 - V on the values 2..r."""
     r = range(1, len(V))
     rest = tuple(tuple((1 if i == j else 0) - V[i][j] for j in r) for i in r)
     return linalg.inverse(rest) if rest else ()
@@ -211,7 +211,7 @@ def _resolvent(V: Matrix) -> Matrix:
 def _look_up(
     t: Tree, known: Mapping[Tree, tuple[Any, ...]], stage_order: int
 ) -> tuple[tuple[Any, ...], Fraction]:
-    """Series value of a tree, or of its class with the factor."""
+    """Return series value of a tree, or of its class with the factor."""
     if t in known:
         return known[t], Fraction(1)
     reduced, factor = reduce_tree(t, stage_order)

@@ -94,7 +94,7 @@ class Facts:
         return Shared(self)
 
     def truth(self, claim: str) -> bool | None:
-        """Whether a claim that is true or false is true, as far as it is proved."""
+        """Return whether a claim that is true or false is true, as far as it is proved."""
         return self.kernel.known(claim, proposal_for(self, claim)).truth
 
     @property
@@ -221,5 +221,5 @@ class Facts:
 
 
 def facts_of(method: Method, *, implied: Implied | None = None) -> Facts:
-    """Facts of a method of any kind."""
+    """Return facts of a method of any kind."""
     return Facts(method, implied=implied)

@@ -28,7 +28,7 @@ _LARGEST = 64  # degree of a field
 
 
 def written_out(text: str, constants: Mapping[str, str]) -> str:
-    """An entry without blanks and zeros that begin a number, its constants written out.
+    """Return an entry without blanks and zeros that begin a number, its constants written out.
 
     They are replaced by what they stand for, in parentheses.
     """
@@ -40,7 +40,7 @@ def written_out(text: str, constants: Mapping[str, str]) -> str:
 
 
 def radicals_of(text: str) -> list[str]:
-    """Texts of the radicals in an entry, inner ones first; ``i`` outside exp is one."""
+    """Return texts of the radicals in an entry, inner ones first; ``i`` outside exp is one."""
     found: list[str] = []
     at = 0
     while match := _NAME.search(text, at):
@@ -103,7 +103,7 @@ class Tower:
             self.radicals[text] = self._rational_root(q) if q is not None else self._other(text)
 
     def as_json(self) -> dict[str, Any]:
-        """The key ``field`` of a certificate."""
+        """Return the key ``field`` of a certificate."""
         if not self.radicals:  # sqrt(4) needs no generator
             return {"kind": "rational"}
         return {"kind": "tower", "generators": self.generators, "radicals": self.radicals}
@@ -134,7 +134,7 @@ class Tower:
             self._add(Exact(odd).sqrt(), [Fraction(-odd), Fraction(0)])
 
     def _product(self, n: int) -> list[int] | None:
-        """Radicands of generators whose product is n times a square, or ``None``."""
+        """Return radicands of generators whose product is n times a square, or ``None``."""
         known = [m for m in self._primes if m > 0]
         for chosen in product((0, 1), repeat=len(known)):
             total = n
@@ -194,7 +194,7 @@ class Tower:
         return name
 
     def _inverse_root(self, polynomial: list[Any], order: int) -> str:
-        """The conjugate of the last generator, a root of unity with rational coefficients."""
+        """Return the conjugate of the last generator, a root of unity over the rationals."""
         if not order or not all(isinstance(x, int) for x in polynomial):
             return ""
         power = [1] + [0] * (len(polynomial) - 1)
@@ -242,7 +242,7 @@ class Tower:
         return whole
 
     def element(self, value: Any) -> str:
-        """A number of the field as a sum of products of generators.
+        """Return a number of the field as a sum of products of generators.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class Tower:
     def coordinates(
         self, value: Exact, radicals: Iterable[str] = ()
     ) -> dict[tuple[int, ...], Fraction]:
-        """A number of the field: weights of the products of generators, by their exponents.
+        """Return a number of the field: weights of the products of generators, by their exponents.
 
         Parameters
         ----------
@@ -306,7 +306,7 @@ class Tower:
 
     @staticmethod
     def _written(found: Mapping[tuple[int, ...], Fraction]) -> str:
-        """The sum of weights times products of generators, by their exponents."""
+        """Return the sum of weights times products of generators, by their exponents."""
         terms = []
         for powers in sorted(x for x, w in found.items() if w):
             names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]

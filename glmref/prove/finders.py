@@ -39,7 +39,7 @@ Facts = Any
 
 
 def proposal_for(facts: Facts, claim: str) -> Proposal:
-    """What to hand to the kernel for one claim of one method."""
+    """Return what to hand to the kernel for one claim of one method."""
     return _FINDERS.get(claim, _nothing)(facts)
 
 
@@ -130,7 +130,7 @@ def _symmetric_reduced(facts: Facts) -> Proposal:
 
 
 def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
-    """Eigenvalues of modulus 1 with eigenvectors, and the polynomial of all the others.
+    """Return eigenvalues of modulus 1 with eigenvectors, and the polynomial of all the others.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def _growth(facts: Facts) -> Proposal:
 
 
 def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
-    """The numbers to show: of a multiple eigenvalue approximate ones where they are not on hand."""
+    """Return the numbers to show, approximate for a multiple eigenvalue without exact ones."""
     if "o" not in found:
         return [shown_number(x) for x in facts.growth_parameters]
     m, shown = facts.method, []

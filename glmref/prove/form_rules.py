@@ -72,7 +72,7 @@ class FormRules:
         return Known(all_of(answers), self.exact)
 
     def _g_symplectic(self, witness: Mapping[str, Any]) -> Known:
-        """Some (G, D) satisfies the identities and sees the solution, u^* G u not 0.
+        """Judge whether some (G, D) satisfies the identities and u^* G u is not 0.
 
         Butcher and Hewitt, Numer. Algorithms 51 (2009) 33. A given or proposed form is checked.
         Where none is given and none works, the identities are a real-linear system in (G, D); that
@@ -112,7 +112,10 @@ class FormRules:
         return Known(self.some_form(u, u_hat) is not None)
 
     def _form_residuals(self, G: Matrix, diagonals: Sequence[Vector]) -> list[Matrix]:
-        """Left minus right of the identities; the last one says that D is real, G Hermitian."""
+        """Return the left minus right of the identities.
+
+        The last one says that D is real, G Hermitian.
+        """
         star, matmul, sub = linalg.conjugate_transpose, linalg.matmul, linalg.sub
         imaginary = (tuple(x.imag for d in diagonals for x in d),)
         if not self.is_pair:
@@ -140,7 +143,9 @@ class FormRules:
         return residuals
 
     def some_form(self, u: Vector, u_hat: Vector) -> tuple[Matrix, list[Vector]] | None:
-        """A form (G, D) with u^* G u^ not 0, over exact numbers; ``None`` proves that none exists.
+        """Return a form (G, D) with u^* G u^ not 0, over exact numbers.
+
+        ``None`` proves that none exists.
 
         The space of all forms is eliminated.
         """
@@ -164,7 +169,7 @@ class FormRules:
         return G, diagonals
 
     def form_system(self, u: Vector, u_hat: Vector) -> tuple[list[Scalar], list[list[Scalar]]]:
-        """The real-linear system of (G, D).
+        """Return the real-linear system of (G, D).
 
         Returns
         -------
@@ -186,7 +191,7 @@ class FormRules:
         return all(x.is_real() for b in self.blocks.values() for m in b for row in m for x in row)
 
     def _form_units(self, rows: int, columns: int) -> list[tuple[Matrix, list[Vector]]]:
-        """A basis of all (G, D) over the real numbers, G Hermitian where it is square."""
+        """Return a basis of all (G, D) over the real numbers, G Hermitian where it is square."""
         real = self.is_real
         factors = (_ONE,) if real else (_ONE, Exact(-1).sqrt())
         units: list[tuple[Matrix, list[Vector]]] = []
@@ -214,7 +219,7 @@ class FormRules:
     # -- symmetry ----------------------------------------------------------------------------------
 
     def _symmetric(self, witness: Mapping[str, Any]) -> Known:
-        """The method of the file, as it stands, equals its adjoint: see the identities below.
+        """Judge whether the method of the file equals its adjoint as it stands.
 
         Butcher, "B-Series" (2021), section 7.6. A proposed (L, P) is checked. Otherwise *every*
         involution P of the stages that A + P A P = U V^-1 B may allow is found by a search that is
@@ -243,7 +248,7 @@ class FormRules:
         return self._not_symmetric(inverses)
 
     def _symmetric_reduced(self, witness: Mapping[str, Any]) -> Known:
-        """The same for the method without the values that are never reached or never seen.
+        """Return the same for the method without the values that are never reached or never seen.
 
         A proposed method with the same A is that method where U V^k B agree for k < r + r' (by
         Cayley and Hamilton then for all k: stages see the same) and where it is itself minimal:
@@ -322,7 +327,7 @@ class FormRules:
         return Known(False, self.exact)
 
     def _excluded(self, c: str, inverse: Matrix, exchanges: Mapping[str, Sequence[int]]) -> bool:
-        """Whether no L goes with these exchanges of stages; exact numbers only."""
+        """Return whether no L goes with these exchanges of stages; exact numbers only."""
         _, U, B, V = self.blocks[c]
         if not is_exact(U, B, V):
             return False

@@ -31,12 +31,12 @@ class GrowthRules:
         implied: Any
 
     def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
-        """The powers of V are bounded."""
+        """Return the powers of V are bounded."""
         found = [bounded(b[3]) for b in self.blocks.values()]
         return Known(all_of(found), self._exact_values())
 
     def _exact_values(self) -> bool:
-        """Whether every V is exact."""
+        """Return whether every V is exact."""
         return all(is_exact(b[3]) for b in self.blocks.values())
 
     def _eigen(self, colour: str, witness: Mapping[str, Any]) -> list[tuple[Any, Matrix, Matrix]]:
@@ -146,7 +146,7 @@ class GrowthRules:
         return residues(self.method) if self.is_pair and self.shared and self.exact else None
 
     def _unstable(self) -> bool:
-        """Whether some V is proved not to be power-bounded: then growth has no meaning."""
+        """Return whether some V is proved not to be power-bounded: then growth has no meaning."""
         return any(bounded(b[3]) is False for b in self.blocks.values())
 
     def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
@@ -183,7 +183,7 @@ class GrowthRules:
         return True if (trace - 1).is_zero() else None
 
     def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """The declared numbers are the eigenvalues of the growth matrices, zeta by zeta.
+        """Judge whether the declared numbers are the eigenvalues of the growth matrices.
 
         Within one multiple eigenvalue of V their order does not matter: compared are characteristic
         polynomials. For a pair: mu_q and then mu_p at each shared eigenvalue, both of which are

@@ -122,12 +122,12 @@ class Implied:
             raise TypeError("only the table of implications makes these")
 
     def of_row(self, name: str) -> Implied:
-        """What is true of the method with the weights of an embedded row."""
+        """Return what is true of the method with the weights of an embedded row."""
         return Implied(at_least={ORDER.key: self.rows.get(name, 0)}, seal=_SEAL)
 
 
 def implied_by(document: Mapping[str, Any] | None, method: Any) -> Implied | None:
-    """What a file implies about its true method; ``None`` where nothing but balls is known.
+    """Return what a file implies about its true method; ``None`` where nothing but balls is known.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
 
 
 def _orders(system: SweepSystem, record: Enclosure) -> dict[str, int]:
-    """Lower bounds of the orders that the equations give."""
+    """Return a lower bounds of the orders that the equations give."""
     found: dict[str, int] = {}
     for order, family in system.families:
         identity = system.identity_through(order - 1, family)
@@ -249,7 +249,7 @@ def _check_regular(V: Matrix, name: str) -> None:
 
 
 def _zero_growths(V: Matrix, texts: Sequence[str]) -> int | None:
-    """Number of eigenvalues of modulus 1 but 1 where each has an equation, else ``None``."""
+    """Count the eigenvalues of modulus 1 but 1, if each has an equation; else return ``None``."""
     named: list[Exact] = []
     for text in texts:
         z = parse(text)
@@ -269,7 +269,7 @@ def _zero_growths(V: Matrix, texts: Sequence[str]) -> int | None:
 
 
 def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
-    """A start in decimals of a method that is exact: the interval test on its conditions."""
+    """Return a start in decimals of a method that is exact: the interval test on its conditions."""
     if len(method.components) > 1 or not method.is_exact or method.starting is None:
         return None
     if method.starting.is_exact:
@@ -293,7 +293,7 @@ def _zero_start(system: SweepSystem, most: int, family: Family) -> int:
 
 
 def _all_growths(system: SweepSystem) -> int | None:
-    """Number of growth parameters where each of every component has an equation."""
+    """Return the number of growth parameters where each of every component has an equation."""
     growths = [e for e in system.equations if e.kind == "growth"]
     counts = [
         _zero_growths(V, [e.value for e in growths if e.colour == c]) for c, V in system.V.items()

@@ -237,7 +237,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return Found(truth, proof, value, residual, reason)
 
     def known(self, claim: str, proposal: Proposal) -> Known:
-        """What is known of a claim that is true or false."""
+        """Return what is known of a claim that is true or false."""
         if self.implied is not None and claim in self.implied.true:
             return Known(True, False)
         try:
@@ -246,7 +246,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
             return Known(None, self.exact, str(error))
 
     def _rule(self, claim: str) -> Any:
-        """The rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
+        """Return the rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
 
         Of an order it is a property, a :class:`Range`; of a truth value a method of what was
         proposed; of numbers a method of those declared and of what was proposed.
@@ -439,7 +439,9 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
     def _along_paths(
         self, components: dict[str, Prepared], *, free: bool, nystrom: bool
     ) -> Range | None:
-        """Order of a pair whose stages are the solution, by trees without branches; else ``None``.
+        """Return the order of a pair whose stages are the solution, by trees without branches.
+
+        Otherwise the result is ``None``.
 
         Let the principal parts be the identity, and ``xi(t) = c^|t| / gamma(t)`` at the stages for
         the trees t without branches of fewer than n vertices. Then every tree t of at most n
@@ -496,7 +498,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return None
 
     def _at_one_time(self, series: StartingSeries) -> bool:
-        """Whether shared stages have the same abscissae for Q and P."""
+        """Return whether shared stages have the same abscissae for Q and P."""
         if not self.shared:
             return True
         c = [scalars(series.stage(single(x), series.value(single(x)))) for x in "fk"]
@@ -563,7 +565,10 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return sizes if beyond is None else [*sizes, beyond.magnitude()]
 
     def _most(self, *, nystrom: bool = False) -> int:
-        """Largest order to which trees are compared; one value carried needs no cuts of trees."""
+        """Return the largest order to which trees are compared.
+
+        One value carried needs no cuts of trees.
+        """
         if not self.is_pair:
             return HIGHEST if self.one_step else MAX_ORDER[0]
         if self.shared:
@@ -587,7 +592,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         sizes: Sequence[float],
         nystrom: bool = False,
     ) -> Range | None:
-        """The range where a tree of order n with n - 1 leaves refutes that order."""
+        """Return the range where a tree of order n with n - 1 leaves refutes that order."""
         for bush, residual in self._bushes(series, n, nystrom).items():
             if residual.is_zero() is False:
                 size = residual.magnitude()
@@ -595,7 +600,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return None
 
     def _above_implied(self, series: StartingSeries, nystrom: bool) -> Range | None:
-        """The range of one value each where a bush refutes more than is implied.
+        """Return the range of one value each where a bush refutes more than is implied.
 
         Of one method where the trees of what is implied are thousands: it stands without them.
         """
@@ -636,7 +641,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return apply(c.W, apply(c.B, slopes))[0]
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
-        """The condition of order n of one method that carries one value."""
+        """Return the condition of order n of one method that carries one value."""
         return None if self.is_pair else next(iter(self._bushes(series, n).values()), None)
 
     @cached_property
@@ -699,7 +704,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return self._start_range(nystrom=True)
 
     def _start_range(self, *, nystrom: bool) -> Range:
-        """Where the start of the file agrees with the starting series.
+        """Return where the start of the file agrees with the starting series.
 
         That is unique up to a shift along the flow, which is fixed at a single vertex, and up to
         the principal parts of the last order.
@@ -827,7 +832,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return start.is_exact
 
     def _start_series(self, series: StartingSeries, p: int) -> dict[Any, tuple[Any, ...]]:
-        """Series of the start by tree, and its multiples of y by colour."""
+        """Return series of the start by tree, and its multiples of y by colour."""
         start: Any = self.method.starting
         if start is None:
             found: dict[Any, tuple[Any, ...]] = {
@@ -859,7 +864,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return shift(Series(eta, c.u, p, series.palette), ahead)
 
     def _without_principal(self, series: StartingSeries, t: Tree, gap: Vector) -> Vector:
-        """What no principal part N beta changes of a difference: W is 0 at it."""
+        """Return what no principal part N beta changes of a difference: W is 0 at it."""
         c = series.components[t.colour]
         for along, column in zip(apply(c.W, gap), c.N, strict=True):
             gap = difference(gap, times(along, column))
@@ -1023,7 +1028,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
     # -- structure ---------------------------------------------------------------------------------
 
     def _explicit(self, witness: Mapping[str, Any]) -> Known:
-        """The stages have an order in which each needs earlier ones only: no cycle of dependences.
+        """Judge whether some order of the stages lets each need earlier ones only (no cycle).
 
         Where f and k are evaluated at the same stages (Q_i, P_i), stage i needs j where A or A^ has
         an entry; in a separable pair stages Q need stages P and the other way. Only exact zeros say
@@ -1038,7 +1043,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         raise ExactnessError("whether some entries of A are zero is not decided within the digits")
 
     def _reducible(self, witness: Mapping[str, Any]) -> Known:
-        """Some value is never reached (from u, B by V) or never seen (by U V^k): Kalman (1963)."""
+        """Judge whether a value is never reached (u, B by V) or seen (U V^k): Kalman 1963."""
         answers = [
             full_rank(rows, len(c.V))
             for c in self.method.components
@@ -1049,12 +1054,12 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
 
 
 def _as_balls(matrix: Matrix) -> Matrix:
-    """The matrix with every entry but exact zeros as a ball."""
+    """Return the matrix with every entry but exact zeros as a ball."""
     return tuple(tuple(x if x.vanishes() else ball(x) for x in row) for row in matrix)
 
 
 def _is_power(x: Scalar, c: Scalar, n: int) -> bool:
-    """Whether ``x = c^n / n!``."""
+    """Return whether ``x = c^n / n!``."""
     power = _ONE
     for _ in range(n):
         power = power * c
@@ -1100,7 +1105,7 @@ class Reach:
         return next(bad, len(self.sizes))
 
     def size(self, order: int) -> float:
-        """Largest residual through an order."""
+        """Return the largest residual through an order."""
         return max(self.sizes[:order], default=0.0)
 
     def staircase(self) -> str:

@@ -109,7 +109,7 @@ def krawczyk(
 
 
 def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float) -> Krawczyk:
-    """What follows from where the image K lies."""
+    """Return what follows from where the image K lies."""
     for k, (x, y) in enumerate(zip(box, image, strict=True)):
         if not x.overlaps(y):
             sentence = f"the image misses the box in unknown {k + 1}"
@@ -123,5 +123,5 @@ def _compared(box: tuple[Ball, ...], image: tuple[Ball, ...], contraction: float
 
 
 def is_rounding(published: Ball, exact: Ball, digits: int) -> bool:
-    """Whether digits are those of a number, rounded to nearest, and not of one beside it."""
+    """Return whether digits are those of a number, rounded to nearest, and not of one beside it."""
     return Ball.around(published.midpoint(), Fraction(1, 2 * 10**digits)).contains(exact)

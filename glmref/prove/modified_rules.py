@@ -49,7 +49,7 @@ class ModifiedRules:
             raise ExactnessError(f"there is no underlying one-step method: {error}") from error
 
     def _reached(self, find: Callable[[Series], Reach]) -> Range:
-        """Bounds of the order through which the modified field has a property."""
+        """Return bounds of the order through which the modified field has a property."""
         for order in _THROUGH:
             field = self._underlying.through(order).field
             if is_zero(field[single()] - 1) is not True:
@@ -76,7 +76,7 @@ class ModifiedRules:
         return self._reached(lambda field: conjugacy(field).reach)
 
     def _conjugate_symplectic(self, witness: Mapping[str, Any]) -> Known:
-        """A form is enough: D'Ambrosio, Hairer, Zbinden, BIT 53 (2013) 867."""
+        """Judge by the form, which is enough: D'Ambrosio, Hairer, Zbinden, BIT 53 (2013) 867."""
         form = self._symplectic if self.one_step else self._g_symplectic
         if self._underlying and self.is_real and form(witness).truth:
             return Known(True)

@@ -25,7 +25,7 @@ class ConvergenceError(GlmrefError):
 
 
 def midpoints(values: Sequence[Any]) -> list[Ball]:
-    """The midpoints, as balls of radius zero."""
+    """Return the midpoints, as balls of radius zero."""
     return [ball(x).real.midpoint() for x in values]
 
 

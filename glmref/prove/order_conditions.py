@@ -43,7 +43,7 @@ _BUSH, _PATH = parse_tree("[oo[o]]"), parse_tree("[[o][o]]")
 
 
 def covered(system: SweepSystem, order: int, family: Family | None = None) -> bool:
-    """Whether the equations of a file give all conditions of an order on a family of trees.
+    """Return whether the equations of a file give all conditions of an order on a family of trees.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def covered(system: SweepSystem, order: int, family: Family | None = None) -> bo
 
 
 def given_trees(system: SweepSystem) -> set[Tree]:
-    """Trees whose conditions the equations of a file give directly or by the rules above."""
+    """Return trees whose conditions the equations of a file give directly or by the rules above."""
     given = {e.tree for e in system.equations if e.kind == "order" and e.tree}
     free = {free_tree(t) for t in given}
     for colour, weights in system.affine.D.items():
@@ -83,7 +83,7 @@ def given_trees(system: SweepSystem) -> set[Tree]:
 
 
 def _starts_at_order_two(system: SweepSystem) -> bool:
-    """Whether ``start K`` gives zeta(o) = 0."""
+    """Return whether ``start K`` gives zeta(o) = 0."""
     if system.is_one_step or not system.involutions:
         return system.is_one_step
     L = system.involutions["o"]
@@ -93,7 +93,7 @@ def _starts_at_order_two(system: SweepSystem) -> bool:
 
 
 def abscissae(system: SweepSystem) -> list[Fraction] | None:
-    """The abscissae where the file fixes all of them exactly, else ``None`` (two components)."""
+    """Return the abscissae if the file fixes all exactly, else ``None`` (two components)."""
     if system.is_partitioned:
         return None
     found: dict[int, Fraction] = {}
@@ -113,7 +113,7 @@ def abscissae(system: SweepSystem) -> list[Fraction] | None:
 
 
 def _quadrature(system: SweepSystem, power: int) -> bool:
-    """Whether ``sum d_i c_i^power = 1 / (power + 1)`` holds exactly."""
+    """Return whether ``sum d_i c_i^power = 1 / (power + 1)`` holds exactly."""
     c = abscissae(system)
     if c is None:
         return False

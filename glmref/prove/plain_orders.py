@@ -199,7 +199,7 @@ class _Orders:
 
 
 def _as_written(row: _Row) -> str:
-    """The order of decimals that are taken for the numbers themselves, with the tree that fails."""
+    """Return the order of decimals taken as exact numbers, with the tree that fails."""
     found = merged([reach(x, min(row.declared, _LITERAL), stop=0.0) for x in row.schemes])
     if found.refuted is None:
         return f"the decimals as written have order {found.proved} or more"
@@ -211,7 +211,7 @@ def _as_written(row: _Row) -> str:
 
 
 def _shown(size: float, digits: int = 3) -> str:
-    """A size other than zero, which beyond the range of doubles is infinite, or zero."""
+    """Return a size other than zero, which beyond the range of doubles is infinite, or zero."""
     if not size:
         return "below 1e-308"
     return f"{size:.{digits}g}" if isfinite(size) else "above 1e308"
@@ -226,7 +226,7 @@ def _difference(row: str, b: Vector, weights: Vector) -> Callable[[str], Finding
 
 
 def _looked(scheme: Scheme, declared: int) -> Reach:
-    """What the conditions of a scheme say through the order declared, and a little beyond.
+    """Return what the conditions of a scheme say through the order declared, and a little beyond.
 
     Trees with leaves for t are looked at through order 8. Where c is A 1 but for rounding, those
     of ``y' = f(y)`` follow beyond: nothing is proved by them, a condition that fails does refute.
@@ -263,7 +263,7 @@ def _reached(scheme: Scheme, declared: int) -> Reach:
 
 
 def _judged(row: _Row, name: str, digits: int | None, correction: Callable[[], str]) -> Finding:
-    """The verdict on an order that is said to be reached."""
+    """Return the verdict on an order that is said to be reached."""
     found = merged([_looked(x, row.declared) for x in row.schemes])
     looked = len(found.sizes)
     parts: list[str] = []

@@ -21,7 +21,7 @@ _ZERO, _ONE = Exact(0), Exact(1)
 
 
 def _all_zero(gaps: Sequence[tuple[Scalar, str]], *, exact: bool) -> Known:
-    """Whether numbers are zero: the first that is not decides, else the first that is open.
+    """Return whether numbers are zero: the first that is not decides, else the first that is open.
 
     A method is exact whatever stands beside it: then the numbers say whether the answer is.
     """
@@ -36,7 +36,7 @@ def _all_zero(gaps: Sequence[tuple[Scalar, str]], *, exact: bool) -> Known:
 
 
 def stage_weights(A: Sequence[Vector], known: dict[Tree, Vector], t: Tree) -> Vector:
-    """Weights of the stages at a tree: the product over its children of A times theirs.
+    """Return weights of the stages at a tree: the product over its children of A times theirs.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def stage_weights(A: Sequence[Vector], known: dict[Tree, Vector], t: Tree) -> Ve
 
 
 def nystrom_gaps(pair: Any) -> list[tuple[Scalar, str]] | None:
-    """What the rows of A sum to less c^2 / 2, and those of A' less c, each with its name.
+    """Return what the rows of A sum to less c^2 / 2, and those of A' less c, each with its name.
 
     Parameters
     ----------
@@ -133,7 +133,10 @@ class RowRules:
         )
 
     def _embedded_difference(self, witness: Mapping[str, Any]) -> Known:
-        """The weights of each estimate sum to zero; of q the weight of q' itself is left out."""
+        """Return the weights of each estimate sum to zero.
+
+        Of q the weight of q' itself is left out.
+        """
         if not self.method.embedded:
             return Known(False, True, "the file gives no embedded rows")
         if self.method.embedded[0].values is not None:  # as of every row of class glm

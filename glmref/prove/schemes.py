@@ -73,7 +73,7 @@ class Scheme:
         )
 
     def in_balls(self) -> Scheme:
-        """The same with its numbers in balls, where only the size of a residual is asked for."""
+        """Return the same with numbers in balls, for questions about the size of a residual."""
 
         def balls(row: Vector) -> Vector:
             return tuple(x.ball() if isinstance(x, Exact) else x for x in row)
@@ -152,7 +152,7 @@ def _sums_to(A: Matrix, c: Sequence[Scalar]) -> bool:
 
 
 def _with_sums(c: Sequence[Scalar]) -> Matrix:
-    """A matrix with the row sums c."""
+    """Return a matrix with the row sums c."""
     return tuple((x, *((_ZERO,) * (len(c) - 1))) for x in c)
 
 
@@ -206,7 +206,9 @@ def shu_osher(alpha: Matrix, beta: Matrix, c: Sequence[Scalar] | None = None) ->
 def additive(
     parts: Sequence[tuple[Matrix, Vector]], c: Sequence[Sequence[Scalar] | None] = ()
 ) -> Scheme:
-    """Scheme of parts (A, b) on shared stages; colours are ``1``, ``2``, .. in their order.
+    """Return the scheme of parts (A, b) on shared stages.
+
+    Colours are ``1``, ``2``, .. in their order.
 
     With c given, the time that part k sees is that of ``c[k]``; it is a colour of its own where it
     differs from A 1.
@@ -249,7 +251,7 @@ def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
 
 
 def _filtered(good: Callable[[Tree], bool]) -> Callable[[Tree], bool]:
-    """Trees that are good at every vertex."""
+    """Return trees that are good at every vertex."""
 
     @cache
     def counts(t: Tree) -> bool:
@@ -267,7 +269,7 @@ def nystrom(
     *,
     roots: str = "fk",
 ) -> Scheme:
-    """Scheme of q'' = g(q), or with A' of q'' = g(q, q').
+    """Return the scheme of q'' = g(q), or with A' of q'' = g(q, q').
 
     ``Q_i = q + c_i h v + h^2 sum a_ij g_j``, ``q1 = q + h v + h^2 sum b_j g_j``,
     ``v1 = v + h sum b'_j g_j``.
@@ -285,7 +287,7 @@ def nystrom(
 
 
 def pair(method: PartitionedGLM, weights: Sequence[Vector], roots: str, *, nystrom: bool) -> Scheme:
-    """Scheme of a pair that carries one value of each component, with other weights.
+    """Return the scheme of a pair that carries one value of each component, with other weights.
 
     With ``nystrom`` only the trees of second-order systems count.
     """
@@ -308,13 +310,13 @@ def _sum(a: Matrix, b: Matrix) -> Matrix:
 
 
 def _chained(t: Tree) -> bool:
-    """An only child is s (alpha + gamma below it), children of a branching vertex are m."""
+    """Return s (alpha + gamma below it) for an only child, m for children of a branching vertex."""
     wanted = "s" if len(t.children) == 1 else "m"
     return all(x.colour == wanted for x in t.children)
 
 
 def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
-    """Scheme with the exact Jacobian.
+    """Return scheme with the exact Jacobian.
 
     ``k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j``, ``y1 = y + sum b_i k_i``.
     """
@@ -371,7 +373,7 @@ def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool
 def dense_output(
     A: Matrix, weights: Sequence[Sequence[Scalar]], c: Sequence[Scalar] | None = None, *, most: int
 ) -> list[Scheme]:
-    """Schemes at the points of theta that decide the order of ``b_i(theta)``.
+    """Return schemes at the points of theta that decide the order of ``b_i(theta)``.
 
     Parameters
     ----------
@@ -395,7 +397,7 @@ def dense_output(
 
 
 def merged(found: Sequence[Any]) -> Reach:
-    """The least of several reaches: what holds for all of them."""
+    """Return the least of several reaches: what holds for all of them."""
     n = min(len(x.sizes) for x in found)
     rows = [max(found, key=lambda x, k=k: x.sizes[k]) for k in range(n)]
     refuted = [x.refuted for x in found if x.refuted is not None]

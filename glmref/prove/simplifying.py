@@ -142,7 +142,7 @@ class RungeKuttaSystem:
         return {"1": "12", "2": "12"} if self.rosenbrock else ROOTED
 
     def read(self, values: Mapping[str, Any]) -> tuple[Below, dict[str, Sequence[Any]]]:
-        """What stands below a vertex of each colour, and the rows, at values of the unknowns."""
+        """Return what stands below a vertex of each colour, and the rows, at given unknowns."""
         row = row_reader(self.document, values)
 
         def matrix(key: str) -> tuple[Any, ...]:
@@ -155,7 +155,7 @@ class RungeKuttaSystem:
         return {"1": alpha, "2": linalg.add(alpha, matrix("gamma"))}, rows
 
     def residuals(self, values: Sequence[Any]) -> list[Any]:
-        """Left minus right side of every equation, in the order of the file."""
+        """Return the left minus right side of every equation, in the order of the file."""
         below, rows = self.read(dict(zip(self.unknowns, values, strict=True)))
         weight = _weights(below)
 
@@ -208,7 +208,7 @@ class RungeKuttaSystem:
         return all(Affine.of(x).is_identically_zero() for x in gaps)
 
     def _has_stage(self, i: int, k: int) -> bool:
-        """Whether C(k) is given at a stage, where it is so below k and with B(k)."""
+        """Return whether C(k) is given at a stage, where it is so below k and with B(k)."""
         named, mirror = {(e.number, e.power) for e in self.equations if e.power}, self.s - 1 - i
         if k == 1 or (i, k) in named:
             return True
@@ -234,7 +234,7 @@ class RungeKuttaSystem:
         return Affine.of(total).is_identically_zero()
 
     def given(self, t: Tree, row: str = "") -> bool:
-        """Whether the equations give the condition of a tree with the weights of a row."""
+        """Return whether the equations give the condition of a tree with the weights of a row."""
         t = _plain(t)
         if self._names(t, row):
             return True
@@ -246,7 +246,7 @@ class RungeKuttaSystem:
         return self.given(tree(below)) and self.given(tree([single(), *below]))
 
     def counted(self, n: int, *, jacobian: bool = True) -> list[Tree]:
-        """The trees of an order that count, of a Rosenbrock method with J the Jacobian or any."""
+        """Return the trees of an order that count; for a Rosenbrock method with J exact or any."""
         found = list(trees(n, self.palette))
         if not self.rosenbrock:
             return found
@@ -258,7 +258,7 @@ class RungeKuttaSystem:
         return list(filter(counts, found))
 
     def order(self, row: str = "", *, jacobian: bool = True) -> int:
-        """The largest order all of whose conditions the equations give."""
+        """Return the largest order all of whose conditions the equations give."""
         if self.is_gauss and not row:
             return 2 * self.s
         n = 0
@@ -270,14 +270,14 @@ class RungeKuttaSystem:
 
 
 def _plain(t: Tree) -> Tree:
-    """The tree with leaves of the colour 1, where there are two colours."""
+    """Return the tree with leaves of the colour 1, where there are two colours."""
     if not t.children:
         return single("1") if t.colour == "2" else t
     return tree(map(_plain, t.children), t.colour)
 
 
 def _bush(n: int) -> Tree:
-    """The tree of n vertices whose root has n - 1 leaves; for a stage, ``c^(n-1)``."""
+    """Return the tree of n vertices whose root has n - 1 leaves; for a stage, ``c^(n-1)``."""
     return tree([single()] * (n - 1)) if n > 1 else single()
 
 

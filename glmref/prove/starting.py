@@ -84,7 +84,7 @@ class StartingSystem:
         )
 
     def affine(self) -> list[list[Affine]]:
-        """The entries as affine expressions in the unknowns."""
+        """Return the entries as affine expressions in the unknowns."""
         return self._affine
 
     @cached_property
@@ -93,7 +93,7 @@ class StartingSystem:
         return [[Affine.of(x) for x in row] for row in self.read(values)]
 
     def published(self, digits: int) -> list[Ball]:
-        """The balls that the digits stand for."""
+        """Return the balls that the digits stand for."""
         return [ball(parse(x, digits=digits)) for x in self.unknowns]
 
 
@@ -103,7 +103,7 @@ def _hats(block: Mapping[str, Any]) -> Mapping[str, str]:
 
 
 def _split(block: Mapping[str, Any], rows: Sequence[Any]) -> dict[str, tuple[Any, Any]]:
-    """The rows of a :func:`starting_system`: A and B by colour."""
+    """Return the rows of a :func:`starting_system`: A and B by colour."""
     found, at = {}, 0
     for colour, hat in _hats(block).items():
         middle = at + len(block[f"A{hat}"])
@@ -114,7 +114,7 @@ def _split(block: Mapping[str, Any], rows: Sequence[Any]) -> dict[str, tuple[Any
 
 
 def swap(i: int) -> int:
-    """The partner of a stage: 0 is the point itself, then come pairs (1, 2), (3, 4), .."""
+    """Return the partner of a stage: 0 is the point itself, then come pairs (1, 2), (3, 4), .."""
     return 0 if i == 0 else i + 1 if i % 2 else i - 1
 
 
@@ -142,7 +142,7 @@ def _check_parity(
 
 
 def functionals(L: Matrix) -> list[tuple[tuple[Any, ...], int]]:
-    """Rows f with f L = +-f, the first being e_1, with the sign."""
+    """Return rows f with f L = +-f, the first being e_1, with the sign."""
     found: list[tuple[tuple[Any, ...], int]] = []
     for sign in (1, -1):
         shifted = linalg.sub(linalg.transpose(L), linalg.scale(sign, linalg.identity(len(L))))
@@ -178,7 +178,7 @@ class Target:
     def of(
         cls, document: Mapping[str, Any], system: SweepSystem, series: Sequence[Series]
     ) -> Target:
-        """The target of a file, from its starting series.
+        """Return the target of a file, from its starting series.
 
         Raises
         ------
@@ -205,7 +205,7 @@ class Target:
         return cls(zeta, system.involutions, order, system.stage_order)
 
     def conditions(self, q: int | None = None) -> list[tuple[int, tuple[Any, ...], Tree]]:
-        """Number, from 0, and functional of a value with the tree where start and series agree.
+        """Return the conditions: value (from 0), its functional, and the tree at which they hold.
 
         Parameters
         ----------
@@ -240,7 +240,7 @@ def _check_even(system: SweepSystem, orders: Sequence[tuple[int, Family]]) -> No
 def start_orders(
     document: Mapping[str, Any], system: SweepSystem
 ) -> tuple[tuple[int, Family], ...]:
-    """Orders of the start of a file, each with the trees that count for it.
+    """Return orders of the start of a file, each with the trees that count for it.
 
     The start of one component has the order of the method. A pair claims orders of its start (or
     the block ``"starting"`` names one), on all trees and on those of second-order systems.
@@ -257,7 +257,7 @@ def start_orders(
 
 
 def target_of(method: Method) -> Target:
-    """The target of an exact symmetric method whose first value is the solution itself.
+    """Return the target of an exact symmetric method whose first value is the solution itself.
 
     Raises
     ------
@@ -272,19 +272,22 @@ def target_of(method: Method) -> Target:
 
 
 def starting_system(block: Mapping[str, Any]) -> StartingSystem:
-    """The unknowns of a block ``"starting"``."""
+    """Return the unknowns of a block ``"starting"``."""
     rows = [row for hat in _hats(block).values() for x in "AB" for row in block[f"{x}{hat}"]]
     return _system(tuple(map(tuple, rows)))
 
 
 @lru_cache(maxsize=4)
 def _system(entries: tuple[tuple[str, ...], ...]) -> StartingSystem:
-    """The system of a block, which several proofs of one file ask for."""
+    """Return the system of a block, which several proofs of one file ask for."""
     return StartingSystem(entries)
 
 
 def known_stage_order(block: Mapping[str, Any], target: Target) -> int:
-    """Stage order of a start whose A holds no unknowns, at most that of the method; else 1."""
+    """Return stage order of a start whose A holds no unknowns, at most that of the method.
+
+    Otherwise the result is 1.
+    """
     if target.stage_order == 1:
         return 1
     stages = StartingSystem(block["A"])
@@ -292,7 +295,7 @@ def known_stage_order(block: Mapping[str, Any], target: Target) -> int:
 
 
 def starting_function(block: Mapping[str, Any], target: Target) -> Conditions:
-    """The conditions of a start as a function of its unknowns.
+    """Return the conditions of a start as a function of its unknowns.
 
     Where A holds no unknowns and has a stage order, the conditions at classes of trees are enough.
     Conditions of a first value that hold for all unknowns (a start from y0 itself where the
@@ -351,7 +354,7 @@ def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75
 
 
 def _mirrored(A: Sequence[Any]) -> Sequence[Any]:
-    """The rows of A, each in the place of its partner."""
+    """Return the rows of A, each in the place of its partner."""
     return [A[swap(i)] for i in range(len(A))] if len(A) % 2 else A
 
 
@@ -365,19 +368,19 @@ def _images(L: Matrix, B: Sequence[Sequence[Affine]]) -> Sequence[Sequence[Affin
 
 
 def finishing_system(block: Mapping[str, Any]) -> StartingSystem:
-    """The unknowns of a block ``"finishing"``."""
+    """Return the unknowns of a block ``"finishing"``."""
     return _system(tuple(map(tuple, [*block["A"], block["b"]])))
 
 
 def even_trees(order: int) -> list[Tree]:
-    """The trees where a finish has conditions."""
+    """Return the trees where a finish has conditions."""
     return [t for n in range(2, order + 1, 2) for t in classes(n, 1)]
 
 
 def finishing_function(
     block: Mapping[str, Any], base: Mapping[Tree, Any], order: int
 ) -> Conditions:
-    """The conditions of a finish: with ``base``, the first value of the start, it gives y back."""
+    """Return the conditions that a finish, after the first value of the start, gives y back."""
     system, size = finishing_system(block), len(block["A"])
 
     def conditions(values: Sequence[Any]) -> list[Any]:
@@ -389,7 +392,7 @@ def finishing_function(
 
 
 def first_value(block: Mapping[str, Any], values: Sequence[Any], order: int) -> Mapping[Tree, Any]:
-    """Series of the first value of a start, at values of its unknowns."""
+    """Return series of the first value of a start, at values of its unknowns."""
     matrix, size = starting_system(block).read(values), len(block["A"])
     series = TableauSeries({"o": matrix[:size]})
     listed = [t for n in range(1, order + 1) for t in classes(n, 1)]
@@ -515,7 +518,7 @@ def enclosed_block(
 
 
 def needed_stages(A: Sequence[Sequence[str]], b: Sequence[str]) -> list[int]:
-    """Stages on which a row of weights depends, ascending."""
+    """Return stages on which a row of weights depends, ascending."""
     waiting = [j for j, x in enumerate(b) if x != "0"]
     found = set(waiting)
     while waiting:
@@ -527,7 +530,7 @@ def needed_stages(A: Sequence[Sequence[str]], b: Sequence[str]) -> list[int]:
 
 
 def inverse_block(opening: Mapping[str, Any]) -> dict[str, Any]:
-    """The finish that undoes the first value of a start exactly, with the same digits.
+    """Return the finish that undoes the first value of a start exactly, with the same digits.
 
     Solving ``y_1 = y + h b f(Y)``, ``Y = y + h A f(Y)`` for y gives ``Y = y_1 + h (A - 1 b^T)
     f(Y)`` and ``y = y_1 - h b f(Y)``, on the stages that b depends on.

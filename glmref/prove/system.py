@@ -80,12 +80,12 @@ class Affine:
 
     @classmethod
     def unknown(cls, name: str) -> Affine:
-        """The unknown itself."""
+        """Return the unknown itself."""
         return cls({name: Exact(1)})
 
     @classmethod
     def of(cls, value: Any) -> Affine:
-        """A constant, or an affine expression passed through."""
+        """Return a constant, or an affine expression passed through."""
         if isinstance(value, Affine):
             return value
         return cls({"": value if isinstance(value, Exact) else Exact(0) + value})
@@ -135,7 +135,7 @@ class Affine:
         return all(name == "" or value.is_zero() for name, value in self.coefficients.items())
 
     def is_identically_zero(self) -> bool:
-        """Whether the expression vanishes for all values of the unknowns."""
+        """Return whether the expression vanishes for all values of the unknowns."""
         return all(value.is_zero() for value in self.coefficients.values())
 
 
@@ -375,7 +375,7 @@ class SweepSystem:
     def series(
         self, form: SweepForm, principal: Mapping[Tree, Any], order: int, **more: Any
     ) -> Series:
-        """Starting series and residuals; principal parts zero where the equations prove it.
+        """Return starting series and residuals; principal parts zero where the equations prove it.
 
         Parameters
         ----------
@@ -395,7 +395,7 @@ class SweepSystem:
         )  # fmt: skip
 
     def residuals(self, values: Sequence[Any]) -> list[Any]:
-        """Left minus right side of every equation, in the order of the file."""
+        """Return the left minus right side of every equation, in the order of the file."""
         form, principal = self.read(dict(zip(self.unknowns, values, strict=True)))
         named = (e.tree for e in self.equations if e.kind == "order" and e.tree)
         wanted = [reduce_tree(t, self.stage_order)[0] for t in named]
@@ -455,7 +455,7 @@ class SweepSystem:
         return self._eigenvectors[key]
 
     def growth(self, e: Equation, form: SweepForm) -> Any:
-        """Growth parameter of an equation, by the theorem of :mod:`glmref.method.sweep`."""
+        """Return growth parameter of an equation, by the theorem of :mod:`glmref.method.sweep`."""
         parts, norm = self.eigenvector(e)
         total: Any = Exact(0)
         for d, column in zip(form.D[e.colour], linalg.transpose(form.X[e.colour]), strict=True):
@@ -472,7 +472,7 @@ class SweepSystem:
         return self.read({name: Affine.unknown(name) for name in self.unknowns})[0]
 
     def signs(self) -> tuple[tuple[int, ...], ...] | None:
-        """Diagonals of E, by component: ``X = E X P`` and ``P D P = D`` for all values.
+        """Return diagonals of E, by component: ``X = E X P`` and ``P D P = D`` for all values.
 
         ``None`` where the stages, the weights or the columns are not palindromic, or where E does
         not fit G and V: then the symmetry theorem of :mod:`glmref.method.sweep` says nothing.

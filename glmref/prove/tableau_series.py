@@ -81,7 +81,7 @@ class TableauSeries:
         return self._stages[t]
 
     def _slope(self, t: Tree) -> tuple[Any, ...]:
-        """Stage by stage the product of the stages over the subtrees."""
+        """Return stage by stage the product of the stages over the subtrees."""
         if t not in self._slopes:
             result: tuple[Any, ...] | None = None
             for child in t.children:
@@ -112,7 +112,7 @@ def weights(
     parity: bool = False,
     q: int = 1,
 ) -> list[Mapping[Tree, Any]]:
-    """Series of ``h sum rows_kj f(Y_j)`` of one component at the classes of trees.
+    """Return series of ``h sum rows_kj f(Y_j)`` of one component at the classes of trees.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def weights(
 
 
 def stage_order(A: Matrix, *, most: int) -> int:
-    """Largest q <= ``most`` with ``A c^(k-1) = c^k / k`` exactly for k = 2..q, c = A 1."""
+    """Return largest q <= ``most`` with ``A c^(k-1) = c^k / k`` exactly for k = 2..q, c = A 1."""
     ones = (Exact(1),) * len(A)
     c = linalg.matvec(A, ones)
     power, q = c, 1

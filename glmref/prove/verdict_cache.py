@@ -57,7 +57,7 @@ class Question(NamedTuple):
 
 
 def question(name: str | Path, only: Sequence[str], budget: float | None) -> Question | None:
-    """What is asked of a file; ``None`` for one that cannot be read.
+    """Return what is asked of a file; ``None`` for one that cannot be read.
 
     Parameters
     ----------
@@ -89,7 +89,10 @@ def _digest(path: Path) -> str:
 
 
 def look_up(question: Question) -> list[Finding] | None:
-    """The findings that were kept for a question; ``None`` where they have to be computed."""
+    """Return the findings that were kept for a question.
+
+    The result is ``None`` where they have to be computed.
+    """
     path = question.entry
     if path is None:
         return None

@@ -104,7 +104,7 @@ def judged(found: Found, certificate: Mapping[str, Any] | str) -> Judgement:
 
 
 def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
-    """The judgement of "this claim fails": what was ``fails`` holds, and the other way.
+    """Return the judgement of "this claim fails": what was ``fails`` holds, and the other way.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def vanishing(x: Scalar, reason: str) -> Judgement:
 def _of_conditions(
     truth: bool | None, value: object, residual: float, reason: str, *, exact: bool
 ) -> Judgement:
-    """The verdict about a statement that has no certificate."""
+    """Return the verdict about a statement that has no certificate."""
     verdict = Verdict.OPEN if truth is None else Verdict.HOLDS if truth else Verdict.FAILS
     if truth is None and not reason:
         reason = "no rule decides it" if exact else "the published digits do not decide it"

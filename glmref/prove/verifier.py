@@ -93,7 +93,7 @@ def verify(
 
 
 def _with_own_document(method: Any) -> Any:
-    """The method without a document that is not its own: `dataclasses.replace` keeps that."""
+    """Return the method without a document that is not its own (`dataclasses.replace` keeps it)."""
     if method.document is None or not method.is_exact:
         return method
     return (
@@ -223,7 +223,7 @@ def claims_of(method: Method) -> Mapping[str, Any]:
 
 
 def asked_of(method: Method, broken: Mapping[str, Any] | None) -> Mapping[str, Any]:
-    """Claims that are decided: all of :func:`claims_of`, or the one that must fail.
+    """Return claims that are decided: all of :func:`claims_of`, or the one that must fail.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def asked_of(method: Method, broken: Mapping[str, Any] | None) -> Mapping[str, A
 
 
 def facts_for(method: Method) -> Facts:
-    """Facts of a method together with what its enclosure, if its file has one, proves.
+    """Return facts of a method together with what its enclosure, if its file has one, proves.
 
     Raises
     ------
@@ -346,7 +346,7 @@ def verify_file(
 
 
 def budget_of(path: Path, budget: float | None = None) -> float | None:
-    """Seconds of processor time that the proofs of a file may take."""
+    """Return seconds of processor time that the proofs of a file may take."""
     return budget if budget is not None or is_shipped(path) else PROVING
 
 

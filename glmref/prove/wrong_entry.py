@@ -76,7 +76,7 @@ _Slot = tuple[str, list[Any], int, int | None]
 
 
 def _is_rounded(x: Number) -> bool:
-    """Whether a number is a decimal of eight digits or more after the point."""
+    """Return whether a number is a decimal of eight digits or more after the point."""
     q = x.value.as_fraction()
     short = q is not None and q.denominator >= 10**7 and 10**SHORT % q.denominator == 0
     return x.places is not None or short
@@ -91,7 +91,7 @@ def _matrix(rows: _Numbers) -> Matrix:
 
 
 def vector(row: Sequence[Number]) -> Vector:
-    """A row as balls."""
+    """Return a row as balls."""
     return tuple(_ball(x) for x in row)
 
 
@@ -135,7 +135,7 @@ class Trial:
         self.fine, self.coarse = FINE * self.scale, COARSE if rounded else EXACT
 
     def scheme(self, weights: Sequence[Sequence[Scalar]] | None = None) -> Scheme:
-        """The scheme whose order is asked for, with other weights where they are given."""
+        """Return the scheme whose order is asked for, with other weights where they are given."""
         A = [tuple(map(tuple, M)) for M in self.A]
         b = [tuple(x) for x in (self.b if weights is None else weights)]
         if self.kind == "additive":
@@ -160,7 +160,7 @@ class Trial:
         return schemes.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
 
     def slots(self) -> Iterator[tuple[str, list[Any], int]]:
-        """Entries that may be wrong: how they are called, where they are, and their index."""
+        """Yield entries that may be wrong: how they are called, where they are, and their index."""
         names = {"rk": ("a",), "additive": ("a", "a_implicit"), "rosenbrock": ("alpha", "gamma"),
                  "nystrom": ("a", "a_prime"), "shu-osher": ("alpha", "beta")}  # fmt: skip
         for name, M in zip(names.get(self.kind, ()), self.A, strict=False):
@@ -183,7 +183,7 @@ class Trial:
 
 
 def _pairs(method: Trial) -> Iterator[tuple[str, list[Any], int, int]]:
-    """Two entries of a row of A that may be wrong with the sum of the row right."""
+    """Yield two entries of a row of A that may be wrong with the sum of the row right."""
     if method.kind != "rk" or len(method.b[0]) > 8:
         return
     for i, row in enumerate(method.A[0]):
@@ -336,7 +336,10 @@ def _mended(
 
 
 def correction(method: Trial, declared: int) -> list[dict[str, str]]:
-    """Entries each of which, changed alone, gives the declared order; then pairs in one row."""
+    """Return entries each of which, changed alone, gives the declared order.
+
+    Pairs of entries in one row follow.
+    """
     if method.kind == "glm":  # its rows of weights are sums of rows of B
         return []
     better = abscissa(method, declared)
@@ -364,7 +367,7 @@ def correction(method: Trial, declared: int) -> list[dict[str, str]]:
 
 
 def abscissa(method: Trial, declared: int) -> list[dict[str, str]]:
-    """An abscissa that is not the sum of its row, where the sum gives the declared order."""
+    """Return an abscissa that is not the sum of its row, where the sum gives the declared order."""
     if method.kind != "rk" or not method.c or method.c[0] is None:
         return []
     given, k = method.c[0], method.gap_row
@@ -381,7 +384,7 @@ def abscissa(method: Trial, declared: int) -> list[dict[str, str]]:
 
 
 def digit(method: Trial, declared: int, size: float) -> list[dict[str, str]]:
-    """The one entry of the row whose sum is not c that, put right, makes all conditions exact.
+    """Find the one entry of a row whose sum is not c that, corrected, satisfies all conditions.
 
     That is, their residuals, at most ``size``, shrink to a millionth; of entries of a rounded row
     each one mends the sum, and none the conditions of higher order.
@@ -392,7 +395,7 @@ def digit(method: Trial, declared: int, size: float) -> list[dict[str, str]]:
 
 
 def beside_weights(method: Trial, k: int) -> list[dict[str, str]]:
-    """The entry in which a row differs from b, where all others agree: the row is b then."""
+    """Return the entry in which a row differs from b, where all others agree: the row is b then."""
     pairs = list(enumerate(zip(method.A[0][k], method.b[0], strict=True)))
     unlike = [(j, x, y) for j, (x, y) in pairs if abs(complex(x - y)) > 1e-9]
     if len(unlike) != 1 or len(pairs) < 3:
@@ -402,7 +405,7 @@ def beside_weights(method: Trial, k: int) -> list[dict[str, str]]:
 
 
 def empty_rows(table: Table) -> list[str]:
-    """Rows of A that are zero though their abscissa is not."""
+    """Return rows of A that are zero though their abscissa is not."""
     if table.kind != "rk" or not table.c or table.c[0] is None:
         return []
     bad = [
@@ -432,7 +435,7 @@ def one_row_apart(method: Trial) -> bool:
 
 
 def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str]:
-    """Whether b minus or plus the weights of the error estimate has the declared order."""
+    """Return whether b minus or plus the weights of the error estimate has the declared order."""
     b = method.b[0]
     error = [*error, *([Exact(0)] * (len(b) - len(error)))]
     if len(error) != len(b):
@@ -448,7 +451,7 @@ def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str
 
 
 def mirrored(method: Trial, row: Sequence[Scalar], declared: int) -> list[str]:
-    """Whether 2 b minus a row has its order: the error was added where it is subtracted."""
+    """Return whether 2 b minus a row has its order: the error was added where it is subtracted."""
     other = [2 * x - y for x, y in zip(method.b[0], row, strict=True)]
     got = reach(method.scheme([other] * len(method.b)), declared, stop=0.5 * method.scale)
     if len(got.sizes) < declared or got.size(declared) > method.coarse:
@@ -457,7 +460,7 @@ def mirrored(method: Trial, row: Sequence[Scalar], declared: int) -> list[str]:
 
 
 def estimate(method: Trial, error: list[Scalar]) -> list[str]:
-    """The error weight that, changed so that the sum is zero, gives the best embedded row."""
+    """Find the error weight that, changed so that the sum is 0, gives the best embedded row."""
     b = method.b[0]
     error += [Exact(0)] * (len(b) - len(error))
     if len(error) != len(b):
@@ -485,7 +488,7 @@ def _residuals(method: Trial, order: int) -> list[float]:
 def _ranked(
     method: Trial, declared: int, start: list[float], slots: Sequence[_Slot]
 ) -> list[_Slot]:
-    """Slots by what the best step along each leaves of the residuals."""
+    """Return slots by what the best step along each leaves of the residuals."""
     size = sum(x * x for x in start)
     found: list[tuple[float, int]] = []
     small = Fraction(1, 1024)
@@ -505,7 +508,7 @@ def _ranked(
 def _solved(
     method: Trial, declared: int, row: list[Any], j: int, k: int | None
 ) -> list[Scalar] | None:
-    """The entries at which all conditions hold, by secant Gauss-Newton steps along one slot."""
+    """Find the entries that satisfy all conditions, by secant Gauss-Newton steps along one slot."""
     before = list(row)
 
     def at(x: Scalar) -> list[float]:
@@ -540,7 +543,7 @@ def _shift(row: list[Any], j: int, k: int | None, step: Scalar | Fraction) -> No
 
 
 def _short(x: Scalar) -> str:
-    """A number as a fraction where a short one is near enough, else as a decimal."""
+    """Return a number as a fraction where a short one is near enough, else as a decimal."""
     value = Fraction(x.ball().decimal_text(60)) if complex(x) else Fraction(0)
     for bound in (100, 10**4, 10**6, 10**9):
         near = value.limit_denominator(bound)
@@ -550,5 +553,5 @@ def _short(x: Scalar) -> str:
 
 
 def _long(x: Scalar) -> str:
-    """A number with the digits of a double."""
+    """Return a number with the digits of a double."""
     return f"{complex(x).real:.17g}"

@@ -81,7 +81,7 @@ def _load(path: Path) -> dict[str, Any]:
 
 
 def _parameter_names(path: Path) -> dict[str, list[str]]:
-    """Parameter names by benchmark; empty where asv has not yet listed its benchmarks."""
+    """Return parameter names by benchmark; empty where asv has not yet listed its benchmarks."""
     if not path.is_file():
         return {}
     return {
@@ -137,7 +137,7 @@ def _joined(document: Mapping[str, Any], names: Mapping[str, list[str]]) -> Iter
 def _titles(
     names: Mapping[str, list[str]], home: str, functions: Mapping[str, Any], count: int
 ) -> list[str]:
-    """Names of the parameters, numbered where asv has no list of them."""
+    """Return names of the parameters, numbered where asv has no list of them."""
     listed: Sequence[str] = names.get(f"{home}.{next(iter(functions))}", ())
     return list(listed) if len(listed) == count else [f"parameter {k + 1}" for k in range(count)]
 

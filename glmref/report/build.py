@@ -27,7 +27,7 @@ _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing els
 def pages_of(
     site: Site, results: Results, methods: Sequence[str], *, catalogue: bool
 ) -> list[Page]:
-    """Every page, in the order of the bar."""
+    """Return every page, in the order of the bar."""
     known = frozenset(methods)
     front = [overview(site, results, methods, catalogue=catalogue)]
     front += [run_page(site, run, known) for run in results.runs]

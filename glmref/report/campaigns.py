@@ -70,7 +70,7 @@ def campaign_page(campaign: Campaign, records: Iterable[Record], path: Path) -> 
 
 
 def _value(record: Record, key: str) -> Any:
-    """A number or a text of a record or of its task; keys of keys are joined by a point."""
+    """Return a number or a text of a record or of its task; keys of keys are joined by a point."""
     for root in (record, record["task"]):
         found: Any = root
         for part in key.split("."):
@@ -130,17 +130,17 @@ def _maps(picture: Picture, points: Any) -> Iterator[str]:
 
 
 def _said(key: str, value: Any) -> str:
-    """A text as it is, and of anything else its key as well."""
+    """Return a text as it is, and of anything else its key as well."""
     return value if isinstance(value, str) else f"{_last(key)} = {value}"
 
 
 def _last(key: str) -> str:
-    """The last part of a key of keys."""
+    """Return the last part of a key of keys."""
     return key.rpartition(".")[2]
 
 
 def _front(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Points such that no other is at most as large in both coordinates."""
+    """Return points such that no other is at most as large in both coordinates."""
     kept: list[tuple[float, float]] = []
     for x, y in sorted(points):
         if not kept or y < kept[-1][1]:

@@ -48,7 +48,7 @@ def number(value: Any) -> str:
 
 
 def flat(value: Any) -> str:
-    """A value of any kind, lists and objects included, as the text of a cell."""
+    """Return a value of any kind, lists and objects included, as the text of a cell."""
     if isinstance(value, Mapping):
         return "; ".join(f"{k}: {flat(x)}" for k, x in value.items())
     if isinstance(value, list | tuple):
@@ -123,7 +123,7 @@ class Figure:
     plane: Sequence[str] | None = None
 
     def lines_of(self, table: Table) -> tuple[str, ...]:
-        """Names of its lines, as they stand in the table."""
+        """Return the names of the lines of a table, as they stand in it."""
         at = [column.key for column in table.columns].index(self.series)
         cells = (row[at] for row in table.cells)
         texts = (x.striptags() if isinstance(x, Markup) else x.strip() for x in cells)
@@ -154,11 +154,11 @@ class Site:
     looks: Mapping[str, int] = field(default_factory=dict)
 
     def href(self, page: str) -> str:
-        """Where a page is found."""
+        """Return where a page is found."""
         return f"#{quote(page)}" if self.single else f"{quote(page)}.html"
 
     def link(self, page: str, text: str) -> Markup:
-        """Link to a page."""
+        """Return a link to a page."""
         return Markup('<a href="{}">{}</a>').format(self.href(page), text)
 
     def document(self, title: str, pages: Sequence[Page], every: Sequence[Page]) -> str:
@@ -184,7 +184,7 @@ class Site:
 
 @cache
 def asset(name: str) -> str:
-    """Style sheet or script that comes with the package."""
+    """Return style sheet or script that comes with the package."""
     return files("glmref.report").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -28,7 +28,7 @@ Part = tuple[str, Any]
 
 
 def measurement_pages(results: Results) -> list[Page]:
-    """Pages of all documents, by the names of their files."""
+    """Return pages of all documents, by the names of their files."""
     return [_page(name, doc) for name, doc in sorted(results.measurements.items())]
 
 
@@ -43,7 +43,7 @@ def _page(name: str, doc: Record) -> Page:
 
 
 def title_of(name: str, doc: Record) -> str:
-    """Title of a document: what it calls itself, or the name of its file."""
+    """Return the title of a document: what it calls itself, or the name of its file."""
     found = str(doc.get(_title_key(doc), name))
     return found[:1].upper() + found[1:]
 
@@ -53,7 +53,10 @@ def _title_key(doc: Record) -> str:
 
 
 def _body(name: str, doc: Record, *, inner: bool = False) -> list[Part]:
-    """Sentences first, then every list of objects; an object that holds such a list is opened."""
+    """Return sentences first, then every list of objects.
+
+    An object that holds such a list is opened.
+    """
     plain: list[tuple[str, list[str]]] = []
     lists: list[Part] = []
     said = () if inner else ("format", "name", _title_key(doc))
@@ -73,7 +76,7 @@ def _body(name: str, doc: Record, *, inner: bool = False) -> list[Part]:
 
 
 def _told(value: Any) -> list[str]:
-    """A value in words; sentences one below the other."""
+    """Return a value in words; sentences one below the other."""
     texts = value if isinstance(value, list) else []
     if any(isinstance(x, str) and " " in x for x in texts):
         return [flat(x) for x in texts]
@@ -89,7 +92,7 @@ def _is_object(value: Any) -> bool:
 
 
 def _listing(id_: str, key: str, rows: Sequence[Record]) -> list[Part]:
-    """A list of objects: opened one by one where they hold lists of objects in turn."""
+    """Return a list of objects: opened one by one where they hold lists of objects in turn."""
     deeper = [k for k in rows[0] if _is_listing(rows[0][k])]
     leaves = {k for k in deeper if not any(map(_has_lists, rows[0][k]))}
     if set(deeper) - leaves:
@@ -116,7 +119,7 @@ def _listing(id_: str, key: str, rows: Sequence[Record]) -> list[Part]:
 
 
 def _has_lists(row: Record) -> bool:
-    """Whether an object holds a list of objects, or points of a curve."""
+    """Return whether an object holds a list of objects, or points of a curve."""
     return any(_is_listing(x) or _is_points(x) for x in row.values())
 
 
@@ -126,7 +129,7 @@ def _heading(key: str, row: Record) -> str:
 
 
 def _by_problem(id_: str, what: str, rows: Sequence[Record]) -> list[Part]:
-    """Tables and pictures of rows, split by problem where there are several."""
+    """Return tables and pictures of rows, split by problem where there are several."""
     found: list[Part] = []
     groups: dict[str, list[Record]] = {}
     for row in rows:
@@ -164,7 +167,7 @@ def _group(id_: str, what: str, rows: Sequence[Record]) -> list[Part]:
 
 
 def _cell(value: Any) -> str:
-    """A value as a cell; what is long wraps in it."""
+    """Return a value as a cell; what is long wraps in it."""
     return wrapped(flat(value))
 
 
@@ -175,7 +178,10 @@ def _line(row: Record, names: Sequence[str]) -> str:
 def _curves(
     id_: str, what: str, rows: Sequence[Record], keys: Sequence[str], names: Sequence[str]
 ) -> tuple[list[Part], set[str]]:
-    """Pictures of the lists of numbers that rows hold, with these numbers; the keys drawn."""
+    """Return pictures of the lists of numbers that rows hold, with these numbers.
+
+    The keys that are drawn come second.
+    """
     lists = [k for k in keys if any(_is_list(row.get(k)) for row in rows)]
     across = next((k for k in _FIRST if k in lists), None)
     up = [k for k in lists if k != across and all(_fits(row, across, k) for row in rows)]
@@ -217,7 +223,7 @@ def _curve(
 
 
 def _is_points(value: Any) -> bool:
-    """Whether a value is a list of pairs of numbers."""
+    """Return whether a value is a list of pairs of numbers."""
     return (
         isinstance(value, list)
         and len(value) > 1
@@ -230,7 +236,7 @@ def _is_list(value: Any) -> bool:
 
 
 def _fits(row: Record, across: str | None, key: str) -> bool:
-    """Whether a row has as many numbers as places, or neither."""
+    """Return whether a row has as many numbers as places, or neither."""
     if across is None:
         return False
     x, y = row.get(across), row.get(key)

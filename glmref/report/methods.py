@@ -158,7 +158,7 @@ def _listed(values: Any) -> str:
 
 
 def is_shipped_name(name: str) -> bool:
-    """Whether a method of this name comes with the data."""
+    """Return whether a method of this name comes with the data."""
     return name in _shipped_names()
 
 
@@ -173,7 +173,7 @@ def _shipped(name: str) -> tuple[Record, Method]:
 
 
 def _document(results: Results, name: str) -> Record:
-    """The file of a method, or what findings say of one whose file was not given."""
+    """Return the file of a method, or what findings say of one whose file was not given."""
     if name in results.own:
         return results.own[name]
     if name in results.findings and not is_shipped_name(name):
@@ -184,7 +184,7 @@ def _document(results: Results, name: str) -> Record:
 
 
 def _loaded(results: Results, name: str) -> Method | None:
-    """The method, or nothing where its file was not given."""
+    """Return the method, or nothing where its file was not given."""
     if name in results.own:
         return load_document(results.own[name])
     return _shipped(name)[1] if is_shipped_name(name) else None
@@ -202,7 +202,7 @@ def _proofs(found: Sequence[Record]) -> list[str]:
 
 
 def _of_this_file(doc: Record, found: Sequence[Record]) -> list[Record]:
-    """Findings about what the file claims now: one about another value is out of date."""
+    """Return findings about what the file claims now: one about another value is out of date."""
     declared = _declared(doc)
     return [
         x
@@ -221,7 +221,10 @@ def _declared(doc: Record) -> Record:
 
 
 def _seen(results: Results, name: str, claim: str) -> Any:
-    """Order that runs show, as it is stored; one with identity that is the order stands once."""
+    """Return the order that runs show, as it is stored.
+
+    One with identity that is the order stands once.
+    """
     found = results.observed(name)
     claims = _document(results, name)["claims"]
     if claim == ORDER_IDENTITY.key and claims.get(claim) == claims.get(ORDER.key):
@@ -230,7 +233,7 @@ def _seen(results: Results, name: str, claim: str) -> Any:
 
 
 def _measured_order(found: Sequence[Record]) -> Any:
-    """Order that the conformance suite measured: its ids begin with orderP/."""
+    """Return the order that the conformance suite measured: its ids begin with orderP/."""
     for finding in found:
         claim = str(finding.get("claim"))
         if claim.startswith("order") and "/" in claim and finding.get("verdict") == "holds":
@@ -239,7 +242,7 @@ def _measured_order(found: Sequence[Record]) -> Any:
 
 
 def _evaluations(results: Results) -> dict[str, float]:
-    """Evaluations a step of the first completed run of each method."""
+    """Return evaluations a step of the first completed run of each method."""
     found: dict[str, float] = {}
     for record in results.records:
         steps, spent = record.get("steps"), record.get("evaluations")
@@ -253,7 +256,7 @@ def _evaluations(results: Results) -> dict[str, float]:
 
 
 def by_class(results: Results, names: Sequence[str]) -> list[str]:
-    """Names in the order of the menu: those of the user, then class by class."""
+    """Return names in the order of the menu: those of the user, then class by class."""
     ranks = {kind: k for k, kind in enumerate(_CLASSES)}
 
     def rank(name: str) -> int:
@@ -301,7 +304,7 @@ def method_page(site: Site, results: Results, name: str) -> Page:
 
 
 def _claims(doc: Record, results: Results) -> Table:
-    """Claims with their proofs and witnesses."""
+    """Return claims with their proofs and witnesses."""
     found = results.findings.get(doc["name"], [])
     known = {str(x.get("claim")): x for x in _of_this_file(doc, found)}
     rows = []
@@ -322,7 +325,7 @@ def _claims(doc: Record, results: Results) -> Table:
 
 
 def _error_constants(name: str, row: Record) -> list[tuple[str, Record, Table]]:
-    """The largest residuals of the trees one order beyond, and all of them as one number."""
+    """Return the largest residuals of the trees one order beyond, and all of them as one number."""
     found = {"": row, ", on second-order systems": row.get("nystrom")} if row else {}
     columns = [Column("tree", "tree"), Column("residual", "residual")]
     parts = []

@@ -68,7 +68,7 @@ def _(record: Analysis) -> str:
 
 @html.register(ShownList)
 def _(record: ShownList) -> str:
-    """Findings, claim by claim."""
+    """Return the findings, claim by claim."""
     named = ", ".join(dict.fromkeys(x.method for x in record if x.method))
     title = named or ("tableau" if record else "no claims")
     rows = [

@@ -80,7 +80,7 @@ def orbits(run: RunFile, title: str, far: str = "") -> Orbits | None:
 
 
 def _one_each(found: Sequence[_Orbit]) -> list[_Orbit]:
-    """One orbit a method, as :func:`..views.paths.one_each` chooses."""
+    """Return one orbit a method, as :func:`..views.paths.one_each` chooses."""
     clouds = [one.cloud for one in found]
     chosen = one_each(clouds)
     return [next(x for x, y in zip(found, clouds, strict=True) if y is cloud) for cloud in chosen]
@@ -98,7 +98,7 @@ def _fitting(found: Sequence[_Orbit], room: int) -> list[_Orbit]:
 
 
 def _orbit(record: Record) -> _Orbit | None:
-    """Orbit of a record, up to the first point that cannot be drawn."""
+    """Return the orbit of a record, up to the first point that cannot be drawn."""
     block = record.get("orbit")
     if not isinstance(block, dict):
         return None
@@ -116,7 +116,7 @@ def _orbit(record: Record) -> _Orbit | None:
 
 
 def _sound(path: list[Any]) -> int:
-    """How many points stand before the first that is not three numbers."""
+    """Return how many points stand before the first that is not three numbers."""
     return next((k for k, point in enumerate(path) if not _is_point(point)), len(path))
 
 

@@ -166,7 +166,7 @@ def _horizon(run: RunFile) -> str:
 
 
 def _kind(run: RunFile) -> str:
-    """Heading of a scene in the menu."""
+    """Return the heading of a scene in the menu."""
     from ..scenes import names
 
     if run.scene not in names():
@@ -210,7 +210,7 @@ def _scene(name: str, quick: bool) -> Any:
 
 
 def _shipped(run: RunFile) -> Any:
-    """The shipped scene that a run carried out, or nothing."""
+    """Return the shipped scene that a run carried out, or nothing."""
     from ..scenes import names
 
     return _scene(run.scene, _is_quick(run)) if run.scene in names() else None

@@ -14,7 +14,7 @@ from .store import Results
 
 
 def errata_page(site: Site, names: frozenset[str]) -> Page:
-    """What the thesis prints beside what is right."""
+    """Return what the thesis prints beside what is right."""
     records = load_errata()
     counts = ", ".join(f"{sum(x.verdict == v for x in records)} {v}" for v in VERDICTS)
     cells = [

@@ -20,7 +20,7 @@ Point = tuple[float, float]
 
 
 def _svg(axes: Axes, label: str, inner: str, labels: tuple[str, str]) -> str:
-    """Some shapes with their axes."""
+    """Return some shapes with their axes."""
     wide, high = _LEFT + _SIDE + 12, _TOP + _SIDE + _BELOW
     frame = axes.frame(round_ticks(*axes.x), round_ticks(*axes.y), labels, grid=False, aside=34)
     return (
@@ -85,7 +85,7 @@ def _texts(value: Any) -> list[str]:
 
 
 def _points(text: str) -> list[Point]:
-    """Points of "x,y x,y .."; none where it is anything else."""
+    """Return points of "x,y x,y .."; none where it is anything else."""
     pairs = text.split()
     if len(pairs) < 2 or not all(_POINT.fullmatch(pair) for pair in pairs):
         return []

@@ -96,11 +96,11 @@ class Results:
         return (record for run in self.runs for record in run.records)
 
     def observed(self, method: str) -> dict[str, Record]:
-        """Orders that runs of a method show: claim -> row."""
+        """Return orders that runs of a method show: claim -> row."""
         return self._orders.get(method, {})
 
     def constants(self, method: str) -> Record:
-        """Error constants of a method, an empty record where none are stored."""
+        """Return error constants of a method, an empty record where none are stored."""
         return self._constants.get(method, {})
 
     @cached_property
@@ -158,7 +158,7 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
 
 
 def _files(path: Path, above: tuple[str, ...] = ()) -> Iterator[Path]:
-    """Files of a folder in order; one with asv's results is a whole."""
+    """Yield files of a folder in order; one with asv's results is a whole."""
     if not path.is_dir():
         yield path
         return
@@ -198,7 +198,7 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
 
 
 def _drawing(path: Path) -> str:
-    """An SVG file of shapes and texts, to stand in a page as it is.
+    """Return an SVG file of shapes and texts, to stand in a page as it is.
 
     Raises
     ------
@@ -307,20 +307,20 @@ def _take_method(found: Results, path: Path, methods: frozenset[str]) -> None:
 
 
 def method_of(record: Record) -> str:
-    """Method or peer of a record."""
+    """Return method or peer of a record."""
     task = record["task"]
     return str(task["peer"] if "peer" in task else task["method"])
 
 
 def is_number(value: Any) -> TypeGuard[float]:
-    """Whether a value is a finite number."""
+    """Return whether a value is a finite number."""
     if not isinstance(value, int | float) or isinstance(value, bool):
         return False
     return abs(value) <= sys.float_info.max  # also of a whole number beyond doubles
 
 
 def path_in(record: Any, keys: Sequence[str]) -> Any:
-    """Value at a path of keys, ``None`` where the path ends early."""
+    """Return the value at a path of keys, ``None`` where the path ends early."""
     for key in keys:
         record = record.get(key) if isinstance(record, Mapping) else None
     return record

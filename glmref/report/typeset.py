@@ -67,7 +67,7 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_table(grid: list[list[list[list[str]]]]) -> Markup:
-    """A partitioned matrix: blocks with rules between them.
+    """Return a partitioned matrix: blocks with rules between them.
 
     Parameters
     ----------

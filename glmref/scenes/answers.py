@@ -94,7 +94,7 @@ def _times(ratio: float) -> str:
 
 
 def _carries_several(records: Sequence[Record], name: str) -> bool:
-    """Whether a method carries more than one value from step to step."""
+    """Return whether a method carries more than one value from step to step."""
     task = next(record["task"] for record in records if method_of(record) == name)
     if task["kind"] == "peer":
         return False
@@ -132,7 +132,10 @@ def _lost(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def _kept_drift(record: Record) -> float | None:
-    """Largest drift of the G-forms; where there are none, of the next best conserved quantities."""
+    """Return the largest drift of the G-forms.
+
+    Where there are none, of the next best conserved quantities.
+    """
     drifts = record.get("drifts") or []
     for kind in ("form", "quadratic", "invariant", "hamiltonian"):
         values = [one["largest"] for one in drifts if one["kind"] == kind]

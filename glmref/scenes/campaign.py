@@ -86,7 +86,7 @@ class Campaign:
     picture: Picture | None = None  #: What the page shows besides the table of outcomes.
 
     def __len__(self) -> int:
-        """How many tasks there are."""
+        """Return how many tasks there are."""
         return self.points * self.kind.each(self.fixed)
 
     @property
@@ -95,14 +95,14 @@ class Campaign:
         return math.prod(map(len, self.grid.values())) * self.count
 
     def tasks(self) -> Iterator[dict[str, Any]]:
-        """Every task, in the same order each time."""
+        """Yield every task, in the same order each time."""
         for values in product(*self.grid.values()):
             crossed = {**self.fixed, **dict(zip(self.grid, values, strict=True))}
             for drawn in self._drawn():
                 yield from self.kind.tasks({**crossed, **drawn}, self.seed)
 
     def spread(self, number: int) -> list[dict[str, Any]]:
-        """A few of the tasks, spread over the campaign."""
+        """Return a few of the tasks, spread over the campaign."""
         whole = len(self)
         return [
             self._at(k)
@@ -110,7 +110,7 @@ class Campaign:
         ]
 
     def _at(self, place: int) -> dict[str, Any]:
-        """The task at a place, without those before it."""
+        """Return the task at a place, without those before it."""
         point, rest = divmod(place, self.kind.each(self.fixed))
         point, drawn = divmod(point, self.count)
         values = {**self.fixed, **next(islice(self._drawn(), drawn, None))}
@@ -120,7 +120,7 @@ class Campaign:
         return next(islice(self.kind.tasks(values, self.seed), rest, None))
 
     def _drawn(self) -> Iterator[dict[str, float]]:
-        """Points of the sample; a single one without axes where there is none."""
+        """Yield points of the sample; a single one without axes where there is none."""
         if not self.sample:
             yield {}
             return
@@ -144,7 +144,7 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
 
 def _radical_inverse(number: int, base: int) -> float:
-    """Digits of a number behind the point, in reverse (Halton 1960)."""
+    """Return digits of a number behind the point, in reverse (Halton 1960)."""
     result, digit = 0.0, 1.0 / base
     while number:
         number, rest = divmod(number, base)
@@ -157,7 +157,7 @@ def _radical_inverse(number: int, base: int) -> float:
 
 
 def campaign_names() -> list[str]:
-    """Names of the shipped campaigns, sorted."""
+    """Return names of the shipped campaigns, sorted."""
     return sorted(path.stem for path in (data_root() / "campaigns").glob("*.toml"))
 
 
@@ -267,7 +267,7 @@ class _CampaignReader(Reader):
             raise self.fail(("grid",), "the axes give no task")
 
     def _axis(self, where: tuple[str, ...], value: Any) -> tuple[Any, ...]:
-        """Values of an axis: a list, a range, or the methods with a property."""
+        """Return values of an axis: a list, a range, or the methods with a property."""
         key = where[-1]
         if isinstance(value, dict) and "having" in value:
             return self._methods(where, value["having"])
@@ -291,7 +291,7 @@ class _CampaignReader(Reader):
         return value
 
     def _methods(self, where: tuple[str, ...], kinds: Any) -> tuple[str, ...]:
-        """Shipped methods of a class or with a property, or with all of several."""
+        """Return shipped methods of a class or with a property, or with all of several."""
         asked = [kinds] if isinstance(kinds, str) else list(self.items(where, kinds))
         shipped = [document(name) for name in method_names("methods")]
         for kind in asked:

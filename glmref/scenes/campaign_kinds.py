@@ -53,7 +53,7 @@ class CampaignKind:
 
 
 def _run_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
-    """A run of a method on a problem with its own parameters; nothing in it is random."""
+    """Yield a run of a method on a problem with its own parameters; nothing in it is random."""
     steps = whole("steps", values["steps"], 1)
     scene = _scene(
         values["problem"], values.get("t_end"), tuple(values.get("ask", ("state", "energy"))),
@@ -93,7 +93,7 @@ def _method(name: str) -> tuple[str, str]:
 
 
 def _survey_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
-    """Parcels of a search for explicit symmetric partitioned methods."""
+    """Yield parcels of a search for explicit symmetric partitioned methods."""
     keys = ("n", "order", "nystrom", "outer", "g", "starts")
     ansatz = PairAnsatz("campaign", **{key: values[key] for key in keys if key in values})
     for task in tasks_of(ansatz, seed=seed, starts=int(values["tries"])):
@@ -146,7 +146,7 @@ def _resonance_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
 
 
 def two_frequencies(frequency: float, coupling: float) -> Problem:
-    """Two oscillators of frequencies 1 and omega with the potential energy ``k q1^2 q2``.
+    """Return two oscillators of frequencies 1 and omega with the potential energy ``k q1^2 q2``.
 
     The frequency and k are components that rest, so that one compiled right-hand side serves all:
     ``y = (q1, q2, omega, k, p1, p2, 0, 0)``.

@@ -256,7 +256,7 @@ class Comparison:
 
 
 def kind_of(problem: Problem) -> str:
-    """Which candidates fit a problem: a ``kind`` of :data:`..catalogue.advice.ADVICE`."""
+    """Return which candidates fit a problem: a ``kind`` of :data:`..catalogue.advice.ADVICE`."""
     split = problem if problem.separable else problem.extended
     if split is not None and split.second_order:
         return "second order"
@@ -368,7 +368,7 @@ def _methods(given: Sequence[Any]) -> Iterable[tuple[Any, list[str]]]:
 
 
 def _judge(subject: Problem, end: float, tolerance: float) -> tuple[str, str]:
-    """Which error is measured, and against what."""
+    """Return which error is measured, and against what."""
     why = ""
     try:
         found = reference_state(subject, end)
@@ -445,7 +445,7 @@ class _Search:
         )  # fmt: skip
 
     def _predicted(self, h: float, label: str) -> str:
-        """The label of long runs at a step size, where a prediction says more than the file."""
+        """Return the label of long runs at a step size where a prediction adds to the file."""
         end = float(self.subject.t_span[0]) + MOST_PREDICTED * h
         try:
             verdict = predict(self.method, self.subject, h, end).verdict

@@ -30,7 +30,7 @@ def listed(names: Sequence[str], *, most: int = LISTED) -> str:
 
 
 def grouped(records: Sequence[Record]) -> dict[str, list[Record]]:
-    """Records by method or peer, in order."""
+    """Return records by method or peer, in order."""
     groups: dict[str, list[Record]] = {}
     for record in records:
         groups.setdefault(method_of(record), []).append(record)

@@ -52,7 +52,7 @@ class Cost:
         return self.explicit + self.stages * ROUNDS
 
     def evaluations(self, steps: int, iterations: int) -> int | None:
-        """Evaluations of so many steps whose solvers took so many rounds in all: exactly."""
+        """Return evaluations of so many steps whose solvers took so many rounds in all: exactly."""
         if self.each_round is None:
             return None
         return steps * self.explicit + iterations * self.each_round
@@ -163,7 +163,7 @@ def _reference(scene: Scene, subject: Problem) -> str:
 
 
 def _asked(scene: Scene) -> list[str]:
-    """Questions that change what is measured, sorted: a picture is drawn from records."""
+    """Return questions that change what is measured, sorted: a picture is drawn from records."""
     return sorted(question for question in scene.ask if question != "picture")
 
 

@@ -62,7 +62,7 @@ _LONGEST_LINE = 1_000
 
 
 def names() -> list[str]:
-    """Names of the shipped scenes, sorted."""
+    """Return names of the shipped scenes, sorted."""
     folder = data_root() / "scenes"
     return sorted(path.stem for path in folder.glob("*.toml"))
 
@@ -394,7 +394,7 @@ class Reader:
     def _problem(
         self, given: Mapping[str, Any]
     ) -> tuple[Any, dict[str, Any], dict[str, Any] | None]:
-        """The problem, and what describes it: parameters of a shipped one, else its table."""
+        """Return the problem and its description: parameters of a shipped one, else its table."""
         table = given.get("problem")
         if isinstance(table, dict) and any(key in table for key in ("H", "f", "file")):
             return self._own(table)
@@ -415,7 +415,7 @@ class Reader:
             raise self._at_fault(error, list(parameters), "name") from None
 
     def _own(self, table: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-        """A problem that the scene itself describes, or a Python file beside it."""
+        """Return a problem that the scene itself describes, or a Python file beside it."""
         folder = self.path.resolve().parent
         definition: dict[str, Any] = {**table, "folder": str(folder)}
         if "file" in table:
@@ -444,7 +444,7 @@ class Reader:
             ) from None
 
     def _at_fault(self, error: UsageError, keys: list[str], otherwise: str) -> DataError:
-        """The complaint about a problem, at the line of the key that it names."""
+        """Return the complaint about a problem, at the line of the key that it names."""
         text = str(error)
         bad = next((k for k in keys if f"{k!r}" in text or f"`{k}" in text), "")
         return self.fail(("problem", bad or otherwise), text)
@@ -550,7 +550,7 @@ class Reader:
 
 
 def between(low: float, high: float, spacing: str, u: float) -> float:
-    """The value at a place of a range, rounded so that it is short in a record."""
+    """Return the value at a place of a range, rounded so that it is short in a record."""
     value = low * (high / low) ** u if spacing == "log" else low + (high - low) * u
     return float(f"{value:.12g}")
 

@@ -33,7 +33,10 @@ def ended(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def _outcome(record: Record) -> str:
-    """Outcome of a run; one that was completed with an energy error of its own size is lost."""
+    """Return the outcome of a run.
+
+    One that was completed with an energy error of its own size is lost.
+    """
     error = record.get("energy_error")
     far = record["outcome"] == "completed" and error is not None and error >= LOST
     return "lost" if far else str(record["outcome"])
@@ -107,7 +110,7 @@ def is_step(limit: Any) -> TypeGuard[float]:
 
 
 def _cost(record: Record) -> int:
-    """Evaluations of a run; a peer that does not count them comes last."""
+    """Return evaluations of a run; a peer that does not count them comes last."""
     spent = record.get("evaluations")
     return 2**62 if spent is None else int(spent)
 
@@ -117,7 +120,7 @@ def _count(number: int) -> str:
 
 
 def order(scene: Scene, records: Sequence[Record]) -> str:
-    """Order that the errors of neighbouring step sizes show: the median over the pairs."""
+    """Return order that the errors of neighbouring step sizes show: the median over the pairs."""
     found: dict[str, float] = {}
     other: dict[str, str] = {}
     for name, group in grouped(records).items():
@@ -139,7 +142,7 @@ def order(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def law(scene: Scene, records: Sequence[Record]) -> str:
-    """Methods by the law of their deviation, with exponents."""
+    """Return methods by the law of their deviation, with exponents."""
     laws: dict[str, list[str]] = {}
     other: dict[str, str] = {}
     for record in records:
@@ -156,7 +159,7 @@ def law(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def _others(other: Mapping[str, str]) -> list[str]:
-    """Named outcomes of methods that gave no number, in one part."""
+    """Return named outcomes of methods that gave no number, in one part."""
     return [listed([f"{name}: {outcome}" for name, outcome in other.items()])] if other else []
 
 

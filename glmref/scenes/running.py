@@ -100,13 +100,13 @@ def run(
 
 
 def limits_of(scene: Scene) -> Limits:
-    """What a task of a scene may take: it ends by itself, unless a function of the user hangs."""
+    """Return the limits of a task; it ends by itself unless a function of the user hangs."""
     patient = PATIENCE + 20 * scene.budget * scene.repeats
     return Limits(seconds=patient, pinned=scene.answer.kind in TIMED)
 
 
 def mixed_machines(scene: Scene, records: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The sentence on run times that were taken on more than one kind of machine, if they were."""
+    """Return the sentence on run times taken on several kinds of machines, if they were."""
     kinds = Counter(
         machine(x["where"])
         for x in records
@@ -176,7 +176,7 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _user_function(task: Mapping[str, Any]) -> bool:
-    """Whether the problem's right-hand side is a Python function: not ours to answer for."""
+    """Return whether the problem's right-hand side is a Python function: not ours to answer for."""
     return given_by_user(_subject(task))
 
 
@@ -216,7 +216,7 @@ def _orbit(
 
 
 def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
-    """One run, timed, that answers about the error of the state and of the energy."""
+    """Return one run, timed, that answers about the error of the state and of the energy."""
     work = measure(
         subject,
         method,
@@ -247,7 +247,7 @@ def _spent(record: dict[str, Any], task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
-    """One sampled run that answers about invariants and parasitic parts."""
+    """Return one sampled run that answers about invariants and parasitic parts."""
     u, asked = solution_direction(method), set(task["ask"])
     solution, record = _sampled(task, method, subject, u)
     if "invariants" in asked:
@@ -318,7 +318,10 @@ def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
 
 
 def _form(method: Any) -> Any:
-    """The form G of a GLM with several values as floats, or ``None``; that of a pair is another."""
+    """Return the form G of a GLM with several values as floats, or ``None``.
+
+    The form of a pair is another one.
+    """
     return method.to_float().G if len(method.components) == 1 and method.r > 1 else None
 
 
@@ -349,7 +352,7 @@ def _parasitic(
 
 
 def _thinned(t: Any, values: Any) -> list[list[float]]:
-    """Running maximum at points evenly spread over log t, while it is positive and below BEYOND."""
+    """Return the running maximum at points spread over log t, while positive and below BEYOND."""
     with np.errstate(invalid="ignore"):
         inside = (t > 0) & (np.maximum.accumulate(values) <= BEYOND)
     t, values = t[inside], np.maximum.accumulate(values[inside]) if inside.any() else values[inside]
@@ -360,7 +363,7 @@ def _thinned(t: Any, values: Any) -> list[list[float]]:
 
 
 def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
-    """Largest relative deviation of what the method should keep, over time."""
+    """Return the largest relative deviation of what the method should keep, over time."""
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     worst = np.zeros(len(t))
     for form in subject.quadratic.values():

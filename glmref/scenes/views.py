@@ -42,7 +42,7 @@ class Orbits:
 
 
 def columns_of(scene: Scene) -> tuple[str, ...]:
-    """Columns of the table: those that the questions fill."""
+    """Return columns of the table: those that the questions fill."""
     found = ["method", "h", "steps", "outcome"]
     if "state" in scene.ask:
         found.append("state error")
@@ -60,7 +60,7 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
 
 
 def rows(scene: Scene, records: Sequence[Record], *, raw: bool = False) -> list[dict[str, Any]]:
-    """One mapping per record, column -> cell.
+    """Return one mapping per record, column -> cell.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
 
 
 def orbits(scene: Scene, records: Sequence[Record]) -> Orbits | None:
-    """Paths of the runs that keep one, one a method, all in the plane of the first."""
+    """Return paths of the runs that keep one, one a method, all in the plane of the first."""
     kept = [record for record in records if record.get("orbit")]
     if not kept:
         return None

@@ -102,13 +102,16 @@ def spend() -> None:
 
 
 def left() -> tuple[float, float] | tuple[None, None]:
-    """Seconds of processor time that are left, and of the budget; ``None`` without a limit."""
+    """Return seconds of processor time that are left, and of the budget.
+
+    The result is ``None`` without a limit.
+    """
     limit = _limit.get()
     return (None, None) if limit is None else (limit.until - thread_time(), limit.seconds)
 
 
 def spent(seconds: float, where: str = "") -> BudgetError:
-    """The error of a budget that is spent."""
+    """Return the error of a budget that is spent."""
     return BudgetError(f"the budget of {seconds:g} s of processor time is spent{where}")
 
 

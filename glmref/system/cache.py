@@ -24,7 +24,7 @@ CACHE_VARIABLE = "GLMREF_CACHE"
 
 
 def cache_folder() -> Path | None:
-    """Folder for generated kernels: ``$GLMREF_CACHE``, else the platform's user cache.
+    """Return the folder for generated kernels: ``$GLMREF_CACHE``, else the platform's user cache.
 
     Where that cannot be written (a read-only home, no home), a folder below the temporary
     directory; ``None`` where that cannot be written either, or where ``$GLMREF_CACHE`` cannot:
@@ -43,7 +43,7 @@ def cache_folder() -> Path | None:
 
 
 def _user_cache() -> Path | None:
-    """The platform's folder for caches; ``None`` for a user without a home."""
+    """Return the platform's folder for caches; ``None`` for a user without a home."""
     try:
         home = Path.home()
     except RuntimeError:

@@ -182,7 +182,7 @@ def _change_equations(order: int, colours: Colours) -> tuple[tuple[Tree, ...], M
 def _eliminated(
     unknowns: tuple[Tree, ...], rows: list[list[int]]
 ) -> tuple[tuple[Tree, ...], Matrix, int]:
-    """Gauss-Jordan elimination in the columns of the unknowns, free unknowns zero."""
+    """Return Gauss-Jordan elimination in the columns of the unknowns, free unknowns zero."""
     size = len(unknowns)
     left: list[list[Fraction]] = [[Fraction(x) for x in row] for row in rows]
     solved: list[tuple[int, list[Fraction]]] = []

@@ -38,7 +38,7 @@ def plus(a: Coefficient, b: Coefficient) -> Coefficient:
 
 
 def times(factor: Any, a: Coefficient) -> Coefficient:
-    """Product of a number and a coefficient; factors 0 and 1 cost nothing."""
+    """Return the product of a number and a coefficient; factors 0 and 1 cost nothing."""
     if isinstance(a, tuple):
         return tuple([times(factor, x) for x in a])
     if type(factor) in _WHOLE and (factor == 0 or factor == 1):
@@ -53,7 +53,10 @@ _NUMBERS = frozenset({Ball, Exact, Jet})
 
 
 def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
-    """Sum of ``factor * x[j]`` over the pairs (j, factor) of a row; the int 0 costs nothing."""
+    """Return the sum of ``factor * x[j]`` over the pairs (j, factor) of a row.
+
+    The int 0 costs nothing.
+    """
     pairs, numbers = [], True
     for j, factor in row:
         y = x[j]
@@ -79,12 +82,15 @@ def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
 
 
 def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
-    """Matrix times column."""
+    """Return the matrix times column."""
     return tuple([weighted(row, x) for row in rows])
 
 
 def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:
-    """Sum of ``factor * coefficient`` over the terms, at least one; vectors entry by entry."""
+    """Return the sum of ``factor * coefficient`` over the terms, at least one.
+
+    Vectors are combined entry by entry.
+    """
     if isinstance(terms[0][1], tuple):
         factors = [factor for factor, _ in terms]
         numbers = _NUMBERS.issuperset(map(type, factors))
@@ -95,7 +101,7 @@ def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:
 
 
 def _combined(factors: Sequence[Any], column: Sequence[Any], *, numbers: bool) -> Any:
-    """Sum of products as :func:`weighted`, for many columns with the same factors."""
+    """Return the sum of products as :func:`weighted`, for many columns with the same factors."""
     pairs = [(x, y) for x, y in zip(factors, column, strict=True) if type(y) is not int or y != 0]
     if not pairs:
         return 0

@@ -15,7 +15,7 @@ _ZERO = Exact(0)
 
 
 def _row_basis(rows: Matrix) -> Matrix:
-    """Reduced echelon basis of the span of the rows."""
+    """Return reduced echelon basis of the span of the rows."""
     columns = len(rows[0])
     chosen = [rows[i] for i in independent_rows(rows, columns)]
     if not chosen:
@@ -45,7 +45,7 @@ def _pivot_columns(basis: Matrix) -> list[int]:
 
 
 def _observed(m: GLM) -> Matrix:
-    """Basis of the span of the rows of U, U V, U V^2, ..: what the stages can see."""
+    """Return the basis of the span of the rows of U, U V, U V^2, ..: what the stages can see."""
     return _row_basis(observed_rows(m))
 
 
@@ -65,7 +65,7 @@ def _keep_observed(m: GLM) -> GLM:
     pivots = _pivot_columns(C)
 
     def coordinates(rows: Matrix) -> Matrix:
-        """Coordinates in the basis C: C has unit columns at its pivots."""
+        """Return coordinates in the basis C: C has unit columns at its pivots."""
         return tuple(tuple(row[j] for j in pivots) for row in rows)
 
     return m.bare(U=coordinates(m.U), B=linalg.matmul(C, m.B), V=coordinates(linalg.matmul(C, m.V)))

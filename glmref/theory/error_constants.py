@@ -16,7 +16,7 @@ from .trees import Tree, pruned, trees
 
 
 def error_norm(residuals: Mapping[Tree, Scalar]) -> float:
-    """Euclidean norm of ``residual / sigma`` over the trees of order p + 1.
+    """Return euclidean norm of ``residual / sigma`` over the trees of order p + 1.
 
     The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
     differential, so this is the usual principal error norm (Hairer, Norsett, Wanner (1993), II.1).
@@ -69,7 +69,7 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
 
 
 def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
-    """How principal parts one order lower enter the condition of the tree t.
+    """Return how principal parts one order lower enter the condition of the tree t.
 
     A change delta of the principal parts at the trees of ``place`` adds ``delta(s)`` to the
     condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t

@@ -44,7 +44,7 @@ Identities = Callable[[Form], Sequence[tuple[str, Matrix]]]
 
 
 def combine(factors: Sequence[Scalar | int], forms: Sequence[Form]) -> Form:
-    """Linear combination of forms."""
+    """Return linear combination of forms."""
     G = linalg.scale(factors[0], forms[0].G)
     D = [tuple(factors[0] * x for x in d) for d in forms[0].D]
     for t, form in zip(factors[1:], forms[1:], strict=True):
@@ -127,7 +127,10 @@ def _unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) -
 
 
 def _real_rows(identities: list[Sequence[tuple[str, Matrix]]]) -> Iterator[tuple[str, Vector]]:
-    """Each entry of each identity as a row over the forms, with its name; complex ones give two."""
+    """Yield each entry of each identity as a row over the forms, with its name.
+
+    Complex entries give two rows.
+    """
     for which, (name, first) in enumerate(identities[0]):
         for i, row in enumerate(first):
             for j in range(len(row)):
@@ -210,7 +213,10 @@ def _principal_first(basis: list[Vector], values: Sequence[Scalar]) -> list[Vect
 
 
 def is_nondegenerate(form: Form) -> bool | None:
-    """Whether G is square and nonsingular and no diagonal has a zero; ``None`` if balls hide it."""
+    """Return whether G is square and nonsingular and no diagonal has a zero.
+
+    The result is ``None`` if balls hide it.
+    """
     zeros = [x.is_zero() for d in form.D for x in d]
     if True in zeros or len(form.G) != len(form.G[0]):
         return False

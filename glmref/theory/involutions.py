@@ -39,7 +39,7 @@ class _Checked:
         self.known: dict[tuple[int, int, int, int], bool] = {}
 
     def fits(self, i: int, j: int, k: int, m: int) -> bool:
-        """Whether ``A[i][j] + A[k][m] - target[i][j]`` is zero or may be."""
+        """Return whether ``A[i][j] + A[k][m] - target[i][j]`` is zero or may be."""
         key = (i, j, k, m)
         if key not in self.known:
             near = (self.A[i][j] + self.A[k][m] - self.target[i][j]).contains_zero()
@@ -48,7 +48,7 @@ class _Checked:
         return self.known[key]
 
     def consistent(self, order: Sequence[int], new: Sequence[int]) -> bool:
-        """Whether the relation holds wherever the newly placed stages take part."""
+        """Return whether the relation holds wherever the newly placed stages take part."""
         rows, columns = len(self.A), len(self.A[0])
         a, b = self.relation.row_offset, self.relation.column_offset
         placed = [i for i, k in enumerate(order) if k >= 0]
@@ -62,7 +62,7 @@ class _Checked:
 
 
 def involutions(relations: Sequence[Relation], kinds: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """Involutive permutations P under which all relations hold or may hold.
+    """Yield involutive permutations P under which all relations hold or may hold.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _groups(kinds: Sequence[int]) -> list[list[int]]:
 
 
 def _interleaved(kinds: Sequence[int]) -> list[int]:
-    """Stages of the different kinds in turn: relations between kinds then prune early."""
+    """Return stages of the different kinds in turn: relations between kinds then prune early."""
     share = {i: n / len(group) for group in _groups(kinds) for n, i in enumerate(group)}
     return sorted(range(len(kinds)), key=share.__getitem__)
 

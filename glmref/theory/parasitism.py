@@ -83,7 +83,7 @@ def _growth_matrix(
 
 
 def _without_principal(m: GLM, V: Matrix) -> tuple[list[Vector], list[Vector]]:
-    """Eigenvectors at 1 with the principal one, u, taken out."""
+    """Return eigenvectors at 1 with the principal one, u, taken out."""
     u = preconsistency_vector(m)
     left, right = eigenvectors(V, Exact(1))
     if u is None:
@@ -110,7 +110,7 @@ def _growth_at(m: GLM, eigenvalue: Eigenvalue) -> Growth:
 
 
 def _coupled_growth_at(m: Method, zeta: Exact) -> Growth:
-    """Growth at an eigenvalue that V and V^ share: how each feeds the other, or each all."""
+    """Return growth at an eigenvalue that V and V^ share: how each feeds the other, or each all."""
     vectors = {c.colour: eigenvectors(c.V, zeta) for c in m.components}
     by_colour = {c.colour: c for c in m.components}
     f, k = m.palette
@@ -133,7 +133,7 @@ def _eigenvalue_text(zeta: Exact) -> str:
 
 
 def _parasitic(V: Matrix) -> list[Exact]:
-    """Eigenvalues of modulus one but 1.
+    """Return eigenvalues of modulus one but 1.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def _parasitic(V: Matrix) -> list[Exact]:
 
 
 def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
-    """Growth at each eigenvalue, and why the question is open all the same, or ``""``."""
+    """Return growth at each eigenvalue, and why the question is still open, or ``""``."""
     if len(m.components) == 1:
         one = cast("GLM", m)
         found = [
@@ -177,7 +177,7 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
 
 
 def growth(m: Method) -> Parasitism:
-    """Growth parameters at all eigenvalues of V on the unit circle but the principal one.
+    """Return growth parameters at all eigenvalues of V on the unit circle but the principal one.
 
     A component at an eigenvalue that only one half of a partitioned method has meets no partner at
     first order in h, unless the stages are shared: then its growth within that half counts.
@@ -216,7 +216,7 @@ def growth(m: Method) -> Parasitism:
 
 
 def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
-    """Growth parameters by increasing argument in (0, 2 pi) of the eigenvalue.
+    """Return the growth parameters by increasing argument in (0, 2 pi) of the eigenvalue.
 
     Raises
     ------

@@ -121,7 +121,7 @@ def _is_definite(m: Method) -> bool:
 
 
 def _mirrored(q: Sequence[Polynomial]) -> bool | None:
-    """Whether P is a multiple of its mirror image for every y."""
+    """Return whether P is a multiple of its mirror image for every y."""
     low, high = q[0], q[-1]
     verdict: bool | None = True
     for p, other in zip(q, reversed(q), strict=True):
@@ -164,7 +164,7 @@ class _March:
         return Periodicity(None, False, y, reason, self.start)
 
     def _end(self, y: Fraction) -> Periodicity:
-        """The march has stopped at y: look for eigenvalues off the circle just beyond."""
+        """Look for eigenvalues off the circle just beyond y, where the march has stopped."""
         gap = self.width
         if y == self.start > 0 and self._off_circle(y):
             reason = f"at y = {y} an eigenvalue of M(iy) is off the circle"
@@ -220,7 +220,10 @@ class _March:
         return poly.evaluate(tuple(total), offset).ball()
 
     def _approximate(self, y: Fraction) -> list[complex] | None:
-        """Roots at y in floating point; close ones are polished: they lose half the digits."""
+        """Return roots at y in floating point.
+
+        Close ones are polished: they lose half the digits.
+        """
         values: Polynomial = tuple(c.midpoint() for c in self._coefficients(ball(y)))
         if values[-1].magnitude() < 1e-12 * max(v.magnitude() for v in values):
             return None
@@ -278,13 +281,13 @@ def _surely_larger(distance: Ball, reach: Ball) -> bool:
 
 
 def _opposite(a: Ball, b: Ball) -> bool:
-    """Whether two values, real up to a common factor, surely have opposite signs."""
+    """Return whether two values, real up to a common factor, surely have opposite signs."""
     product = (a * b.conjugate()).real
     return product.is_zero() is False and product.sign() < 0
 
 
 def _taylor(p: Sequence[Ball], at: Fraction) -> list[Ball]:
-    """Coefficients of ``p(at + x)`` by repeated synthetic division."""
+    """Return coefficients of ``p(at + x)`` by repeated synthetic division."""
     result = list(p)
     for i in range(len(result)):
         for j in range(len(result) - 2, i - 1, -1):
@@ -293,7 +296,7 @@ def _taylor(p: Sequence[Ball], at: Fraction) -> list[Ball]:
 
 
 def _separators(roots: list[complex]) -> tuple[Exact | None, list[Fraction]]:
-    """A turn rho and increasing parameters t of points rho (1 + i t)/(1 - i t) between the roots.
+    """Return rho and increasing t: points rho (1 + i t)/(1 - i t) between the roots.
 
     The turn keeps t = infinity, which is w = -rho, away from all the points.
     """

@@ -60,7 +60,7 @@ def mul(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
-    """Quotient and remainder.
+    """Return the quotient and remainder.
 
     Raises
     ------
@@ -90,14 +90,14 @@ def divide(p: Polynomial, q: Polynomial) -> tuple[Polynomial, Polynomial]:
 
 
 def monic(p: Polynomial) -> Polynomial:
-    """Multiple with leading coefficient 1; the zero polynomial is returned as it is."""
+    """Return the multiple with leading coefficient 1; the zero polynomial is returned as it is."""
     if not p:
         return p
     return (*(a / p[-1] for a in p[:-1]), _ONE)
 
 
 def gcd(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Monic greatest common divisor."""
+    """Return monic greatest common divisor."""
     p, q = trim(p), trim(q)
     if len(p) < len(q):
         p, q = q, p
@@ -110,25 +110,28 @@ def gcd(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def derivative(p: Polynomial) -> Polynomial:
-    """Derivative."""
+    """Return the derivative."""
     return trim([k * a for k, a in enumerate(p)][1:])
 
 
 def share_only_one(p: Polynomial, q: Polynomial) -> bool:
-    """Whether 1 is a root of both, simple in each, and no other root is common; exact entries."""
+    """Return whether 1 is a root of both, simple in each, and no other root is common.
+
+    The entries are exact.
+    """
     common = gcd(p, q)
     simple = all((evaluate(derivative(x), 1)).is_zero() is False for x in (p, q))
     return len(common) == 2 and (evaluate(common, 1)).is_zero() is True and simple
 
 
 def squarefree(p: Polynomial) -> Polynomial:
-    """Monic polynomial with the roots of ``p``, each once."""
+    """Return monic polynomial with the roots of ``p``, each once."""
     p = trim(p)
     return monic(p) if len(p) <= 2 else monic(divide(p, gcd(p, derivative(p)))[0])
 
 
 def evaluate(p: Polynomial, x: Scalar | int | Fraction) -> Scalar:
-    """Value at ``x``."""
+    """Return the value at ``x``."""
     total: Scalar = _ZERO
     for a in reversed(p):
         total = total * x + a
@@ -136,7 +139,7 @@ def evaluate(p: Polynomial, x: Scalar | int | Fraction) -> Scalar:
 
 
 def evaluate_matrix(p: Polynomial, m: Matrix) -> Matrix:
-    """Value at a square matrix."""
+    """Return the value at a square matrix."""
     one = linalg.identity(len(m))
     total = linalg.zeros(len(m), len(m))
     for a in reversed(p):
@@ -145,7 +148,7 @@ def evaluate_matrix(p: Polynomial, m: Matrix) -> Matrix:
 
 
 def from_roots(roots: Sequence[Scalar]) -> Polynomial:
-    """Monic polynomial with the given roots."""
+    """Return monic polynomial with the given roots."""
     result: Polynomial = (_ONE,)
     for root in roots:
         result = mul(result, (-root, _ONE))
@@ -183,7 +186,7 @@ def compose_moebius(
 
 
 def faddeev_leverrier(m: Matrix) -> tuple[Polynomial, list[Matrix]]:
-    """Characteristic polynomial and adjugate: ``adj(w I - M) = sum of w^k N_k``.
+    """Return the characteristic polynomial and adjugate: ``adj(w I - M) = sum of w^k N_k``.
 
     Returns
     -------
@@ -208,7 +211,7 @@ def faddeev_leverrier(m: Matrix) -> tuple[Polynomial, list[Matrix]]:
 
 
 def characteristic_polynomial(m: Matrix) -> Polynomial:
-    """Monic polynomial det(w I - M)."""
+    """Return monic polynomial det(w I - M)."""
     return faddeev_leverrier(m)[0]
 
 

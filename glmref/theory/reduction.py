@@ -38,7 +38,7 @@ class Reduction:
 
 
 def reached_rows(m: Block) -> Matrix:
-    """Rows that span the values a run can reach from the solution."""
+    """Return rows that span the values a run can reach from the solution."""
     u = preconsistency_vector(m)
     layer = linalg.transpose(m.B)
     rows = layer if u is None else (u, *layer)
@@ -50,7 +50,7 @@ def reached_rows(m: Block) -> Matrix:
 
 
 def observed_rows(m: Block) -> Matrix:
-    """Rows U, U V, U V^2, ..: what the stages see of the values."""
+    """Return rows U, U V, U V^2, ..: what the stages see of the values."""
     layer = rows = m.U
     for _ in range(len(m.V) - 1):
         layer = linalg.matmul(layer, m.V)

@@ -74,7 +74,7 @@ def cosines(V: Matrix) -> tuple[Fraction, ...] | None:
 
 
 def _sigma(m: Component, chi: Polynomial) -> Polynomial:
-    """The polynomial ``chi tr(U (z - V)^-1 B)``, by its series in 1/z."""
+    """Return the polynomial ``chi tr(U (z - V)^-1 B)``, by its series in 1/z."""
     moments, image = [], m.B
     for _ in range(len(chi) - 1):
         product = linalg.matmul(m.U, image)

@@ -55,7 +55,7 @@ def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[
 
 
 def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
-    """Number of distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite."""
+    """Count distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite."""
     p = squarefree(p)
     if len(p) <= 1:
         return 0
@@ -64,7 +64,7 @@ def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = N
 
 
 def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) -> Fraction | None:
-    """The smallest real root in ``(low, high]``, to a relative width, or itself where it is simple.
+    """Return the smallest real root in ``(low, high]``, exact if simple, else to a relative width.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) ->
 
 
 def _odd_part(p: Polynomial) -> Polynomial:
-    """Product of the factors of odd multiplicity (Yun's algorithm)."""
+    """Return the product of the factors of odd multiplicity (Yun's algorithm)."""
     result: Polynomial = (_ONE,)
     common = gcd(p, derivative(p))
     rest, other = divide(p, common)[0], divide(derivative(p), common)[0]
@@ -120,7 +120,7 @@ def _odd_part(p: Polynomial) -> Polynomial:
 
 
 def is_nonnegative(p: Polynomial) -> bool:
-    """Whether a polynomial with real coefficients is nowhere negative on the real line."""
+    """Return whether a polynomial with real coefficients is nowhere negative on the real line."""
     p = trim(p)
     if not p:
         return True
@@ -138,7 +138,7 @@ def is_nonnegative(p: Polynomial) -> bool:
 
 
 def _end_sizes(p: Polynomial) -> int:
-    """Sign of |p_n| - |p_0|."""
+    """Return the sign of |p_n| - |p_0|."""
     low, high = p[0], p[-1]
     return (high * high.conjugate() - low * low.conjugate()).real.sign()
 
@@ -151,7 +151,7 @@ def _schur_step(p: Polynomial) -> Polynomial:
 
 
 def is_schur(p: Polynomial) -> bool:
-    """Whether all roots lie inside the unit circle (Schur, Cohn), decided by signs.
+    """Return whether all roots lie inside the unit circle (Schur, Cohn), decided by signs.
 
     References: Marden, "Geometry of Polynomials" (1966), section 42.
     """
@@ -164,7 +164,7 @@ def is_schur(p: Polynomial) -> bool:
 
 
 def in_closed_disc(p: Polynomial) -> bool:
-    """Whether all roots lie inside or on the unit circle.
+    """Return whether all roots lie inside or on the unit circle.
 
     Where the Schur-Cohn step degenerates the polynomial is its own mirror image up to a factor, and
     then its roots lie on the circle exactly if those of its derivative lie in the closed disc.
@@ -186,7 +186,7 @@ def in_closed_disc(p: Polynomial) -> bool:
 
 
 def unimodular_roots(p: Polynomial) -> int:
-    """Number of distinct roots on the unit circle.
+    """Return the number of distinct roots on the unit circle.
 
     They are shared by ``p`` and its mirror image. On that common factor w = (1 + i t)/(1 - i t)
     carries the circle to the real line (and w = -1 to infinity), where Sturm's theorem counts.

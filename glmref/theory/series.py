@@ -142,7 +142,7 @@ class Series(Mapping[Tree, Coefficient]):
         return len(trees_up_to(self.order, self.palette))
 
     def __eq__(self, other: object) -> bool:
-        """Whether all coefficients are equal; balls are equal only where that is certain."""
+        """Return whether all coefficients are equal; balls are equal only where that is certain."""
         if not isinstance(other, Series) or dict(self.palette) != dict(other.palette):
             return NotImplemented
         return (
@@ -310,7 +310,10 @@ def _check_fields(first: Series, second: Series) -> int:
 
 
 def _contracted(t: Tree, field: Mapping[Tree, Any], series: Series, *, whole: bool = True) -> Any:
-    """Sum of a(skeleton) times the b of the parts; not ``whole``: at least one edge is cut."""
+    """Return the sum of a(skeleton) times the b of the parts.
+
+    Not ``whole``: at least one edge is cut.
+    """
     total: Any = 0
     for (skeleton, part, others), ways in contractions(t).items():
         if whole or others:

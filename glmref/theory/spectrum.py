@@ -97,7 +97,7 @@ def _quadratic_roots(p: Polynomial) -> list[Scalar]:
 
 
 def _solve_unimodular(p: Polynomial) -> list[Scalar]:
-    """Roots of a squarefree polynomial that is its own mirror image, by square roots.
+    """Return roots of a squarefree polynomial that is its own mirror image, by square roots.
 
     Real coefficients allow ``x + 1/x`` as the unknown, of half the degree.
 

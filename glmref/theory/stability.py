@@ -29,7 +29,7 @@ Bivariate = tuple[Polynomial, ...]
 
 
 def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
-    """Stability matrix M(z) = V + z B (I - z A)^-1 U, (r, r).
+    """Return the stability matrix M(z) = V + z B (I - z A)^-1 U, (r, r).
 
     Raises
     ------
@@ -152,7 +152,7 @@ def _through_powers(m: GLM) -> Bivariate:
 def _sum_of_products(
     left: Sequence[Polynomial], right: Sequence[Polynomial], size: int
 ) -> Polynomial:
-    """Sum of left_k right_k, without the powers from ``size`` on."""
+    """Return the sum of left_k right_k, without the powers from ``size`` on."""
     total: Polynomial = ()
     for p, q in zip(left, right, strict=True):
         total = poly.add(total, poly.mul(p, q)[:size])
@@ -197,7 +197,7 @@ def without_content(m: GLM, P: Bivariate) -> Bivariate:
 
 
 def vanishes_at_inverse(p: Polynomial, a: Scalar) -> bool:
-    """Whether p(1/a) = 0, without the division."""
+    """Return whether p(1/a) = 0, without the division."""
     return poly.evaluate(tuple(reversed(p)), a).is_zero() is True
 
 
@@ -215,7 +215,7 @@ def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
 
 
 def only_zeros(leading: Polynomial, unbounded: int) -> bool:
-    """Whether all limits of the eigenvalues at infinity are zero."""
+    """Return whether all limits of the eigenvalues at infinity are zero."""
     return unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
 
 
@@ -237,7 +237,7 @@ def size_difference(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def is_mirror_image(q: Bivariate) -> bool:
-    """Whether the coefficients read backwards are their conjugates, up to one factor."""
+    """Return whether the coefficients read backwards are their conjugates, up to one factor."""
     low, high = q[0], q[-1]
     return all(
         not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
@@ -246,7 +246,7 @@ def is_mirror_image(q: Bivariate) -> bool:
 
 
 def schur_cohn(q: Bivariate) -> Iterator[Polynomial | None]:
-    """Differences ``|q_n|^2 - |q_0|^2`` of the recursion of Schur and Cohn, polynomials in y.
+    """Yield differences ``|q_n|^2 - |q_0|^2`` of the recursion of Schur and Cohn, polynomials in y.
 
     All roots w of q(w, y) lie in the closed disc where none of them is negative. Where one vanishes
     identically it is empty, and the derivative of q by w takes the place of q, which must be its

@@ -129,7 +129,7 @@ class Prepared:
 
 
 def read(c: Prepared, values: Sequence[Any]) -> Any:
-    """The solution that a vector of values holds: what the output functional sees of it."""
+    """Return the solution that a vector of values holds: what the output functional sees of it."""
     return weighted([(j, x) for j, x in enumerate(c.output) if not x.vanishes()], values)
 
 
@@ -229,7 +229,9 @@ def _apply_u(c: Prepared) -> tuple[Any, ...]:
 
 
 def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Any] | None:
-    """The x with square x = -residual and one entry 0, where along has none; ``None``: not shown.
+    """Return the x with square x = -residual and one entry 0, where along has none.
+
+    ``None`` means that none is shown.
 
     One row is left out: the others must be regular in the other columns. Where several may be, it
     is the one that the x found satisfies best.
@@ -367,7 +369,7 @@ class StartingSeries:
     # -- stages
 
     def _image(self, colour: str, monomial: tuple[int, ...], *, stages: bool) -> tuple[Any, ...]:
-        """A (for the stages) or B times a product of stored vectors."""
+        """Return A (for the stages) or B times a product of stored vectors."""
         key = (colour, monomial, stages)
         if key not in self._images:
             c = self.components[colour]
@@ -376,7 +378,7 @@ class StartingSeries:
         return self._images[key]
 
     def _product(self, monomial: tuple[int, ...]) -> tuple[Any, ...]:
-        """The product of stored vectors, entry by entry."""
+        """Return the product of stored vectors, entry by entry."""
         if len(monomial) == 1:
             return self._bases[monomial[0]]
         if monomial not in self._products:
@@ -460,7 +462,7 @@ class StartingSeries:
         return result
 
     def fixed_stages(self, colour: str, value: Sequence[Any]) -> tuple[Any, ...]:
-        """What principal parts N beta leave of a value at the stages: they add U N beta to it.
+        """Return the factors U N through which principal parts N beta of a value enter the stages.
 
         Raises
         ------
@@ -500,7 +502,7 @@ class StartingSeries:
             self.eta[t] = value
 
     def through(self, order: int) -> Self:
-        """The series itself, after as many orders at least."""
+        """Return the series itself, after as many orders at least."""
         while self.order < order:
             self.advance()
         self.settle()
@@ -541,7 +543,7 @@ class StartingSeries:
         self._waiting = []
 
     def _settle_first(self) -> None:
-        """Principal parts at the single vertices, up to the shift along the flow."""
+        """Determine principal parts at the single vertices, up to the shift along the flow."""
         first, *others = map(single, self.palette)
         if not self.simple:
             if self.complete:

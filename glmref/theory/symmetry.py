@@ -106,7 +106,7 @@ def _half(m: GLM | Component) -> _Half:
 
 
 def adjoint(m: GLM) -> GLM:
-    """Adjoint method: the inverse of one step with -h; ``A* = U V^-1 B - A`` and so on.
+    """Return the adjoint method: the inverse of one step with -h; ``A* = U V^-1 B - A`` and so on.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def _value_residuals(half: _Half, L: Matrix, rows: Sequence[int], columns: Seque
 
 
 def symmetry_residual(m: GLM, L: Matrix, P: Sequence[int]) -> Named:
-    """All five conditions, left minus right, each with its name.
+    """Return all five conditions, left minus right, each with its name.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def _symmetry_as_given(m: Method) -> Symmetry:
 def _stage_residuals(
     m: Method, halves: Sequence[_Half], exchanges: Mapping[str, Sequence[int]]
 ) -> Named:
-    """``A + P A P' - U V^-1 B`` of each component, P its exchange and P' that of its slopes."""
+    """Return ``A + P A P' - U V^-1 B`` of each component, P and P' its exchange and its slopes'."""
     found: Named = []
     for c, x in zip(m.components, halves, strict=True):
         P, Q, h = ("P", "P", "") if len(halves) == 1 else ("P_Q", "P_P", x.hat)
@@ -301,7 +301,7 @@ def _stage_residuals(
 
 
 def _at(m: Method, halves: Sequence[_Half], exchanges: Mapping[str, tuple[int, ...]]) -> Symmetry:
-    """What given exchanges of stages make of the conditions."""
+    """Return what given exchanges of stages make of the conditions."""
     found = [
         _judge_half(x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
         for c, x in zip(m.components, halves, strict=True)

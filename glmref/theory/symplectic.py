@@ -76,7 +76,7 @@ class GSymplecticity:
 
 
 def _ends(m: Method) -> tuple[Component, Component]:
-    """The components between which the form is taken: f and k, or the only one twice."""
+    """Return the components between which the form is taken: f and k, or the only one twice."""
     if m.additive:
         raise UsageError("forms are looked for in single and partitioned methods only")
     return m.components[0], m.components[-1]
@@ -85,7 +85,7 @@ def _ends(m: Method) -> tuple[Component, Component]:
 def g_symplectic_residual(
     m: Method, G: Matrix, *diagonals: Sequence[Scalar]
 ) -> list[tuple[str, Matrix]]:
-    """The identities of the module docstring, left minus right, with their names.
+    """Return the identities of the module docstring, left minus right, with their names.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def g_symplectic_residual(
 
 
 def rows_scaled(D: Sequence[Scalar], a: Matrix) -> Matrix:
-    """The product of the diagonal matrix D and a matrix."""
+    """Return the product of the diagonal matrix D and a matrix."""
     return tuple(
         tuple(x if x.is_zero() is True else d * x for x in row) for d, row in zip(D, a, strict=True)
     )
@@ -140,7 +140,7 @@ def _principal_vectors(m: Method) -> tuple[Vector | None, Vector | None]:
 
 
 def _diagonals(m: Method, G: Matrix, u: Vector, u_hat: Vector) -> tuple[Vector, ...]:
-    """The diagonals as they follow from G: the identities with U multiplied by u^ and u."""
+    """Return the diagonals as they follow from G: the identities with U multiplied by u^ and u."""
     f, k = _ends(m)
     star = linalg.conjugate_transpose
     D_P = linalg.matvec(star(f.B), linalg.matvec(G, u_hat))
@@ -148,7 +148,10 @@ def _diagonals(m: Method, G: Matrix, u: Vector, u_hat: Vector) -> tuple[Vector, 
 
 
 def _start_forms(m: Method, u: Vector | None, u_hat: Vector | None) -> list[Form]:
-    """Forms with V^* G V^ = G; the diagonals follow from G where u is known, else they are free."""
+    """Return forms with V^* G V^ = G.
+
+    The diagonals follow from G where u is known, else they are free.
+    """
     f, k = _ends(m)
     found = invariant_matrices(f.V, k.V, hermitian=f is k)
     if u is not None and u_hat is not None:
@@ -250,7 +253,10 @@ def judge_identities(residuals: Sequence[tuple[str, Matrix]]) -> tuple[bool | No
 
 
 def _given_form(m: Method) -> tuple[Matrix, tuple[Vector, ...]] | None:
-    """The form that comes with the method; diagonals follow from G where they are not given."""
+    """Return the form that comes with the method.
+
+    Diagonals follow from G where they are not given.
+    """
     if m.G is None:
         return None
     known = tuple(d for d in m.diagonals if d is not None)

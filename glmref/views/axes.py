@@ -113,11 +113,11 @@ class Axes:
         return self.left + u * self.width, self.bottom - v * self.height
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether a point lies inside."""
+        """Return whether a point lies inside."""
         return self.x[0] <= x <= self.x[1] and self.y[0] <= y <= self.y[1]
 
     def line(self, points: Iterable[Point]) -> str:
-        """Places of points as a polyline has them; after an M they are a path."""
+        """Return places of points as a polyline has them; after an M they are a path."""
         return " ".join("{:.1f},{:.1f}".format(*self.at(x, y)) for x, y in points)
 
     def dots(self, points: Iterable[Point], color: str, size: float) -> str:
@@ -132,7 +132,7 @@ class Axes:
         )
 
     def cross(self, x: float | None, y: float | None) -> str:
-        """Lines through the whole rectangle at a value of x and at one of y."""
+        """Return lines through the whole rectangle at a value of x and at one of y."""
         across = "" if y is None else f"M{self.left} {self.at(0, y)[1]:.1f}h{self.width}"
         up = "" if x is None else f"M{self.at(x, 0)[0]:.1f} {self.top}v{self.height}"
         return f'<path class="grid" d="{across}{up}" stroke="#d9d9d9"/>'

@@ -134,7 +134,7 @@ def svg(
 
 
 def _limits(shown: Sequence[Series]) -> tuple[Point, Point]:
-    """Decades that hold all points."""
+    """Return decades that hold all points."""
     xs = [x for one in shown for x in one.across]
     ys = [y for one in shown for _, y, _ in one.drawn] or [1.0]
     return decades(xs), decades(ys)
@@ -181,7 +181,7 @@ def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
 
 
 def _failed(axes: Axes, one: Series, color: str, number: int) -> list[str]:
-    """Crosses of runs that failed, in a row for each series, and the line of the limit."""
+    """Return crosses of runs that failed, in a row for each series, and the line of the limit."""
     parts, v = [], axes.top + 8 + 7 * (number % 8)
     if one.limit is not None and 0 < one.limit < math.inf:
         u = axes.at(math.log10(one.limit), 0)[0]

@@ -139,7 +139,7 @@ def _symmetric(found: Mapping[str, Any]) -> str:
 
 
 def _proved(lower: int | None, upper: int | None) -> str:
-    """What is proved of the order, in words."""
+    """Return what is proved of the order, in words."""
     if lower == upper:
         return "nothing" if lower is None else f"exactly {lower}"
     least = "" if lower is None else f"at least {lower}"

@@ -80,7 +80,7 @@ class Scale:
         self.ends = (math.log10(low), math.log10(high)) if self.log else (low, high)
 
     def color(self, value: float) -> str:
-        """The colour of a value; beyond the limits it is that of the limit."""
+        """Return the colour of a value; beyond the limits it is that of the limit."""
         if not math.isfinite(value):
             return _INFINITE
         low, high = self.ends
@@ -89,7 +89,7 @@ class Scale:
         return _SCALE[min(len(_SCALE) - 1, max(0, int(share * len(_SCALE))))]
 
     def bounds(self) -> list[float]:
-        """Values at which colours change, and both limits."""
+        """Return values at which colours change, and both limits."""
         low, high = self.ends
         marks = [low + (high - low) * k / len(_SCALE) for k in range(len(_SCALE) + 1)]
         return [10**x for x in marks] if self.log else marks
@@ -122,5 +122,5 @@ def _shown(value: float | str) -> str:
 
 
 def _thinned(count: int) -> Sequence[int]:
-    """Indices of about eight of so many values."""
+    """Return indices of about eight of so many values."""
     return range(0, count, max(1, math.ceil(count / _MOST_TEXTS)))

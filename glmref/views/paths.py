@@ -57,7 +57,7 @@ def one_each(clouds: Sequence[Cloud]) -> list[Cloud]:
 
 
 def ranging(clouds: Sequence[Cloud]) -> list[Cloud]:
-    """Paths that set the range: those that were followed to their end.
+    """Return paths that set the range: those that were followed to their end.
 
     One that is more than three times as large as their median has flown away and does not count.
     """
@@ -70,7 +70,7 @@ def ranging(clouds: Sequence[Cloud]) -> list[Cloud]:
 
 
 def box_of(clouds: Sequence[Cloud]) -> Box:
-    """Low and high x, low and high y of the paths that set the range, with a margin."""
+    """Return the low and high x, low and high y of the paths that set the range, with a margin."""
     whole = [p for one in ranging(clouds) for p in one.points]
     points = whole or [p for one in clouds for p in one.points] or [(0.0, 0.0)]
     xs, ys = [x for x, _ in points], [y for _, y in points]
@@ -81,7 +81,7 @@ def box_of(clouds: Sequence[Cloud]) -> Box:
 
 
 def _notes(cloud: Cloud, box: Box) -> list[str]:
-    """What a panel does not show."""
+    """Return what a panel does not show."""
     notes = [cloud.ended] if cloud.ended else []
     outside = sum(not _inside(point, box) for point in cloud.points)
     if outside:

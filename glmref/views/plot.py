@@ -67,7 +67,7 @@ def plot_solution(
 
 
 def _numbers(solution: Solution, components: Sequence[int | str]) -> list[int]:
-    """Numbers of components that are given by name or number."""
+    """Return numbers of components that are given by name or number."""
     d, names = solution.y.shape[1], solution.names
     what = "a list of names or numbers"
     chosen = [
@@ -101,7 +101,7 @@ _Lines = tuple[dict[str, tuple[np.ndarray, np.ndarray]], tuple[str, str]]
 
 
 def _energy(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
-    """Relative error of the Hamiltonian; absolute where the energy at the start is 0."""
+    """Return the relative error of the Hamiltonian; absolute where the energy at the start is 0."""
     problem = None if solution.origin is None else solution.origin[0]
     if problem is None or problem.hamiltonian is None:
         raise UsageError("the energy is drawn of a solution whose problem gives its Hamiltonian")
@@ -114,7 +114,7 @@ def _energy(solution: Solution, components: Sequence[int | str] | None) -> _Line
 
 
 def _phase(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
-    """Every p over its q."""
+    """Return every p over its q."""
     d = solution.y.shape[1]
     problem = None if solution.origin is None else solution.origin[0]
     paired = d % 2 == 0 and (
@@ -133,7 +133,7 @@ def _phase(solution: Solution, components: Sequence[int | str] | None) -> _Lines
 
 
 def _orbit(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
-    """Paths of bodies in the plane of their first two coordinates, or of two components."""
+    """Return paths of bodies in the plane of their first two coordinates, or of two components."""
     kept, names = _thinned(solution), _names(solution)
     rows = np.asarray(solution.y, dtype=float)[kept]
     if components is not None:
@@ -190,7 +190,7 @@ def _by_matplotlib(
 
 
 def _lines(times: np.ndarray, lines: Mapping[str, np.ndarray], title: str) -> str:
-    """Lines over a linear time axis, each named at its end."""
+    """Return lines over a linear time axis, each named at its end."""
     finite = np.concatenate([y[np.isfinite(y)] for y in lines.values()])
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     margin = 0.04 * (high - low) or 0.5 * max(abs(high), 1.0)

@@ -72,7 +72,7 @@ def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
 
 
 def _region(method: GLM) -> list[str]:
-    """Cells inside the region, its traced boundary, and the two axes."""
+    """Return cells inside the region, its traced boundary, and the two axes."""
     boundary = locus(method)
     edge = boundary.z[boundary.edge & np.isfinite(boundary.z)]
     sizes = np.sort(np.abs(edge))
@@ -122,7 +122,7 @@ def _moduli(
 
 
 def _pieces(xs: np.ndarray, ys: np.ndarray) -> Iterable[list[tuple[float, float]]]:
-    """Parts of a curve that lie inside the panel."""
+    """Yield parts of a curve that lie inside the panel."""
     piece: list[tuple[float, float]] = []
     for x, y in zip(xs, ys, strict=True):
         if np.isfinite(y) and 0 <= y <= 2:

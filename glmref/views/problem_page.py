@@ -19,7 +19,7 @@ from ..problems.model import Problem
 
 
 def kind_of(problem: Problem) -> str:
-    """What of its structure a method can use, in words."""
+    """Return what of its structure a method can use, in words."""
     if problem.second_order:
         return "second order, q'' = g(q)"
     if problem.separable:
@@ -79,7 +79,10 @@ def formula_lines(function: Any) -> list[str]:
 
 
 def page(problem: Problem, about: str = "") -> list[tuple[str, str]]:
-    """Rows (what, text) of a terminal's page; parts that the problem has not are left out."""
+    """Return rows (what, text) of a terminal's page.
+
+    Parts that the problem has not are left out.
+    """
     data: Mapping[str, Any] = described(problem, about)
     rows = [("problem", data["name"]), ("", data["about"]), ("kind", data["kind"])]
     rows.append(("dimension", str(data["dimension"])))

@@ -291,7 +291,7 @@ class _Page:
         return body
 
     def _embedded_slices(self, kind: object) -> tuple[slice, ...]:
-        """Which weights of each component a file of a class writes."""
+        """Return which weights of each component a file of a class writes."""
         m = self.method
         if isinstance(m, RosenbrockGLM):
             return slice(len(m.b)), slice(0)
@@ -433,14 +433,14 @@ class _Page:
 
 
 def _same_shape(texts: object, rows: Matrix) -> bool:
-    """Whether texts of the file are the rows of this matrix."""
+    """Return whether texts of the file are the rows of this matrix."""
     if not isinstance(texts, list) or len(texts) != len(rows):
         return False
     return all(isinstance(t, list) and len(t) == len(r) for t, r in zip(texts, rows, strict=True))
 
 
 def _is_one_step(half: Any) -> bool:
-    """Whether one value is carried, as it is: U and V hold ones only."""
+    """Return whether one value is carried, as it is: U and V hold ones only."""
     entries = [x for row in (*half.U, *half.V) for x in row]
     return len(half.V) == 1 and all((x - 1).is_zero() is True for x in entries)
 

@@ -77,7 +77,7 @@ def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
 
 
 def _columns(grid: Sequence[Sequence[Cells]], part: list[tuple[int, int]]) -> list[list[Cells]]:
-    """The grid with some of its columns only."""
+    """Return the grid with some of its columns only."""
     blocks = dict.fromkeys(j for j, _ in part)
     return [
         [[[cells[k] for i, k in part if i == j] for cells in row[j]] for j in blocks]

@@ -77,7 +77,7 @@ def one_line(text: object, *, limit: int = MAX_LINE) -> str:
 
 
 def counted(n: int, what: str) -> str:
-    """A number and its noun, whose plural has an s."""
+    """Return a number and its noun, whose plural has an s."""
     return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
@@ -148,7 +148,7 @@ def shown_value(value: object) -> str:
 
 
 def _order(value: object) -> str:
-    """An order by name, with the size of a residual where there is one: ``10 to 2.7e-85``."""
+    """Return an order by name, with the residual's size where there is one."""
     if isinstance(value, list | tuple) and len(value) == 2:
         return " to ".join(map(shown_value, value))
     return shown_value(value)

@@ -45,7 +45,7 @@ class Reference:
         self.kept = False
 
     def f(self, y: np.ndarray) -> np.ndarray:
-        """Right-hand side of stages (..., n) in the order (q_0, p_0, ...)."""
+        """Return the right-hand side of stages (..., n) in the order (q_0, p_0, ...)."""
         q, p, out = y[..., 0::2], y[..., 1::2], np.empty_like(y)
         pull = -2 * q
         pull[..., 1:] += q[..., :-1]

@@ -99,12 +99,12 @@ class Row:
 
 
 def compiler() -> str | None:
-    """Path of a C compiler, or ``None``."""
+    """Return the path of a C compiler, or ``None``."""
     return shutil.which("gcc") or shutil.which("cc") or shutil.which("clang")
 
 
 def compiler_version() -> str:
-    """First line of what the compiler says of itself."""
+    """Return the first line of what the compiler says of itself."""
     command = [str(compiler()), "--version"]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()[
         0
@@ -146,7 +146,7 @@ def fastest(
 
 
 def sweep_table(form: StepForm) -> str:
-    """The file ``table.h`` for ``sweep.c``: the stages of a pair, numbers in hexadecimal.
+    """Return the file ``table.h`` for ``sweep.c``: the stages of a pair, numbers in hexadecimal.
 
     Raises
     ------
@@ -194,7 +194,7 @@ class Case:
         self.out = np.zeros(1)
 
     def engine(self, kernel: Kernel, steps: int) -> tuple[np.ndarray, int]:
-        """All steps in one call of a kernel: values and evaluations."""
+        """Return all steps in one call of a kernel: values and evaluations."""
         state = kernel.state(self.start, self.slope, self.h)
         outcome = kernel.built.kernel(
             state.work, kernel.shape.values, 0.0, self.h, 0, steps, -1, 0, self.out, 0, state.tally
@@ -204,7 +204,7 @@ class Case:
         return kernel.values(state), int(state.tally[0])
 
     def c(self, steps: int, loop: Loop | None = None) -> tuple[np.ndarray, int]:
-        """The same by the C loop, or by another one."""
+        """Return the same by the C loop, or by another one."""
         y = np.ascontiguousarray(self.kernel.form.into(self.start))
         par = self.kernel.shape.values
         evaluations = (loop or self.loop)(y.ctypes.data, par.ctypes.data, self.h, steps)
@@ -264,12 +264,12 @@ def measure(name: str, of: str, folder: Path, *, repeats: int, seconds: float) -
 
 
 def measure_all(*, repeats: int = 15, seconds: float = 0.03) -> list[Row]:
-    """Every method on the first three problems; empty where there is no C compiler."""
+    """Return every method on the first three problems; empty where there is no C compiler."""
     return _rows([(name, of) for of in list(PROBLEMS)[:3] for name in METHODS], repeats, seconds)
 
 
 def measure_sweeps(*, repeats: int = 15, seconds: float = 0.03) -> list[Row]:
-    """Pairs and splittings on all problems; empty where there is no C compiler."""
+    """Return pairs and splittings on all problems; empty where there is no C compiler."""
     return _rows([(name, of) for of in PROBLEMS for name in SWEEPS], repeats, seconds)
 
 

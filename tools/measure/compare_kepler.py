@@ -73,7 +73,7 @@ class Row:
 
 
 def energy_error(y: np.ndarray) -> float:
-    """Largest relative deviation of the energy from the initial one."""
+    """Return the largest relative deviation of the energy from the initial one."""
     energy = along(KEPLER.hamiltonian, np.vstack([np.array(KEPLER.y0), y]))
     return float(np.max(np.abs(energy / energy[0] - 1)))
 
@@ -86,7 +86,7 @@ class Integrator:
         self.seen: dict[int, tuple[float, str]] = {}
 
     def error(self, n: int) -> float:
-        """Energy error with n steps per period; infinite where the run did not complete."""
+        """Return energy error with n steps per period; infinite where the run did not complete."""
         if n not in self.seen:
             steps = n * PERIODS
             h = 2 * math.pi / n
@@ -114,7 +114,7 @@ class Integrator:
         return GRID[high]
 
     def run(self, n: int) -> tuple[Callable[[], object], int, str]:
-        """The run that is timed, start included; its evaluations; the solver."""
+        """Return the run that is timed, start included; its evaluations; the solver."""
         h, steps = 2 * math.pi / n, n * PERIODS
         kernel = prepare(self.method, KEPLER, h=h)
         engine, y0 = stepper(self.method, KEPLER), np.array(KEPLER.y0)
@@ -182,7 +182,7 @@ PEERS: dict[str, Callable[[float, int], Callable[[], np.ndarray]]] = {
 
 
 def peer_setting(make: Callable[[float, int], Callable[[], np.ndarray]], goal: float) -> float:
-    """Largest tolerance of the grid that reaches the goal."""
+    """Return the largest tolerance of the grid that reaches the goal."""
     return next(x for x in TOLERANCES if energy_error(make(x, SAMPLES)()) <= goal)
 
 

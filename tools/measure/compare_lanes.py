@@ -34,14 +34,14 @@ METHODS = ("rk4", "gauss-2", "gauss-3", "s4-symmetric", "g6245", "stormer-verlet
 
 
 def kepler_starts() -> np.ndarray:
-    """Perihelion of orbits with semi-axis 1, shape (N, 4)."""
+    """Return the perihelion of orbits with semi-axis 1, shape (N, 4)."""
     e = np.linspace(0.0, 0.6, LANES)
     zero = np.zeros(LANES)
     return np.stack([1 - e, zero, zero, np.sqrt((1 + e) / (1 - e))], axis=1)
 
 
 def henon_heiles_starts() -> np.ndarray:
-    """The origin with momenta of energy 1/12 in all directions, shape (N, 4)."""
+    """Return the origin with momenta of energy 1/12 in all directions, shape (N, 4)."""
     angle = np.linspace(0.0, 2 * math.pi, LANES, endpoint=False)
     zero = np.zeros(LANES)
     size = math.sqrt(1 / 6)
@@ -107,7 +107,7 @@ def measure(name: str, of: str, *, repeats: int) -> Row:
 
 
 def measure_all(*, repeats: int = 5) -> list[Row]:
-    """Every method on every problem."""
+    """Return every method on every problem."""
     return [measure(name, of, repeats=repeats) for of in PROBLEMS for name in METHODS]
 
 
@@ -178,7 +178,7 @@ def loops(*, repeats: int = 7, seconds: float = 0.02) -> None:
 
 
 def _spent(runner: Runner, values: np.ndarray, steps: int) -> float:
-    """Processor seconds of steps from these values."""
+    """Return processor seconds of steps from these values."""
     runner.load(values)
     begin = time.process_time()
     runner.advance(0, steps)

@@ -81,7 +81,7 @@ class Row:
 
 
 def rows(name: str, matrix: object) -> str:
-    """A matrix as a constant of C."""
+    """Return a matrix as a constant of C."""
     values = [[float(x) for x in row] for row in matrix]  # type: ignore[attr-defined]
     inner = ", ".join("{" + ", ".join(x.hex() for x in row) + "}" for row in values)
     return f"static const double {name}[{len(values)}][{len(values[0])}] = {{{inner}}};\n"
@@ -99,7 +99,7 @@ def glm_table(method: GLM) -> str:
 
 
 def table(pair: PartitionedGLM) -> str:
-    """The file ``table.h``: numbers of an explicit pair with V = diag(1, -1)."""
+    """Return the file ``table.h``: numbers of an explicit pair with V = diag(1, -1)."""
     if pair.r != 2 or [[float(x) for x in row] for row in pair.V] != [[1, 0], [0, -1]]:
         raise ValueError("textbook.c is written for V = diag(1, -1)")
     order = [j for block in pair.stage_blocks(SEPARABLE) for j in block.stages]
@@ -121,7 +121,7 @@ def multistep_table(method: PartitionedGLM) -> str:
 
 
 def two_kicks_table(method: PartitionedGLM) -> str:
-    """The file ``table.h``: numbers of a :class:`glmref.derive.multistep.TwoKicks`."""
+    """Return the file ``table.h``: numbers of a :class:`glmref.derive.multistep.TwoKicks`."""
     places = range(1, method.r_hat, 2)
     first, kicks, V = method.U_hat[0], method.B_hat, method.V_hat
     weight = float(2 * kicks[0][2]).hex()
@@ -138,7 +138,7 @@ def two_kicks_table(method: PartitionedGLM) -> str:
 
 
 def pairs_of_roots(**numbers: Sequence[Scalar]) -> str:
-    """Arrays of C with one number for each pair, and how many pairs there are."""
+    """Return arrays of C with one number for each pair, and how many pairs there are."""
     rows = (
         f"static const double {key}[PAIRS] = {{{', '.join(float(x).hex() for x in found)}}};\n"
         for key, found in numbers.items()
@@ -220,7 +220,7 @@ HEADS = (
 
 
 def line(row: Row) -> str:
-    """A row of the table."""
+    """Return a row of the table."""
     numbers = [f"{x:.4g}" for x in (*row.c.values(), *row.engine.values())]
     cells = [row.problem, row.method, *numbers, f"**{row.ratio:.2f}**", f"{row.fused_ratio:.2f}"]
     return f"| {' | '.join(cells)} |"

@@ -47,7 +47,7 @@ MEASURED = (
 
 
 def plain(value: Any) -> Any:
-    """Numbers with four digits, and no number where there is none."""
+    """Return numbers with four digits, and no number where there is none."""
     if isinstance(value, float):
         return float(f"{value:.4g}") if math.isfinite(value) else None
     if isinstance(value, dict):

@@ -11,13 +11,13 @@ Tables = Mapping[str, Callable[[list[Row]], str]]
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """Text of a table in Markdown."""
+    """Return the text of a table in Markdown."""
     lines = [list(head), ["---" for _ in head], *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
 def against_c(rows: list[Row], comparison: str) -> str:
-    """One line for each method and problem of a comparison with C."""
+    """Return one line for each method and problem of a comparison with C."""
     head = (
         "problem", "method", "evaluations", "C, ns", "at", "engine, ns", "C / engine (quartiles)",
         "same bits", "contracted C / fused engine", "engine / forces", "reference / engine",
@@ -39,17 +39,17 @@ def against_c(rows: list[Row], comparison: str) -> str:
 
 
 def steps(rows: list[Row]) -> str:
-    """Methods of every kind against C."""
+    """Return methods of every kind against C."""
     return against_c(rows, "c")
 
 
 def sweeps(rows: list[Row]) -> str:
-    """Explicit pairs and splittings against C."""
+    """Return explicit pairs and splittings against C."""
     return against_c(rows, "sweep")
 
 
 def lanes(rows: list[Row]) -> str:
-    """One line for each method and problem of the ensembles."""
+    """Return one line for each method and problem of the ensembles."""
     head = ("problem", "method", "lanes in a block", "one by one, ns", "in lanes, ns", "gain")
     body = [
         (
@@ -63,7 +63,7 @@ def lanes(rows: list[Row]) -> str:
 
 
 def kepler(rows: list[Row]) -> str:
-    """One line for each integrator, the goals side by side."""
+    """Return one line for each integrator, the goals side by side."""
     mine = [row for row in rows if row["comparison"] == "kepler"]
     goals = sorted({row["goal"] for row in mine}, reverse=True)
     head, body = ["integrator"], []
@@ -89,7 +89,7 @@ def kepler(rows: list[Row]) -> str:
 
 
 def kepler_in_short(rows: list[Row]) -> str:
-    """Milliseconds of the integrators of :data:`SHORT`, and their ratio to heyoka's."""
+    """Return milliseconds of the integrators of :data:`SHORT`, and their ratio to heyoka's."""
     goals = sorted({x["goal"] for x in rows if x["comparison"] == "kepler"}, reverse=True)
     found = {(x["name"], x["goal"]): x for x in rows if x["comparison"] == "kepler"}
     head, body = ["integrator"], []
@@ -129,7 +129,10 @@ PAIR_TABLES: Tables = {"against-c": against_c_in_short}
 
 
 def filled(page: str, rows: list[Row], tables: Tables = TABLES) -> str:
-    """The page with its tables computed anew; each stands between two comments with its name."""
+    """Return the page with its tables computed anew.
+
+    Each stands between two comments with its name.
+    """
     for name, write in tables.items():
         pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
         text = write(rows)

@@ -49,12 +49,12 @@ def busy(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def tasks(count: int, first: int = 0) -> Iterator[dict[str, int]]:
-    """Tasks that differ in a number."""
+    """Yield tasks that differ in a number."""
     return ({"n": first + k} for k in range(count))
 
 
 def overhead(on: str, count: int = EMPTY) -> dict[str, Any]:
-    """Seconds of an empty task."""
+    """Return seconds of an empty task."""
     with executor(on) as where:
         list(where.run(nothing, tasks(50)))  # processes have started
         begun, spent = time.perf_counter(), _processor_seconds()
@@ -74,7 +74,7 @@ def overhead(on: str, count: int = EMPTY) -> dict[str, Any]:
 
 
 def gain(kind: str, function: Callable[[Mapping[str, Any]], Any]) -> dict[str, Any]:
-    """How much faster two workers are than one: the best of rounds, one and two in turn."""
+    """Return how much faster two workers are than one: the best of rounds, one and two in turn."""
     took: dict[int, list[float]] = {1: [], 2: []}
     with ExitStack() as stack:
         on = {n: stack.enter_context(executor(f"{kind}:{n}")) for n in took}
@@ -140,7 +140,10 @@ def many(on: str, count: int, limit: float) -> dict[str, Any]:
 
 
 def _processor_seconds() -> float:
-    """Processor time of this process and all below it; beside other programs it says more."""
+    """Return the processor time of this process and all below it.
+
+    Beside other programs it says more.
+    """
     psutil = import_module("psutil")  # it comes with Dask
     own = psutil.Process()
     spent = [p.cpu_times() for p in (own, *own.children(recursive=True))]
@@ -148,7 +151,7 @@ def _processor_seconds() -> float:
 
 
 def _resident() -> float:
-    """Memory of this process, in MB; Linux says it in kB."""
+    """Return the memory of this process, in MB; Linux says it in kB."""
     for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():
         if line.startswith("VmRSS:"):
             return int(line.split()[1]) / 1e3
@@ -156,7 +159,7 @@ def _resident() -> float:
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """The figures in lines, for a terminal."""
+    """Return the figures in lines, for a terminal."""
     lines: list[str] = []
     if "overhead" in document:
         lines.append(f"{'empty tasks':<24}{'ms a task':>12}{'of processor time':>20}")

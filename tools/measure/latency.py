@@ -103,14 +103,14 @@ def child(text: str, cache: Path) -> list[float]:
 
 
 def medians(text: str, repeats: int, cache: Path) -> list[float]:
-    """Medians over processes, after one that fills the cache."""
+    """Return medians over processes, after one that fills the cache."""
     child(text, cache)
     runs = [found for _ in range(repeats) if (found := child(text, cache))]
     return [round(statistics.median(column), 2) for column in zip(*runs, strict=True)]
 
 
 def measured(repeats: int) -> dict[str, Any]:
-    """All rows."""
+    """Return all rows."""
     rows: dict[str, Any] = {"names": {}, "functions": {}, "compile": {}}
     with tempfile.TemporaryDirectory() as folder:
         cache = Path(folder)
@@ -165,7 +165,7 @@ def forked(method: str, folder: str) -> tuple[float, float]:
 
 
 def every_method(wanted: list[str], repeats: int) -> dict[str, list[float]]:
-    """First and second run of methods, the slowest first run first."""
+    """Return the first and second run of methods, the slowest first run first."""
     import llvmlite.binding  # noqa: F401  imported where a kernel is loaded
 
     import glmref.engine.solve  # noqa: F401

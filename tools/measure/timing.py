@@ -29,11 +29,11 @@ def interleaved(runs: Mapping[str, Callable[[], object]], repeats: int) -> Secon
 
 
 def quartiles(values: list[float]) -> tuple[float, float, float]:
-    """Lower quartile, median, upper quartile."""
+    """Return lower quartile, median, upper quartile."""
     low, median, high = statistics.quantiles(values, n=4, method="inclusive")
     return low, median, high
 
 
 def ratios(spent: Seconds, above: str, below: str) -> list[float]:
-    """Ratio of the times of two competitors, turn by turn."""
+    """Return the ratio of the times of two competitors, turn by turn."""
     return [a / b for a, b in zip(spent[above], spent[below], strict=True)]

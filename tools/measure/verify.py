@@ -40,7 +40,7 @@ def run() -> dict[str, float]:
 
 
 def measured() -> dict[str, Any]:
-    """The document: every run, and the medians."""
+    """Return the document: every run, and the medians."""
     runs = [run() for _ in range(RUNS)]
     return {
         "format": "glmref-measurement-1",

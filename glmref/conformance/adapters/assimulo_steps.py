@@ -20,7 +20,7 @@ class Adapter:
     methods = tuple(solvers)
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step."""
+        """Take one step."""
         if h < 0:
             raise NotImplementedError("these solvers of Assimulo go forward in time only")
         given = Explicit_Problem(lambda s, x: np.array(problem.f(s, x)), np.array(y), t)

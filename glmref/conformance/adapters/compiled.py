@@ -39,7 +39,7 @@ class Adapter:
         return run
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step: a run of one step from values that are given."""
+        """Take one step: a run of one step from values that are given."""
         values = y.reshape(-1, problem.dimension)
         moved = problem if problem.t_span[0] == t else replace(problem, t_span=(t, t + abs(h)))
         return self._run(method, moved, h, 1, start=values).values

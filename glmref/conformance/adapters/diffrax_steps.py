@@ -35,7 +35,7 @@ class Adapter:
         self.steps: dict[tuple[str, int], tuple[Any, Any]] = {}
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step, compiled once for each method and problem."""
+        """Take one step, compiled once for each method and problem."""
         key = (method, id(problem))
         if key not in self.steps:
             # the problem is kept too: an id is unique only among the living
@@ -53,7 +53,7 @@ class Adapter:
 
 
 def _field(problem: Any) -> Any:
-    """Right-hand side that jax can trace; a Python function is called back from it."""
+    """Return the right-hand side that jax can trace; a Python function is called back from it."""
     texts, functions = problem.expressions, {"sin": jnp.sin, "sqrt": jnp.sqrt}
 
     def traced(t: Any, y: Any, _: Any) -> Any:

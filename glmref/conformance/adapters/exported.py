@@ -122,7 +122,7 @@ class InJulia:
         self._modules = {name: Main.seval(export(name, to="julia")) for name in self.methods}
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step."""
+        """Take one step."""
 
         def f(s: float, x: Any) -> np.ndarray:
             return np.array(problem.f(s, np.array(x)))
@@ -142,7 +142,7 @@ class InPython:
             exec(export(name, to="python"), self._modules[name])
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step."""
+        """Take one step."""
 
         def f(s: float, x: Any) -> list[float]:
             return list(problem.f(s, np.array(x)))

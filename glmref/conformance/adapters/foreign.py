@@ -128,7 +128,7 @@ class Built:
         return end
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step."""
+        """Take one step."""
         return self._run(method, problem, t, y, h, 1)
 
     def close(self) -> None:

@@ -56,7 +56,7 @@ class Adapter:
         ]  # fmt: skip
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step, from a stepper made for it."""
+        """Take one step, from a stepper made for it."""
         end, error = np.array(y, dtype=float), np.zeros(len(y))
         kind = ctypes.c_void_p.in_dll(self.gsl, f"gsl_odeiv2_step_{TYPES[method]}")
         system = _System(right_hand_side(problem, _RHS), None, len(end), None)

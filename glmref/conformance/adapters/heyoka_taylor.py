@@ -48,7 +48,7 @@ class Adapter:
         return self.engines[problem.name]
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step of size h, or a refusal."""
+        """Take one step of size h, or a refusal."""
         engine = self._engine(problem)
         engine.time = t
         engine.state[:] = y

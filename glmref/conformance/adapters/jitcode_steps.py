@@ -50,7 +50,7 @@ class Adapter:
         return self.compiled[problem.name]
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step of size h, whatever the error estimate says."""
+        """Take one step of size h, whatever the error estimate says."""
         if h < 0:
             raise NotImplementedError("JiTCODE goes forward in time only")
         engine = self._compiled(problem)

@@ -32,5 +32,5 @@ class Adapter:
         self.methods = tuple(self.tables)
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step by the Butcher coefficients."""
+        """Take one step by the Butcher coefficients."""
         return self.tables[method].__step__(problem.f, t, y, h, use_butcher=True)

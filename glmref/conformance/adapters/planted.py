@@ -13,7 +13,7 @@ class Adapter:
     methods = ("rk4",)
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One wrong step."""
+        """Take one wrong step."""
         f = problem.f
         k1 = f(t, y)
         k2 = f(t + h / 2, y + h / 2 * k1)

@@ -19,7 +19,7 @@ class Adapter:
     problems = ("kepler",)
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step of a simulation made for it."""
+        """Take one step of a simulation made for it."""
         if problem.name != "kepler":
             raise NotImplementedError("the forces are REBOUND's own: only kepler")
         simulation = rebound.Simulation()

@@ -47,15 +47,15 @@ class Adapter:
         return taken
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step."""
+        """Take one step."""
         return self._taken(method, problem, t, y, h).values
 
     def stages(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> Any:
-        """Stage values of one step."""
+        """Return stage values of one step."""
         return self._taken(method, problem, t, y, h).stages
 
     def start(self, method: str, problem: Any, h: float) -> np.ndarray:
-        """Starting values by the method's own starting method."""
+        """Return starting values by the method's own starting method."""
         known, engine = self._method(method), self._engine(method, problem)
         starting = getattr(known, "starting", None)
         t, y0 = problem.t_span[0], np.array(problem.y0)
@@ -66,7 +66,7 @@ class Adapter:
         return starting_values(engine, starting, t=t, y0=y0, h=h).values
 
     def finish(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """Solution that belongs to the values."""
+        """Return the solution that belongs to the values."""
         engine = self._engine(method, problem)
         first = y.reshape(engine.shape)[0]
         finishing = getattr(self._method(method), "finishing", None)

@@ -37,7 +37,7 @@ class Adapter:
     tolerance: ClassVar[float | Mapping[str, float]] = {"radau-iia-3": 1e-11}
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step of size h, whatever the error estimate says."""
+        """Take one step of size h, whatever the error estimate says."""
         options: dict[str, Any] = {"rtol": 1e-3, "atol": _ANYTHING}
         if method == "radau-iia-3":
             options["jac"] = problem.jacobian

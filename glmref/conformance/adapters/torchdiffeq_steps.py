@@ -47,7 +47,7 @@ class Adapter:
         torch.set_num_threads(1)  # states of the suite are small: more threads wait for each other
 
     def step(self, method: str, problem: Any, t: float, y: np.ndarray, h: float) -> np.ndarray:
-        """One step of size h, whatever the error estimate says."""
+        """Take one step of size h, whatever the error estimate says."""
 
         def f(s: Any, x: Any) -> Any:
             return torch.from_numpy(np.array(problem.f(float(s), x.numpy())))

@@ -45,7 +45,7 @@ _MODULES: Mapping[str, str] = {
 
 
 def names() -> list[str]:
-    """Names of the recipes."""
+    """Return names of the recipes."""
     return list(_MODULES)
 
 
@@ -57,18 +57,18 @@ def _module(name: str) -> object:
 
 
 def describe(name: str) -> str:
-    """One line on what a recipe derives."""
+    """Return one line on what a recipe derives."""
     return (_module(name).__doc__ or "").partition("\n")[0]
 
 
 def explain(name: str) -> str:
-    """What a recipe derives and what its options mean, as plain text."""
+    """Return what a recipe derives and what its options mean, as plain text."""
     text = (_module(name).__doc__ or "").strip()
     return re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "`")
 
 
 def options_of(name: str) -> Mapping[str, str]:
-    """Options of a recipe with their defaults."""
+    """Return options of a recipe with their defaults."""
     return dict(_module(name).OPTIONS)  # type: ignore[attr-defined]
 
 

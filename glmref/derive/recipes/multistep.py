@@ -51,7 +51,7 @@ class Shipped:
     over: int = 256
 
     def numbers(self) -> _Numbers:
-        """The same as fractions."""
+        """Return the same as fractions."""
         q, p, slopes = (
             [Fraction(x, self.over) for x in row] for row in (self.q, self.p, self.slopes)
         )
@@ -118,7 +118,7 @@ SHIPPED: Mapping[str, Shipped] = {
 
 
 def title_of(order: int, *, second: bool, forces: int = 1) -> str:
-    """One line for the file."""
+    """Return one line for the file."""
     systems = "second-order" if second else "separable"
     kind = "multistep" if forces == 1 else "multivalue"
     many = "one force evaluation" if forces == 1 else "two force evaluations"

@@ -73,7 +73,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 
 def _base(name: str, title: str, b1: Fraction, parity: int) -> dict[str, Any]:
-    """The parts both families share; ``parity`` is that of Im omega."""
+    """Return the parts both families share; ``parity`` is that of Im omega."""
     sign = "" if parity > 0 else "-"
     return {
         "format": "glmref-method-1",

@@ -184,7 +184,7 @@ def _rotation(z: Exact) -> list[list[str]]:
 
 
 def _times(b: Sequence[Fraction], factor: int, name: str) -> list[str]:
-    """A row of B: weights times the symmetric gamma or beta."""
+    """Return a row of B: weights times the symmetric gamma or beta."""
     return [f"{factor * x}*{name}{min(i, 4 - i) + 1}" for i, x in enumerate(b)]
 
 
@@ -195,7 +195,7 @@ def _b_rows(b: Sequence[Fraction], factor: int) -> list[list[str]]:
 
 
 def _u_row(i: int, z_text: str, z: Exact) -> list[str]:
-    """Row i of U: (1, Re and Im of -z conj(omega_i) or half of them, -gamma_i)."""
+    """Return the row i of U: (1, Re and Im of -z conj(omega_i) or half of them, -gamma_i)."""
     k = min(i, 4 - i) + 1
     alpha, beta, gamma = f"alpha{k}", f"beta{k}", f"-gamma{k}"
     sign = "" if i < 2 else "-"

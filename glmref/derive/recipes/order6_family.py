@@ -66,7 +66,7 @@ class Family:
 
 
 def family(c2: Fraction) -> Family:
-    """The tableau (A, b, c) and W at one c2.
+    """Return the tableau (A, b, c) and W at one c2.
 
     Raises
     ------
@@ -137,7 +137,7 @@ class Quadratic:
         return Quadratic(other, Fraction(0), self.n) if isinstance(other, Fraction) else other
 
     def exact(self) -> Exact:
-        """The number itself."""
+        """Return the number itself."""
         return Exact(self.n).sqrt() * self.q + self.p
 
     def sign(self) -> int:
@@ -145,7 +145,7 @@ class Quadratic:
         return self.exact().sign()
 
     def quotient_text(self) -> str:
-        """Text over one denominator, ``(65274*sqrt(330)-347009)/1265902``."""
+        """Return the text over one denominator, ``(65274*sqrt(330)-347009)/1265902``."""
         common = lcm(self.p.denominator, self.q.denominator)
         top = _sum_text(self.p * common, self.q * common, self.n, root_first=True)
         return top if common == 1 else f"({top})/{common}"
@@ -208,7 +208,7 @@ class Forms:
     gamma_ratios: tuple[Quadratic, Quadratic]
 
     def is_real(self) -> bool:
-        """Whether alpha1, beta1 and gamma1 are real."""
+        """Return whether alpha1, beta1 and gamma1 are real."""
         squares = (self.beta_square, self.gamma_square)
         return self.alpha_square > 0 and all(x.sign() > 0 for x in squares)
 
@@ -221,7 +221,7 @@ def antisymmetric(member: Family) -> tuple[Fraction, Fraction]:
 
 
 def solve_forms(member: Family) -> list[Forms]:
-    """The one or two candidates for the forms; none where sqrt(-b1 b2 b3) is not real."""
+    """Return the one or two candidates for the forms; none where sqrt(-b1 b2 b3) is not real."""
     b1, b2, b3 = member.b[:3]
     S = member.S
     if -b1 * b2 * b3 < 0:
@@ -284,7 +284,7 @@ def least_growth(member: Family) -> Exact | None:
 def _norm_sign(
     M: list[list[Fraction]], weights: tuple[Fraction, ...], value: Exact, other: Exact
 ) -> int:
-    """Sign of v^T S^+ v = q(v) / value for the eigenvector v of M to ``value``.
+    """Return the sign of v^T S^+ v = q(v) / value for the eigenvector v of M to ``value``.
 
     Columns of (M - other) M are eigenvectors: the range of M without the other eigenvector.
     """

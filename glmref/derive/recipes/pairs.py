@@ -46,7 +46,7 @@ LARGEST = 10.0
 
 
 def source(where: str) -> dict[str, Any]:
-    """The source record of a pair that this recipe found."""
+    """Return the source record of a pair that this recipe found."""
     return {
         "citation": "glmref, derived by `glmref derive pairs` from the conditions of docs/pairs.md",
         "where": where,
@@ -93,7 +93,7 @@ def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
 
 
 def rough_pair_starts() -> Mapping[str, Any]:
-    """One stage of each pair of every start, see :func:`~.parity_start.expanded`."""
+    """Return one stage of each pair of every start, see :func:`~.parity_start.expanded`."""
     return stored("partitioned_starts.json")
 
 

@@ -101,7 +101,7 @@ Progress = Callable[[str, int, int], None]
 
 @cache
 def stored(name: str) -> Any:
-    """A table of numbers beside the recipes: a JSON file of this folder."""
+    """Return a table of numbers beside the recipes: a JSON file of this folder."""
     return json.loads(files("glmref.derive.recipes").joinpath(name).read_text(encoding="utf-8"))
 
 
@@ -207,7 +207,7 @@ def shipped_names(name: str, shipped: Mapping[str, Any]) -> list[str]:
 def thesis_source(
     where: str, status: str, errata: Sequence[str] = (), notes: str = ""
 ) -> dict[str, Any]:
-    """The source record of the thesis."""
+    """Return the source record of the thesis."""
     record: dict[str, Any] = {"citation": _THESIS, "where": where, "status": status}
     if errata:
         record["errata"] = list(errata)
@@ -217,7 +217,7 @@ def thesis_source(
 
 
 def derived_source(where: str) -> dict[str, Any]:
-    """The source record of a method that was found by a recipe of this package."""
+    """Return the source record of a method that was found by a recipe of this package."""
     return {
         "citation": "glmref, derived by `glmref derive` from the conditions of Butcher, J. C. and "
         "Imran, G., Order conditions for G-symplectic methods, BIT Numerical Mathematics 55 "

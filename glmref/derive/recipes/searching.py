@@ -89,7 +89,7 @@ def _ends(
     scale: float,
     progress: Progress,
 ) -> Iterator[Found]:
-    """Ends of all starts in order; those that the state lacks are computed first."""
+    """Yield ends of all starts in order; those that the state lacks are computed first."""
     store = Records(Path(options["state"]) if options["state"] else None)
     tasks = list(tasks_of(ansatz, seed=seed, starts=starts, scale=scale))
     done = sum(task["starts"] for task in tasks if store.find(task))

@@ -56,7 +56,7 @@ class Rough:
 
 
 def rough_solutions(recipe: str) -> Mapping[str, Rough]:
-    """The table of a recipe in ``rough.json``, by the names of its methods."""
+    """Return the table of a recipe in ``rough.json``, by the names of its methods."""
     return {
         name: Rough(**{**row, "ansatz": Ansatz.from_table({"name": name, **row["ansatz"]}, name)})
         for name, row in stored("rough.json")[recipe].items()
@@ -141,7 +141,7 @@ def finish(
 def deriver(
     recipe: str, table: Mapping[str, Rough]
 ) -> Callable[[Mapping[str, str], Progress], Derivation]:
-    """The derivation of one method of a table, or of all of them.
+    """Return the derivation of one method of a table, or of all of them.
 
     It raises a UsageError for a name that is not in the table.
     """
