@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,9 +12,9 @@ from typing import Any
 
 from campaigns.driver import arguments
 from campaigns.pages import row, table, write
+from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 ROOT = Path(__file__).parents[1]
-AUDITS = ROOT / "data" / "audits"
 SHORT = ROOT / "docs" / "audit.md"
 PAGE = ROOT / "docs" / "audit" / "tables.md"
 #: Tables that the short page shows: code, name.
@@ -27,39 +26,17 @@ SHOWN_FIRST = (
     ("desolver", "RadauIIA3"), ("principia", "Fine1987RKNG34"), ("nodepy", "Lambert65"),
     ("rungekutta.jl", "RK42"),
 )  # fmt: skip
-STATUSES = ("right", "digits", "found", "wrong", "question", "unread")
-#: Entries unlike those of the nearest method that are written one by one, at most.
-SHOWN = 7
-
-
-def records() -> dict[str, Mapping[str, Any]]:
-    """Return records by the name of their code."""
-    return {x.stem: json.loads(x.read_text("utf-8")) for x in sorted(AUDITS.glob("*.json"))}
 
 
 def counts() -> str:
     """Return the number of tables of each code by status, and of all."""
     rows, total = [], [0] * len(STATUSES)
-    for code, record in records().items():
+    for code, record in audited_codes().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
         total = [x + y for x, y in zip(total, found, strict=True)]
         rows.append(row(code, source(record), sum(found), *found))
     rows.append(row("all", "", sum(total), *total))
     return table(["code", "source", "tables", *STATUSES], rows)
-
-
-def named(table: Mapping[str, Any]) -> str:
-    """Return what is wrong: the entry, else remarks, else what the nearest method has."""
-    said = [f"`{x['entry']}` is {x['is']}, should be {x['should be']}" for x in
-            table.get("correction", ())]  # fmt: skip
-    said = [" or ".join(said)] if said else []
-    said += table.get("remarks", ())
-    near = table.get("nearest", {})
-    if near.get("entries") and not table.get("correction"):
-        entries = ", ".join(f"`{x['entry']}` = {x['there']}" for x in near["entries"])
-        few = near["differing"] <= SHOWN
-        said.append(f"`{near['method']}` has {entries if few else 'other entries'}")
-    return "; ".join(said)
 
 
 def source(record: Mapping[str, Any]) -> str:
@@ -72,7 +49,7 @@ def findings() -> str:
     """Return every table that is not right, the wrong ones first."""
     rows = []
     for status in ("wrong", "question", "digits"):
-        for code, record in records().items():
+        for code, record in audited_codes().items():
             for x in record["tables"]:
                 if x["status"] == status:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
@@ -85,7 +62,7 @@ def findings() -> str:
 
 def first() -> str:
     """Return some wrong tables, each with the first thing that the audit names."""
-    known, rows = records(), []
+    known, rows = audited_codes(), []
     for code, name in SHOWN_FIRST:
         found = next(
             x for x in known[code]["tables"] if x["name"] == name and x["status"] == "wrong"

@@ -6,12 +6,13 @@ import re
 
 import pytest
 
-from campaigns.audited_codes import PAGE, SHORT, SHORT_TABLES, STATUSES, TABLES, named, records
+from campaigns.audited_codes import PAGE, SHORT, SHORT_TABLES, TABLES
 from campaigns.pages import filled
 from glmref.audit.judge import judge
 from glmref.audit.readers import read
+from glmref.catalogue.audits import STATUSES, audited_codes, named
 
-RECORDS = records()
+RECORDS = audited_codes()
 #: Tables that a first reading by hand found wrong or oddly named, and what the audit names.
 KNOWN = [
     ("petsc", "TSARKIMEXBPR3", "wrong", "`a[5][3]` is 3/5, should be 3/4"),

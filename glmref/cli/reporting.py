@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..errors import UsageError
 from ..views.tables import one_line
 from .output import HOLDS, complain, say
 
@@ -36,7 +37,8 @@ def report(
 ) -> int:
     """Write HTML pages of stored results: runs, methods, benchmarks; nothing is computed.
 
-    RESULTS are files and folders: records of `glmref run`, findings of `glmref verify --format
+    RESULTS are files and folders: scenes of your own that have been run into the folder report,
+    records of `glmref run`, findings of `glmref verify --format
     json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
     asv, method files of your own, which get a page each. By default the folder report and
     .asv/results. Pages are written of these only; with --all also those of the catalogue, with the
@@ -48,18 +50,50 @@ def report(
     from ..report.markup import counted
 
     shipped = data_root() / "measurements"
-    places = list(results) or [x for x in PLACES if x.exists()]
+    places = [x for given in results for x in _places(given)] if results else list(PLACES)
+    places = [x for x in places if results or x.exists()]
     if every and shipped.is_dir():
         places.append(shipped)
     found = read(places, names("methods"))
+    for odd in found.odd:
+        complain(f"not shown: {odd.where}: {odd.why}")
+    if found.is_empty and not every:
+        where = ", ".join(one_line(x) for x in results or PLACES)
+        raise UsageError(
+            f"there are no results in {where}; write some with `glmref run SCENE`, or give --all "
+            "for the pages of the catalogue"
+        )
     if output is None:
         output = Path("report", "pages.html") if single else Path("report", "pages")
     written = build(
         found, output, single=single, docs=docs, methods=names("methods") if every else None
     )
-    for odd in found.odd:
-        complain(f"not shown: {odd.where}: {odd.why}")
     records = sum(len(run.records) for run in found.runs)
     files, place = counted(len(written), "file"), one_line(written[0])
     say(f"{files} with {counted(records, 'record')}; open {place}")
     return HOLDS
+
+
+def _places(given: Path) -> list[Path]:
+    """Return what is read for an argument: of a scene, the files that `glmref run` wrote of it.
+
+    Raises
+    ------
+    UsageError
+        For a scene that has not been run.
+    """
+    if given.suffix != ".toml" or not given.is_file():
+        return [given]
+    from ..compute.records import SUFFIX
+    from ..report.store import ABOUT_SUFFIX
+    from ..scenes import load_scene
+
+    name = load_scene(given).name
+    ends = [f"{quick}{end}" for quick in ("", "-quick") for end in (SUFFIX, f"{ABOUT_SUFFIX}.json")]
+    found = [x for end in ends if (x := PLACES[0] / f"{name}{end}").is_file()]
+    if not found:
+        raise UsageError(
+            f"there are no results of {one_line(given)} in {PLACES[0]}; run "
+            f"`glmref run {one_line(given)}`, then this command again"
+        )
+    return found

@@ -18,6 +18,7 @@ from typing import Any
 import mpmath
 
 from .. import __version__
+from ..catalogue.audits import audited_codes
 from ..catalogue.canonical import canonical, checksums, datapackage
 from ..catalogue.claims import EMBEDDED_ORDER
 from ..catalogue.files import data_root, names
@@ -222,8 +223,7 @@ def tableau_text(method: Any) -> str:
 
 def _audits() -> Iterator[dict[str, Any]]:
     """Yield the tables of all audited codes; ``method`` is the one of the catalogue nearest."""
-    for path in sorted((data_root() / "audits").glob("*.json")):
-        record = read_json(path)
+    for record in audited_codes().values():
         source = record["source"]
         for table in record["tables"]:
             row = {k: x for k, x in table.items() if k not in ("name", "path", "nearest")}

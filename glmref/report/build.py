@@ -18,7 +18,8 @@ from .markup import Page, Site
 from .measurements import measurement_pages
 from .methods import by_class, is_shipped_name, method_page, overview
 from .runs import run_page
-from .side_pages import errata_page, history_page, measured_page
+from .searching import search_page
+from .side_pages import audits_page, errata_page, history_page, measured_page
 from .store import MARK, Results
 
 _SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
@@ -33,10 +34,12 @@ def pages_of(
     front += [run_page(site, run, known) for run in results.runs]
     front += measurement_pages(results)
     if catalogue:
-        front.append(errata_page(site, known))
+        front += [audits_page(site), errata_page(site, known)]
     if catalogue or results.benchmarks:
         front.append(history_page(results))
     front.append(measured_page(results, __version__))
+    if methods:
+        front.append(search_page(site, results, by_class(results, methods), catalogue=catalogue))
     return front + [method_page(site, results, name) for name in by_class(results, methods)]
 
 

@@ -25,6 +25,8 @@ from ..views.tables import counted
 DIGITS = 6
 _LONG = 300  # rows after which a table is folded: laying it out takes most of the time of a load
 _WIDE = 40  # characters of a cell that does not wrap
+#: Name of the page on which methods and verdicts are searched.
+SEARCH = "search"
 NONE = "–"  # what stands where a record has no number
 
 
@@ -98,11 +100,12 @@ class Table:
     columns: Sequence[Column]
     cells: Sequence[Sequence[str]]
     sortable: bool = False
+    found: bool = False  #: Whether the script shows only the rows that a search finds.
 
     @property
     def is_long(self) -> bool:
         """Whether it is folded."""
-        return len(self.cells) > _LONG
+        return len(self.cells) > _LONG and not self.found
 
 
 @dataclass(frozen=True)
@@ -177,6 +180,7 @@ class Site:
             looks={x: self.looks[x] for page in pages for lines in page.pictures for x in lines
                    if x in self.looks},
             bar=[page for page in every if not page.group],
+            search=self.href(SEARCH) if any(page.name == SEARCH for page in every) else "",
             style=Markup(style), style_hash=_hash(style),
             script=Markup(script), script_hash=_hash(script),
         )  # fmt: skip

@@ -305,23 +305,36 @@ def method_page(site: Site, results: Results, name: str) -> Page:
 
 def _claims(doc: Record, results: Results) -> Table:
     """Return claims with their proofs and witnesses."""
+    rows = [
+        [
+            claim, _listed(declared) if isinstance(declared, list) else number(declared),
+            verdict, proof or number(None),
+            number(_seen(results, doc["name"], claim)),
+            number(finding.get("residual")), wrapped(str(finding.get("witness", ""))),
+        ]
+        for claim, declared, verdict, proof, finding in _found(doc, results)
+    ]  # fmt: skip
+    titles = {"seen": "seen in runs"}
+    keys = ("claim", "declared", "verdict", "proof", "seen", "residual", "witness")
+    columns = [Column(x, titles.get(x, x)) for x in keys]
+    return Table("claims-" + doc["name"], "Claims", columns, rows)
+
+
+def claimed(results: Results, name: str) -> list[tuple[str, Any, str, str]]:
+    """Return the claims of a method, each with what it declares, its verdict and kind of proof."""
+    return [row[:4] for row in _found(_document(results, name), results)]
+
+
+def _found(doc: Record, results: Results) -> list[tuple[str, Any, str, str, Record]]:
+    """Claims of a file: what each declares, its verdict, its kind of proof, and the finding."""
     found = results.findings.get(doc["name"], [])
     known = {str(x.get("claim")): x for x in _of_this_file(doc, found)}
     rows = []
     for claim, declared in _declared(doc).items():
         finding = known.get(claim, {})
-        verdict = str(finding.get("verdict", ""))
-        rows.append([
-            claim, _listed(declared) if isinstance(declared, list) else number(declared),
-            _verdict(verdict),
-            str(finding.get("proof", "")) or number(None),
-            number(_seen(results, doc["name"], claim)),
-            number(finding.get("residual")), wrapped(str(finding.get("witness", ""))),
-        ])  # fmt: skip
-    titles = {"seen": "seen in runs"}
-    keys = ("claim", "declared", "verdict", "proof", "seen", "residual", "witness")
-    columns = [Column(x, titles.get(x, x)) for x in keys]
-    return Table("claims-" + doc["name"], "Claims", columns, rows)
+        verdict, proof = (str(finding.get(key, "")) for key in ("verdict", "proof"))
+        rows.append((claim, declared, _verdict(verdict), proof, finding))
+    return rows
 
 
 def _error_constants(name: str, row: Record) -> list[tuple[str, Record, Table]]:

@@ -360,18 +360,52 @@
         body.append(...rows);
       });
     });
+    // of a table that is searched, only rows that hold every word are shown, and not more than these
+    const searched = table.classList.contains("found"), most = searched ? 200 : Infinity;
     const label = make("label", {});
-    label.textContent = "filter rows by ";
+    label.textContent = searched ? "search " : "filter rows by ";
     const input = make("input", { type: "search", placeholder: "words" }, label);
     const line = make("div", { class: "controls" });
-    line.append(label);
+    const told = make("span", { role: "status" });
+    line.append(label, told);
     table.closest(".scroll").before(line);
-    input.addEventListener("input", () => {
-      const words = input.value.toLowerCase().split(/\s+/);
+    const texts = new Map();
+    const text = (row) => {
+      if (!texts.has(row)) texts.set(row, [...row.cells].map((cell) => cell.textContent.toLowerCase()).join(" "));
+      return texts.get(row);
+    };
+    const filter = () => {
+      const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
+      let found = 0;
       for (const row of body.rows) {
-        const text = [...row.cells].map((cell) => cell.textContent.toLowerCase()).join(" ");
-        row.hidden = !words.every((word) => text.includes(word));
+        const hit = (words.length > 0 || !searched) && words.every((word) => text(row).includes(word));
+        row.hidden = !hit || found >= most;
+        found += hit;
       }
+      const first = found > most ? `, the first ${most} are shown` : "";
+      if (searched) told.textContent = words.length ? `${found} ${found === 1 ? "row" : "rows"}${first}` : "";
+    };
+    input.addEventListener("input", filter);
+    if (searched) {
+      input.value = new URLSearchParams(location.search).get("words") ?? "";
+      filter();
+    }
+  });
+
+  // the field of every page: it opens the page of the search
+  document.querySelectorAll("form.search").forEach((form) => {
+    form.hidden = false;
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      const words = form.elements.words.value, to = form.dataset.to;
+      if (!to.startsWith("#")) {
+        location.href = `${to}?words=${encodeURIComponent(words)}`;
+        return;
+      }
+      const input = document.querySelector(`${to} .controls input`);
+      input.value = words;
+      input.dispatchEvent(new Event("input"));
+      location.hash = to;
     });
   });
 })();

@@ -86,6 +86,12 @@ class Results:
     odd: list[Odd] = field(default_factory=list)  #: What could not be read.
     files: list[tuple[str, str]] = field(default_factory=list)  #: (path, what it holds).
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to show."""
+        shown = (self.runs, self.findings, self.benchmarks, self.measurements, self.regions)
+        return not any((*shown, self.own, self.portraits))
+
     def of_others(self) -> list[str]:
         """Methods of the user: those whose file was given, and those that findings are about."""
         return sorted({*self.own, *self.findings} - set(shipped_names("all")))

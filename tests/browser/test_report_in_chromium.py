@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +104,7 @@ CUT = """return [...document.querySelectorAll('svg.chart')].flatMap((svg) => {
 });"""
 
 PAGES = (
-    *("index", "errata", "history", "measured", "measured-needs"),
+    *("index", "audits", "errata", "history", "measured", "measured-needs", "search"),
     *(f"run-{NAME}", "run-odd", "run-many"),
     *(f"method-{name}" for name in METHODS),
 )
@@ -123,6 +124,38 @@ def test_a_page_opens_without_error_or_request_and_fits_a_phone(
         assert wide <= inner
         assert chromium.execute_script("return document.querySelectorAll('h1').length") == 1
         assert chromium.execute_script(CUT) == []
+
+
+#: Words go into the field of the page shown, and Enter is pressed.
+ASK = """const form = [...document.querySelectorAll('form.search')].find((one) => !one.hidden);
+form.elements.words.value = 'petsc WRONG'; form.requestSubmit();"""
+#: Rows of the search that are shown.
+SHOWN = """return [...document.querySelectorAll('table.found tbody tr')]
+  .filter((row) => !row.hidden).map((row) => row.textContent);"""
+
+
+@pytest.mark.parametrize("file", ["site/method-rk4.html", "one.html"])
+def test_the_field_of_a_page_finds_what_holds_all_words(
+    chromium: Any, site: Path, file: str
+) -> None:
+    visit(chromium, site.parent / file)
+    assert chromium.execute_script("return getComputedStyle(document.forms[0]).display") != "none"
+    chromium.execute_script(ASK)
+    for _ in range(100):  # until the page of the search is there
+        if "search" in chromium.current_url and (shown := chromium.execute_script(SHOWN)):
+            break
+        time.sleep(0.05)
+    assert len(shown) == 1 and "TSARKIMEXBPR3" in shown[0] and "should be 3/4" in shown[0]
+    assert chromium.get_log("browser") == []
+
+
+def test_a_search_that_finds_nothing_shows_no_row(chromium: Any, site: Path) -> None:
+    visit(chromium, site / "search.html")
+    assert chromium.execute_script(SHOWN) == []  # before a word is typed, neither
+    fill = "const x = document.querySelector('.controls input'); x.value = arguments[0];"
+    for words, count in (("petsc nonsense", 0), ("rk4 order holds", 1), ("a", 200)):
+        chromium.execute_script(fill + "x.dispatchEvent(new Event('input'));", words)
+        assert len(chromium.execute_script(SHOWN)) == count
 
 
 def test_no_column_of_a_run_is_cut_on_a_small_desktop(chromium: Any, site: Path) -> None:

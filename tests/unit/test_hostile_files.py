@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
@@ -161,6 +162,9 @@ def test_an_output_that_cannot_be_is_named(
 ) -> None:  # fmt: skip
     (tmp_path / "file").write_text("kept", encoding="utf-8")
     (tmp_path / "in").mkdir()
+    finding = {"method": "rk4", "claim": "order", "verdict": "holds", "declared": 4}
+    findings = {"format": "glmref-findings-1", "findings": [finding]}
+    (tmp_path / "in" / "found.json").write_text(json.dumps(findings), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("glmref.cli.reporting.PLACES", (Path("in"),))
     # a page of each method would take seconds, and none is to be written

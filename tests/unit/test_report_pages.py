@@ -13,6 +13,7 @@ import pytest
 
 import glmref
 from glmref import scenes
+from glmref.catalogue.audits import STATUSES, audited_codes
 from glmref.catalogue.lookup import data_root, document, names
 from glmref.cli import main
 from glmref.compute.records import Records
@@ -551,8 +552,65 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     assert "A Duffing &lt;oscillator&gt;</a>" in index and answer in unescape(index)
     for text in ("What is proved here", "All methods", "observed-orders", "Errata"):
         assert text not in index and text not in page
+    assert main(["report", "duffing.toml", "--output", "again"]) == 0  # its records, by its file
+    assert (tmp_path / "again" / "run-duffing.html").read_text(encoding="utf-8") == page
     assert main(["report", "--all", "--output", "whole"]) == 0
     assert (tmp_path / "whole" / "method-rk4.html").is_file()
+
+
+def test_without_results_the_report_says_what_to_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "duffing.toml").write_text(OWN, encoding="utf-8")
+    for given, words in (
+        ([], "no results in report, .asv/results; write some with `glmref run SCENE`"),
+        (["."], "no results in .; write some with"),
+        (["duffing.toml"], "no results of duffing.toml in report; run `glmref run duffing.toml`"),
+    ):
+        assert main(["report", *given]) == 2
+        said = capsys.readouterr()
+        assert words in said.err and said.err.count("\n") == 1 and not said.out
+    assert not (tmp_path / "report").exists()
+
+
+def test_claims_and_audited_tables_are_found_by_their_words(tmp_path: Path) -> None:
+    build(read([data_root() / "measurements" / "verification.json"]), tmp_path, methods=METHODS)
+    rows = table(tmp_path / "search.html", "found")
+    claims = [(x["name"], x["says"]) for x in rows if x["what"] == "claim"]
+    declared = {name: document(name)["claims"] for name in METHODS}
+    assert len(claims) >= sum(map(len, declared.values()))
+    assert {name for name, _ in claims} == set(METHODS) and ("rk4", "order: 4") in claims
+    assert all(x["verdict"] == "holds" for x in rows if x["what"] == "claim")
+    audited = {x["name"]: x for x in rows if x["what"] == "audited table"}
+    bad = audited["petsc, TSARKIMEXBPR3"]
+    assert (bad["verdict"], bad["says"]) == (
+        "wrong",
+        "order 3, found 1; a[5][3] is 3/5, should be 3/4",
+    )
+    assert {x["verdict"] for x in audited.values()} == set(STATUSES)
+    page = (tmp_path / "method-rk4.html").read_text(encoding="utf-8")
+    assert 'data-to="search.html"' in page
+
+
+def test_audited_codes_are_counted_and_what_is_wrong_is_named(tmp_path: Path) -> None:
+    build(read([]), tmp_path, methods=["rk4"])
+    codes = {x["code"]: x for x in table(tmp_path / "audits.html", "codes")}
+    records = audited_codes()
+    assert codes.keys() == records.keys()
+    for code, row in codes.items():
+        assert int(row["tables"]) == len(records[code]["tables"])
+        assert [int(row[x]) for x in STATUSES] == [
+            records[code]["counts"].get(x, 0) for x in STATUSES
+        ]
+    odd = table(tmp_path / "audits.html", "odd")
+    assert {x["status"] for x in odd} == {"wrong", "question", "digits"}
+    feagin = next(x for x in odd if x["table"] == "Feagin12")
+    assert (feagin["code"], feagin["found"]) == ("ordinarydiffeq.jl", "1")
+    assert "c[2] is 2, should be 1/5" in feagin["what is wrong"]
+    text = (tmp_path / "audits.html").read_text(encoding="utf-8")
+    wrong = sum(x["status"] == "wrong" for x in odd)
+    assert f"{wrong} wrong and" in text and "/blob/" in text
 
 
 @pytest.mark.slow
