@@ -45,6 +45,8 @@ _ENERGY, _EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
 _ENERGY_TOO = 8.0
 #: The part of the truncation error that the parasitic part then has to be.
 _VISIBLE = 0.01
+#: The part of the solution at which the parasitic part is reported whatever the energy does.
+_OF_SOLUTION = 0.1
 #: Numbers of coefficients of the polynomials.
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
@@ -102,6 +104,14 @@ def _half(m: Component, times: Vector, order: int) -> _Fit:
     return _fit(roots, order, float(constant))
 
 
+@lru_cache(maxsize=32)
+def _fits(method: Method) -> tuple[_Fit, ...]:
+    """Return the maps of the halves of a method, made once for all its runs."""
+    order = method.claims[ORDER.key]
+    assert isinstance(order, int)
+    return tuple(_half(c, method.times[0], order) for c in method.carriers)
+
+
 def watched(method: Method, problem: Problem) -> bool:
     """Return whether a run is watched: two multistep halves, evaluated at the solution itself."""
     if not (method.parts == 2 and method.carried > 1 and method.shared) or problem.separable:
@@ -135,13 +145,12 @@ class Watch:
     """The parasitic part and the truncation error over the windows of one run."""
 
     def __init__(self, method: Method, problem: Problem) -> None:
-        order = method.claims[ORDER.key]
-        assert isinstance(order, int)
-        self.fits = [_half(c, method.times[0], order) for c in method.carriers]
+        self.fits = _fits(method)
         self.scale = np.zeros(len(self.fits))
         self.first: np.ndarray | None = None  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
         self.canonical = problem.canonical
+        self.page = "nonseparable" if method.is_explicit else "velocities"
         self.energy_error = 0.0  #: Of the first steps.
 
     def parasitic(self, solutions: np.ndarray) -> np.ndarray:
@@ -199,6 +208,8 @@ class Watch:
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
         if (found <= enough).all():
             return False
+        if (found > np.maximum(enough, _OF_SOLUTION * size)).any():
+            return True  # the energy is not in every direction a measure
         # at a close encounter the largest error is large for a moment, also of a sound orbit
         error = self._error_of_energy(solutions, np.median, _SAMPLES)
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
@@ -211,5 +222,5 @@ class Watch:
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
             f"against the truncation error, and the orbit is being lost; give {shear}"
             f"renew=1000, a smaller h, or an implicit method such as gauss-4, see "
-            f"docs/nonseparable.md"
+            f"docs/{self.page}.md"
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -31,13 +32,14 @@ ENGINES = ("compiled", "reference", "interpreted")
 MOST_DIGITS = 10_000
 
 
-def _growth(reference: Stepper) -> list[str]:
+@lru_cache(maxsize=256)
+def _growth(reference: Stepper) -> tuple[str, ...]:
     """Say of a method that is not zero-stable how fast its values grow, whatever the problem."""
     radii = [np.abs(np.linalg.eigvals(c.V)).max() for c in reference.components if len(c.V) > 1]
     if not radii or max(radii) < 1 + _GROWS:
-        return []
+        return ()
     size = f"V has an eigenvalue of size {max(radii):.4g}, by which errors grow in every step"
-    return [f"the method is not zero-stable: {size}; glmref.analyze says more"]
+    return (f"the method is not zero-stable: {size}; glmref.analyze says more",)
 
 
 def _gauged(

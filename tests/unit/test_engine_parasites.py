@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from glmref import Solution, solve
 from glmref.engine import run as running
+from glmref.engine.kept import method_of
 from glmref.engine.outcome import Outcome
-from glmref.engine.parasites import WINDOW, windows
+from glmref.engine.parasites import WINDOW, Watch, windows
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -137,6 +138,77 @@ def test_without_a_hamiltonian_the_truncation_error_is_the_measure() -> None:
     assert found.suspect is not None
     assert solve(replace(PARTICLE, hamiltonian=None), "multistep-general-8", h=0.03,
                  steps=20_000).suspect is None  # fmt: skip
+
+
+def unstable(p2: str) -> Problem:
+    """Return an oscillator beside q2' = -3 q2/10, p2' = 3 p2/10."""
+    hamiltonian = "(p1**2 + q1**2)/2 - 3*p2*q2/10"
+    return Problem.from_hamiltonian(hamiltonian, {"q1": 1, "q2": 1, "p1": 0, "p2": p2})
+
+
+def test_growth_that_the_energy_does_not_show_is_reported_at_a_tenth_of_the_solution() -> None:
+    """With p2 = 0 the energy does not depend on q2."""
+    given = unstable("0")
+    found = solve(given, "multistep-general-8b", h=0.05, steps=1400, every=1)
+    assert errors(given, found)[-1] < 1e-12
+    assert abs(found.y[-1, 1]) > 1e19  # exp(-21) is the solution
+    assert found.suspect is not None
+    at = found.y[int(np.searchsorted(found.t, found.suspect))]
+    assert abs(at[1]) < 10
+    seen = solve(unstable("1/1000"), "multistep-general-8b", h=0.05, steps=1400).suspect
+    assert seen is not None and seen < found.suspect
+
+
+def test_growth_that_the_energy_does_not_show_is_not_reported_before() -> None:
+    given = unstable("0")
+    found = solve(given, "multistep-general-8", h=0.05, steps=1300)
+    assert 1e-3 < abs(found.y[-1, 1]) < 0.1  # exp(-19.5) is the solution
+    assert found.suspect is None
+    without = solve(replace(given, hamiltonian=None), "multistep-general-8", h=0.05, steps=1300)
+    assert without.suspect is not None
+
+
+def steps_of(energy: float, parasitic: float, angle: float, half: int) -> np.ndarray:
+    """Return a window of an oscillator with an energy error and a part that alternates."""
+    n = np.arange(WINDOW)
+    radius, wave = np.sqrt(1 + energy), parasitic * np.cos(n * angle)
+    y = radius * np.stack([np.cos(n / 20), -np.sin(n / 20)], axis=1)
+    y[:, half] += wave
+    return y
+
+
+@pytest.mark.parametrize("half", [0, 1])
+@pytest.mark.parametrize("name", [*METHODS, "multistep-kinetic-8"])
+def test_a_part_that_alternates_with_a_root_of_its_half_is_seen(name: str, half: int) -> None:
+    """It is with the energy that a notice follows; a part that was there at first is none."""
+    method = method_of(name)
+    component = method.components[half]
+    V = np.array([[float(x) for x in row] for row in component.V])
+    given = replace(PARTICLE, hamiltonian=oscillator)
+    for angle in np.angle(np.linalg.eigvals(V)):
+        if angle < 1e-6:
+            continue
+        for energy, parasitic, seen in ((1e-6, 1e-7, True), (1e-6, 1e-11, False),
+                                        (0.0, 1e-9, False), (0.0, 0.3, True)):  # fmt: skip
+            watch = Watch(method, given)
+            for step in (WINDOW, 2 * WINDOW, 3 * WINDOW):
+                assert not watch.large(steps_of(1e-9, 1e-10, angle, half), step)
+            assert watch.large(steps_of(energy, parasitic, angle, half), 2000) is seen
+
+
+def test_an_energy_error_without_a_parasitic_part_is_not_reported() -> None:
+    watch = Watch(method_of("multistep-general-8"), replace(PARTICLE, hamiltonian=oscillator))
+    for step in (WINDOW, 2 * WINDOW, 3 * WINDOW):
+        assert not watch.large(steps_of(1e-9, 0.0, 1.0, 0), step)
+    assert not watch.large(steps_of(1e-3, 0.0, 1.0, 0), 2000)
+
+
+def test_windows_of_long_runs_leave_gaps_in_which_nothing_is_seen() -> None:
+    assert max(np.diff(windows(100_000, 0))) > 20_000
+
+
+def oscillator(y: Any) -> Any:
+    return (y[0] ** 2 + y[1] ** 2) / 2
 
 
 def test_a_run_whose_values_overflow_is_reported_too() -> None:

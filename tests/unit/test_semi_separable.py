@@ -236,5 +236,7 @@ def test_a_growing_parasitic_part_is_reported() -> None:
     """Damping and driving of one sign: g_p is not skew, and every method grows."""
     equations = {"x": "v", "v": "-x + v*(1 - v**2 - x**2)/10"}
     cycle = Problem.from_equations(equations, {"x": 1, "v": 0})
-    assert solve(cycle, PAIR, h=0.05, steps=20_000).suspect is not None
+    found = solve(cycle, PAIR, h=0.05, steps=20_000)
+    assert found.suspect is not None
+    assert "see docs/velocities.md" in " ".join(found.notices)
     assert solve(TRAP, PAIR, h=0.02, steps=20_000).suspect is None

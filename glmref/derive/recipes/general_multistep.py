@@ -40,16 +40,18 @@ class Shipped:
     semi: bool = False  #: Whether the method is for semi-separable systems.
 
 
+#: Where the conditions stand, for general and for semi-separable systems.
+_PAGES = ("docs/nonseparable.md", "docs/velocities.md")
+
 _RESIDUES = (
     "The largest residue, which is the rate of a parasitic part over |H_pq|, decides for which "
-    "systems the method is bounded; a run that is being lost has a notice, see "
-    "docs/nonseparable.md."
+    f"systems the method is bounded; a run that is being lost has a notice, see {_PAGES[False]}."
 )
 
 _VELOCITIES = (
     "For systems q' = f(p), p' = g(q, p), where f is evaluated before the stage of q; only the "
     "residues of p are rates of a parasitic part, over g_p; a run that is being lost has a notice, "
-    "see docs/velocities.md."
+    f"see {_PAGES[True]}."
 )
 
 SHIPPED: Mapping[str, Shipped] = {
@@ -114,7 +116,7 @@ def _complete(
     document = general_document(name, q, p, title=title)
     document["source"] = {
         "citation": "glmref, derived by `glmref derive general-multistep` from the conditions of "
-        "docs/nonseparable.md",
+        f"{_PAGES[semi]}",
         "where": where,
         "status": "derived",
     }
