@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from glmref import compare, solve
 from glmref.catalogue.advice import ADVICE
-from glmref.catalogue.lookup import data_root
+from glmref.catalogue.lookup import data_root, load
 from glmref.catalogue.reader import load_document
 from glmref.derive.general_multistep import EndedHalf, GeneralHalf, general_document
 from glmref.engine.ensemble import solve_ensemble
@@ -230,6 +230,47 @@ def test_compare_watches_a_long_run_of_the_orbit() -> None:
     labels = {name: one.candidates[0].long_runs for name, one in found.items()}
     assert labels == {"magnetic-trap": "observed as bounded", "dipole-charge": "lost"}
     assert found["magnetic-trap"].recommended and found["dipole-charge"].recommended is None
+
+
+@pytest.mark.parametrize(("order", "bound"), [(6, 0.095), (8, 0.167), (10, 0.232)])
+def test_a_gyration_is_stable_up_to_the_bound_of_the_page(order: int, bound: float) -> None:
+    """p' = i omega p: the half of p alone, with its stages."""
+    m: Any = load(f"multistep-kinetic-{order}")
+    c = m.components[1]
+    A, U, B, V = (np.array([[float(x) for x in row] for row in M]) for M in (c.A, c.U, c.B, c.V))
+
+    def radius(z: float) -> float:
+        step = V + 1j * z * B @ np.linalg.solve(np.eye(len(A)) - 1j * z * A, U)
+        return float(np.abs(np.linalg.eigvals(step)).max())
+
+    assert max(map(radius, np.linspace(bound / 40, bound, 40))) < 1 + 1e-6
+    assert radius(bound + 0.003) > 1 + 1e-3
+    page = (data_root().parent / "docs/velocities.md").read_text(encoding="utf-8")
+    assert f"{bound}$" in page
+
+
+@pytest.mark.slow
+def test_the_step_has_to_suit_the_strongest_field_of_the_orbit() -> None:
+    given = problem("dipole-charge")
+    assert given.hamiltonian is not None
+    whole = {}
+    for h, steps in ((0.0016, 500_000), (0.0266, 20_000)):
+        found = solve(given, "multistep-kinetic-8", h=h, steps=steps, every=steps // 400)
+        energy = np.array([float(given.hamiltonian(y)) for y in found.y])
+        whole[h] = float(np.abs(energy / energy[0] - 1).max()), found.suspect
+    assert whole[0.0016][0] < 5.05e-15
+    assert whole[0.0016][1] is None
+    assert whole[0.0266][1] is not None
+
+    def frequency(y: np.ndarray) -> float:
+        steps = 1e-6 * np.eye(6)[3:]
+        columns = [(given.f(0.0, y + e) - given.f(0.0, y - e))[3:] / 2e-6 for e in steps]
+        return float(np.abs(np.linalg.eigvals(np.array(columns)).imag).max())
+
+    orbit = solve(given, "gauss-6", h=0.01, t_end=450, every=5)
+    found = np.maximum.accumulate([frequency(y) for y in orbit.y])
+    at = {t: f"{found[np.searchsorted(orbit.t, t) - 1]:.1f}" for t in (40, 450)}
+    assert at == {40: "2.6", 450: "9.6"}
 
 
 def test_a_growing_parasitic_part_is_reported() -> None:
