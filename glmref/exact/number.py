@@ -29,6 +29,7 @@ _NIL = flint.acb(0)
 _new = object.__new__
 _RATIONAL = (int, Fraction)
 _FOREIGN = (Arithmetic, bool)  # numbers that take part by their own operators, or not at all
+LONG_RADICAND = 256  # bits
 
 
 @cache
@@ -473,7 +474,13 @@ class Exact(Arithmetic):
 
     def sqrt(self) -> Exact:
         """Return the principal square root."""
-        return Exact._wrap(self._element.sqrt())
+        found = Exact._wrap(self._element.sqrt())
+        size = 0 if self._q is None else int(self._q.p).bit_length() + int(self._q.q).bit_length()
+        if size > LONG_RADICAND:
+            # flint keeps the sharpest ball of a generator. It refines a coarse one without end
+            # (arb_fmpz_poly_refine_root_arb) where the root is next to a short dyadic number
+            enclose(found._element, 4 * size)
+        return found
 
     def root(self, degree: int) -> Exact:
         """Return the positive root of a positive number."""

@@ -7,6 +7,8 @@ radicand, as complex numbers with 40 digits.
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from fractions import Fraction
 from typing import Any
 
@@ -157,6 +159,23 @@ def test_a_radicand_that_cannot_be_factored_is_a_generator() -> None:
     tower = field.Tower([f"sqrt({12 * N})", f"sqrt({N}/3)", f"sqrt({N**2})"])
     assert [x["polynomial"] for x in tower.generators] == [[str(-3 * N), "0"]]
     assert list(tower.radicals.values()) == ["2*g1", "1/3*g1", str(N)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("a", "b"), [(521, 607), (607, 1279), (341, 487)])
+def test_a_square_root_next_to_a_short_dyadic_number_is_enclosed(a: int, b: int) -> None:
+    """In a child: flint refines its ball of some of these numbers without end."""
+    code = (
+        "import resource; resource.setrlimit(resource.RLIMIT_CPU, (9, 9))\n"
+        "from glmref.exact import Exact\n"
+        f"N = (2**{a} - 1) * (2**{b} - 1)\n"
+        "x = Exact(N).sqrt()\n"
+        "print(x.ball(64).contains(x.ball(4096)), (1 + x).sign(), (x * x - N).is_zero())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True
+    )
+    assert done.stdout.split() == ["True", "1", "True"]
 
 
 def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
