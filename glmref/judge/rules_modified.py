@@ -43,6 +43,8 @@ class Underlying(Solved):
     def __init__(self, method: Method) -> None:
         super().__init__(method, True, False)
         self.phi: dict[Tree, Number] = {}
+        #: Phi in variables in which it is symplectic through order 1, 2, .., None beyond the last
+        self.conjugates: list[Map | None] = [self.map]
 
     def residual(self, tree: Tree) -> list:
         """Return B xiD(t) less what of (Phi eta)(t) is not eta(t), and keep Phi(t)."""
@@ -59,6 +61,14 @@ class Underlying(Solved):
             self.advance(size(tree))
             self.residual(tree)
         return self.phi[tree]
+
+    def conjugate(self, order: int) -> Map | None:
+        """Return Phi in variables in which it is symplectic through an order, or None."""
+        while len(self.conjugates) < order:
+            before = self.conjugates[-1]
+            n = len(self.conjugates) + 1
+            self.conjugates.append(None if before is None else straightened(before, n))
+        return self.conjugates[order - 1]
 
 
 def pairs(order: int) -> list[tuple[Tree, Tree, Tree, Tree]]:
@@ -124,20 +134,17 @@ def change_rows(order: int) -> tuple[list[Tree], list[list[Fraction]]]:
     return unknowns, rows
 
 
-def conjugate_gaps(a: Map, order: int) -> list[Number]:
-    """Return the gaps of an order that no change of variables removes: 0 or 1, from order 2 on.
+def straightened(a: Map, order: int) -> Map | None:
+    """Return a in variables in which the gaps of an order vanish, too, None where there are none.
 
     Each order leaves Hamiltonian terms of the change open, which change no later answer.
     """
-    for n in range(2, order + 1):
-        gaps = symplectic_gaps(a, n)
-        if not vanishes(gaps):
-            unknowns, rows = change_rows(n - 1)
-            c, _ = solve(rows, [-x for x in gaps])
-            if c is None:
-                return [Fraction(1)]
-            a = conjugated(a, dict(zip(unknowns, c, strict=True)))
-    return [Fraction(0)]
+    gaps = symplectic_gaps(a, order)
+    if vanishes(gaps):
+        return a
+    unknowns, rows = change_rows(order - 1)
+    c, _ = solve(rows, [-x for x in gaps])
+    return None if c is None else conjugated(a, dict(zip(unknowns, c, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -151,13 +158,15 @@ class UnderlyingCase(Case):
     """A part about the underlying one-step method."""
 
     witness: Reached
-    gaps: Callable[[Map, int], list[Number]]
 
-    def gaps_of(self, order: int) -> list[Number]:
-        """Return what must vanish at an order."""
+    def underlying(self, order: int) -> Underlying:
+        """Return the series of the map, which is looked at through an order."""
         require(order <= LARGEST, "beyond the limits of this checker")
-        made = self.proof.record.known(("underlying",), partial(Underlying, self.method))
-        return type(self).gaps(made.map, order)
+        return self.proof.record.known(("underlying",), partial(Underlying, self.method))
+
+    def gaps(self, order: int) -> list[Number]:
+        """Return what must vanish at an order."""
+        return symplectic_gaps(self.underlying(order).map, order)
 
     def shows(self, about: str, holds: bool) -> Bound:
         """Return a bound."""
@@ -173,22 +182,20 @@ class UnderlyingCase(Case):
         return len(N) == 1 and apart(dot(W[0], N[0])) and u is not None
 
 
-class SymplecticCase(UnderlyingCase):
-    """A part about symplecticity of the map of the outputs."""
-
-    gaps = symplectic_gaps
-
-
 class ConjugateCase(UnderlyingCase):
     """A part about symplecticity in other variables."""
 
-    gaps = conjugate_gaps
+    def gaps(self, order: int) -> list[Number]:
+        """Return 1 where no change of variables removes the gaps through an order, else 0."""
+        return [Fraction(int(self.underlying(order).conjugate(order) is None))]
 
 
 class EnergyCase(UnderlyingCase):
     """A part about the Hamiltonian itself."""
 
-    gaps = energy_gaps
+    def gaps(self, order: int) -> list[Number]:
+        """Return what must vanish at an order."""
+        return energy_gaps(self.underlying(order).map, order)
 
 
 def one_map_underlies_the_method(case: UnderlyingCase) -> bool:
@@ -203,12 +210,12 @@ def map_is_that_of_a_step(case: UnderlyingCase) -> bool:
 
 def conditions_hold_through_q(case: UnderlyingCase) -> bool | Fails:
     """The conditions of every order through q hold."""
-    return all(vanishes(case.gaps_of(n)) for n in range(2, case.witness.q + 1))
+    return all(vanishes(case.gaps(n)) for n in range(2, case.witness.q + 1))
 
 
 def a_condition_fails_after_q(case: UnderlyingCase) -> bool:
     """A condition of order q + 1 does not hold."""
-    return any(map(apart, case.gaps_of(case.witness.q + 1)))
+    return any(map(apart, case.gaps(case.witness.q + 1)))
 
 
 def _bounds(about: str, case: type[UnderlyingCase], theorem: str, source: str) -> tuple[Rule, Rule]:
@@ -223,7 +230,7 @@ def _bounds(about: str, case: type[UnderlyingCase], theorem: str, source: str) -
 
 MODIFIED_RULES = (
     *_bounds(
-        "hamiltonian", SymplecticCase,
+        "hamiltonian", UnderlyingCase,
         "the modified field of a map is Hamiltonian through the order through which "
         "a(u o v) + a(v o u) = a(u) a(v)", SYMPLECTIC,
     ),
