@@ -44,7 +44,6 @@ from ..exact import Exact, linalg
 from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
-from ..method.embedded import EmbeddedRow
 from ..method.preconsistency import consistency_vector, preconsistency_vector
 from ..system.shown import above
 from ..theory import polynomials as poly
@@ -255,11 +254,11 @@ def _matrix(rows: Matrix) -> list[list[str]]:
     return [_vector(row) for row in rows]
 
 
-class _Reduced:
+class _About:
     """What a writer asks of facts, for a method without a file."""
 
-    def __init__(self, method: Any) -> None:
-        self.method, self.kernel = method, Kernel(method)
+    def __init__(self, kernel: Kernel) -> None:
+        self.method, self.kernel = kernel.method, kernel
 
 
 class _Writer:
@@ -288,7 +287,7 @@ class _Writer:
     def _parts(self) -> list[Part]:
         method = self.facts.method
         if method.rosenbrock and self.claim in (A_STABLE.key, L_STABLE.key):
-            return self._of(method.linear_form, self.claim).parts()
+            return self._of(Kernel(method.linear_form), self.claim).parts()
         special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
         if special is not None:
             return special()
@@ -297,24 +296,20 @@ class _Writer:
             return self._order_parts(free=free, nystrom=self.claim == NYSTROM_ORDER.key)
         raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
 
-    def _of(self, method: Any, claim: str) -> _Writer:
-        """Return the writer of the same statement about another method."""
-        return _Writer(type(self.facts)(method), claim, self.declared, self.judged)
+    def _of(self, kernel: Kernel, claim: str, declared: object = None) -> Self:
+        """Return the writer of the statement, or of another value, about another method."""
+        wanted = self.declared if declared is None else declared
+        return type(self)(_About(kernel), claim, wanted, self.judged)
 
     # -- what stands beside a tableau
 
     def _embedded_order(self) -> list[Part]:
         found = []
-        for row in self.facts.method.embedded:
-            inner = self._of_row(row)
-            found.append({"rule": "row", "witness": {"row": row.name, "parts": inner.parts()}})
+        for name, kernel in self.kernel.row_kernels:
+            inner = self._of(kernel, self.kernel.row_claim, self.declared[name])
+            found.append({"rule": "row", "witness": {"row": name, "parts": inner.parts()}})
             self.identities += inner.identities
         return found
-
-    def _of_row(self, row: EmbeddedRow) -> Self:
-        """Return the writer of the order of a row."""
-        facts = type(self.facts)(self.facts.method.with_row(row))
-        return type(self)(facts, self.kernel.row_claim, self.declared[row.name], self.judged)
 
     def _order_to_digits(self) -> list[Part]:
         found = self.kernel.to_digits(self.declared)
@@ -345,7 +340,7 @@ class _Writer:
         return [{"rule": "dense", "witness": {"order": found.upper, "tree": found.tree}}]
 
     def _w_order(self) -> list[Part]:
-        return self._of(self.facts.method.with_any_matrix(), ORDER.key).parts()
+        return self._of(self.kernel.any_matrix, ORDER.key).parts()
 
     # -- orders
 
@@ -354,9 +349,8 @@ class _Writer:
 
     def _order_parts(self, *, free: bool, nystrom: bool = False) -> list[Part]:
         if self.kernel.timed is not self.kernel:
-            return self._of(self.kernel.timed.method, self.claim)._order_parts(
-                free=free, nystrom=nystrom
-            )
+            timed = self._of(self.kernel.timed, self.claim)
+            return timed._order_parts(free=free, nystrom=nystrom)
         if free and self.kernel.method.system:
             raise ExactnessError("the effective order of a table with c apart")
         found = self.kernel.order_range(free=free, nystrom=nystrom)
@@ -502,7 +496,7 @@ class _Writer:
         """Return the method without idle values, which is minimal, and its symmetry."""
         proposed = self._witness()
         smaller = proposed["reduced"]
-        inner = _Writer(_Reduced(smaller), SYMMETRIC.key, self.declared, self.judged)
+        inner = self._of(Kernel(smaller), SYMMETRIC.key)
         blocks = {k: _matrix(getattr(smaller, k)) for k in "UBV"}
         if self._truth():
             Ls, exchanges = proposed["involutions"]
@@ -569,7 +563,7 @@ class _Writer:
 
     def _unbounded(self) -> Part:
         """Return the first V, or block of V, with a root outside the circle or defective on it."""
-        c = next(c for c, b in self.kernel.blocks.items() if bounded(b[3]) is False)
+        c = next(c for c, answer in self.kernel.bounded.items() if answer is False)
         V, where = self.kernel.blocks[c][3], {}
         if not is_exact(V):
             blocks = self._blocks(V)
@@ -842,14 +836,16 @@ class _EnclosedWriter(_Writer):
             rows = kernel.row_kernels
             return [self._row(*x) for x in rows] if implied else super()._embedded_order()
         nystrom = kernel.row_claim == NYSTROM_ORDER.key
-        for row, (name, x) in zip(self.facts.method.embedded, kernel.row_kernels, strict=True):
+        for name, x in kernel.row_kernels:
             found, declared = x.range(kernel.row_claim), self.declared[name]
             if found.upper is not None and found.upper < declared:
                 parts = self._bounds(free=False, nystrom=nystrom, kernel=x)[1:]
             elif found.lower > declared:
                 parts = (
                     [self._implied_order(declared + 1, free=False, nystrom=nystrom)] if implied
-                    else self._of_row(row)._exact_order(free=False, nystrom=nystrom)[:1]
+                    else self._of(x, kernel.row_claim, declared)._exact_order(
+                        free=False, nystrom=nystrom
+                    )[:1]
                 )  # fmt: skip
             else:
                 continue

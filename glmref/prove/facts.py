@@ -13,6 +13,7 @@ from math import factorial
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import ORDER, ORDER_IDENTITY
+from ..errors import ExactnessError
 from ..exact import Scalar
 from ..exact.linalg import Vector
 from ..findings import Proof
@@ -26,7 +27,7 @@ from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
 from .certificate import Shared, certificate_of
-from .finders import proposal_for
+from .finders import eigen_witness, proposal_for
 from .kernel import Found, Kernel
 from .verdicts import Judgement, judged
 
@@ -176,6 +177,14 @@ class Facts:
     def parasitism(self) -> Parasitism:
         """Growth parameters at the unimodular eigenvalues of V."""
         return growth(self.method)
+
+    @cached_property
+    def eigen(self) -> Mapping[str, Any]:
+        """Return the eigenvalues of V of modulus 1 by colour as a witness, or why they are open."""
+        try:
+            return {c.colour: eigen_witness(c.V) for c in self.method.components}
+        except ExactnessError as error:
+            return {"why": f"the growth parameters are open: {error}"}
 
     @property
     def growth_parameters(self) -> tuple[Scalar, ...]:

@@ -147,20 +147,12 @@ def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
     return parts, rest
 
 
-def _eigen(facts: Facts) -> dict[str, Any]:
-    try:
-        return {c.colour: eigen_witness(c.V) for c in facts.method.components}
-    except ExactnessError as error:
-        return {"why": f"the growth parameters are open: {error}"}
-
-
 def _parasitism(facts: Facts) -> Proposal:
-    return Proposal(lambda: _eigen(facts), explain=_told(lambda: facts.parasitism))
+    return Proposal(lambda: facts.eigen, explain=_told(lambda: facts.parasitism))
 
 
 def _growth(facts: Facts) -> Proposal:
-    found = _eigen(facts)
-    return Proposal(lambda: found, _shown_growth(facts, found))
+    return Proposal(lambda: facts.eigen, _shown_growth(facts, facts.eigen))
 
 
 def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:

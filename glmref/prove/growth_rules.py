@@ -30,10 +30,14 @@ class GrowthRules:
         exact: bool
         implied: Any
 
+    @cached_property
+    def bounded(self) -> Mapping[str, bool | None]:
+        """Return whether the powers of V are bounded, by colour."""
+        return {c: bounded(b[3]) for c, b in self.blocks.items()}
+
     def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
-        """Return the powers of V are bounded."""
-        found = [bounded(b[3]) for b in self.blocks.values()]
-        return Known(all_of(found), self._exact_values())
+        """Return whether the powers of V are bounded."""
+        return Known(all_of(list(self.bounded.values())), self._exact_values())
 
     def _exact_values(self) -> bool:
         """Return whether every V is exact."""
@@ -147,7 +151,7 @@ class GrowthRules:
 
     def _unstable(self) -> bool:
         """Return whether some V is proved not to be power-bounded: then growth has no meaning."""
-        return any(bounded(b[3]) is False for b in self.blocks.values())
+        return False in self.bounded.values()
 
     def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
         """V is power-bounded and every growth matrix is 0 (at zeta = 1: but for the principal)."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
@@ -95,13 +96,14 @@ class RowRules:
         implied: Any
         _made: Any
 
-    @property
-    def row_kernels(self) -> Iterator[tuple[str, Kernel]]:
-        """The kernel of the method with each embedded row as its weights, by name."""
+    @cached_property
+    def row_kernels(self) -> tuple[tuple[str, Kernel], ...]:
+        """Return the kernel of the method with each embedded row as its weights, by name."""
         kind: Any = type(self)
-        for row in self.method.embedded:
-            implied = self.implied and self.implied.of_row(row.name)
-            yield row.name, kind(self.method.with_row(row), implied)
+        return tuple(
+            (x.name, kind(self.method.with_row(x), self.implied and self.implied.of_row(x.name)))
+            for x in self.method.embedded
+        )
 
     @property
     def row_claim(self) -> str:
@@ -255,10 +257,8 @@ class RowRules:
             raise ExactnessError("a Rosenbrock method is needed")
         return self.any_matrix.order_range(free=False)
 
-    @property
+    @cached_property
     def any_matrix(self) -> Kernel:
         """The kernel of a Rosenbrock method with any matrix in the place of the Jacobian."""
-        if not hasattr(self, "_any_matrix"):
-            kind: Any = type(self)
-            self._any_matrix: Kernel = kind(self.method.with_any_matrix())
-        return self._any_matrix
+        kind: Any = type(self)
+        return kind(self.method.with_any_matrix())

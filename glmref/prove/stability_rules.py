@@ -33,6 +33,7 @@ class StabilityRules:
     if TYPE_CHECKING:
         method: Any
         exact: bool
+        bounded: Mapping[str, bool | None]
 
         def __init__(self, method: Any) -> None: ...
 
@@ -54,7 +55,7 @@ class StabilityRules:
                 "published decimals: A-stability is decided for exact methods only"
             )
         m = self.method
-        if bounded(m.V) is False:
+        if self.bounded["o"] is False:
             return Known(False, True, "V = M(0) is not power-bounded")
         P = stability_polynomial(m)
         leading, unbounded = leading_part(P)

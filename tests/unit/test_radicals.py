@@ -58,7 +58,9 @@ def test_coordinates_are_those_of_the_number(text: str, restricted: bool) -> Non
     radicals = field.radicals_of(text)
     others = ["sqrt(7)"] if restricted else []
     tower = field.Tower([*others, *radicals], conjugates=False)
-    found = tower.coordinates(parse(text), radicals if restricted else ())
+    value = parse(text)
+    assert isinstance(value, Exact)
+    found = tower.coordinates(value, radicals if restricted else ())
     total = mpmath.mpc(0)
     for powers, weight in found.items():
         term = mpmath.mpf(weight.numerator) / weight.denominator
