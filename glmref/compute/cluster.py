@@ -27,7 +27,7 @@ from ..system.files import printable
 from .child import KILLED, UNLIMITED, Child, Done, Function, Limits, Results, Task, cores
 from .identity import difference, identity
 
-#: Seconds after which the scheduler is asked again, where no task has ended.
+#: Seconds after which the scheduler is asked for its threads again.
 ASK = 5.0
 #: Seconds to wait for a scheduler that does not answer, and for a worker where all have died.
 PATIENCE = 30.0
@@ -81,12 +81,13 @@ class Dask:
         common = limits, identity(), os.getcwd()
         sent: dict[tuple[str, int], tuple[Any, Task]] = {}
         ended: SimpleQueue[Any] = SimpleQueue()
-        self._alive = monotonic()
+        self._alive, asked = monotonic(), -ASK
         try:
             while True:
-                answers = False
-                self._count_threads()
-                answers = True
+                if monotonic() - asked >= ASK:
+                    answers = False
+                    self._count_threads()
+                    answers, asked = True, monotonic()
                 for task in islice(waiting, max(0, 2 * self.threads - len(sent))):
                     # one group of tasks for the whole run: the scheduler never forgets one
                     key = prefix, next(numbers)

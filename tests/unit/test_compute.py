@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -128,6 +129,31 @@ def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
     with pytest.raises(UsageError, match="to the scheduler of the Dask cluster was lost"):
         next(cluster.Dask(client, "dask:frozen").run(behave, SQUARES))
     assert (asked, cancelled) == ([0.1], [])
+
+
+@pytest.mark.parametrize(("pause", "most"), [(60.0, 1), (0.0, len(SQUARES) + 1)])
+def test_the_scheduler_is_asked_for_its_threads_once_in_a_while(
+    pause: float, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from glmref.compute import cluster
+
+    asked: list[float] = []
+
+    def submit(*_: Any, key: Any, **__: Any) -> Any:
+        done = SimpleNamespace(key=key, status="finished", result=lambda timeout: Done(value=1))
+        done.add_done_callback = lambda ended: ended(done)
+        return done
+
+    client = SimpleNamespace(
+        dashboard_link="", cluster=None, cancel=lambda _: None, submit=submit,
+        scheduler=SimpleNamespace(ncores=dict),
+        sync=lambda ask, callback_timeout: asked.append(callback_timeout) or {},
+    )  # fmt: skip
+    monkeypatch.setattr(cluster, "ASK", pause)
+    found = list(cluster.Dask(client, "dask:quick").run(behave, SQUARES))
+    assert sum(map(len, found)) == len(SQUARES)
+    assert 1 <= len(asked) <= most
+    assert (len(asked) > 1) is (pause == 0)
 
 
 @pytest.mark.slow
@@ -296,7 +322,8 @@ def test_without_dask_one_sentence_says_how_to_install_it(monkeypatch: pytest.Mo
 def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
     distributed, yaml = pytest.importorskip("distributed"), pytest.importorskip("yaml")
     from click.testing import CliRunner
-    from distributed.cli import dask_scheduler, dask_worker
+
+    commands = import_module("distributed.cli")
 
     folder = Path(__file__).parents[2] / "docs" / "campaigns"
     slurm = yaml.safe_load((folder / "slurm.yaml").read_text(encoding="utf-8"))
@@ -310,7 +337,10 @@ def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
     given = dict(leaves({"distributed": slurm["distributed"]}))
     assert set(given) <= set(dict(leaves(yaml.safe_load(known))))
     spec = yaml.safe_load((folder / "kubernetes.yaml").read_text(encoding="utf-8"))["spec"]
-    for what, command in (("worker", dask_worker.main), ("scheduler", dask_scheduler.main)):
+    for what, command in (
+        ("worker", commands.dask_worker.main),
+        ("scheduler", commands.dask_scheduler.main),
+    ):
         program, word, *options = spec[what]["spec"]["containers"][0]["args"]
         assert (program, word) == ("dask", what)
         said = CliRunner().invoke(command, ["--help"]).output
