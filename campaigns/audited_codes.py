@@ -5,16 +5,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
-from campaigns.driver import arguments
-from campaigns.pages import row, table, write
+from campaigns.pages import ROOT, Pages, markdown, write
 from glmref.catalogue.audits import STATUSES, audited_codes, named
 
-ROOT = Path(__file__).parents[1]
 SHORT = ROOT / "docs" / "audit.md"
 PAGE = ROOT / "docs" / "audit" / "tables.md"
 #: Tables that the short page shows: code, name.
@@ -34,9 +30,9 @@ def counts() -> str:
     for code, record in audited_codes().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
         total = [x + y for x, y in zip(total, found, strict=True)]
-        rows.append(row(code, source(record), sum(found), *found))
-    rows.append(row("all", "", sum(total), *total))
-    return table(["code", "source", "tables", *STATUSES], rows)
+        rows.append([code, source(record), sum(found), *found])
+    rows.append(["all", "", sum(total), *total])
+    return markdown(["code", "source", "tables", *STATUSES], rows)
 
 
 def source(record: Mapping[str, Any]) -> str:
@@ -55,9 +51,9 @@ def findings() -> str:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
                     place = f"`{x['path']}`:{x['line']}"
                     cells = [code, x["name"], place, source(record), status, x.get("declared", "")]
-                    rows.append(row(*cells, x.get("found", ""), tree, named(x)))
+                    rows.append([*cells, x.get("found", ""), tree, named(x)])
     head = "code, table, place, source, status, declared, found"
-    return table([*head.split(", "), "tree, residual", "named"], rows)
+    return markdown([*head.split(", "), "tree, residual", "named"], rows)
 
 
 def first() -> str:
@@ -68,21 +64,15 @@ def first() -> str:
             x for x in known[code]["tables"] if x["name"] == name and x["status"] == "wrong"
         )
         said = named(found).partition("; ")[0]
-        rows.append(row(code, name, found["declared"], found["found"], said))
-    return table(["code", "table", "declared", "found", "named"], rows)
+        rows.append([code, name, found["declared"], found["found"], said])
+    return markdown(["code", "table", "declared", "found", "named"], rows)
 
 
-#: Name of a table of a page -> what writes it: of the short page, then of the long one.
-SHORT_TABLES = {"audit-short": first}
-TABLES = {"audit-codes": counts, "audit-findings": findings}
-
-
-def main(given: Sequence[str]) -> None:
-    """Write the tables into the pages."""
-    if given:
-        raise SystemExit("python -m campaigns.audited_codes takes no arguments")
-    write({SHORT: SHORT_TABLES, PAGE: TABLES})
+PAGES: Pages = {
+    SHORT: {"audit-short": first},
+    PAGE: {"audit-codes": counts, "audit-findings": findings},
+}
 
 
 if __name__ == "__main__":
-    main(arguments(sys.argv[1:]))
+    write(PAGES)

@@ -5,8 +5,7 @@ Both integrate a problem over one unit of time at halved steps; the observed ord
 logarithm of the ratio of two errors, the last one above round-off. Where the package of the code is
 installed, it solves a problem too, by itself, with the method of that name.
 
-``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``);
-``python -m campaigns.audited_orders --page`` puts the table into ``docs/audit/tables.md``.
+``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``).
 """
 
 from __future__ import annotations
@@ -23,15 +22,13 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete
-from campaigns.pages import write
+from campaigns.pages import ROOT, Pages, markdown, measured
 from glmref.conformance.vector_problems import problems
 from glmref.engine.solve import solve
 from glmref.measure.timing import circumstances
 from glmref.problems.model import Problem
 from tests.suite.real_defects import DEFECTS, mended, published
 
-ROOT = Path(__file__).parents[1]
-PLACE = ROOT / "data" / "measurements" / "audit-orders.json"
 PAGE = ROOT / "docs" / "audit" / "tables.md"
 #: Numbers of steps, and the error below which round-off takes part.
 STEPS = (1, 2, 4, 8, 16, 32, 64, 128, 256)
@@ -146,44 +143,35 @@ def _seen(errors: Errors | None) -> str:
 
 def table(record: Mapping[str, Any]) -> str:
     """Return a row for each table whose defect is larger than the round-off of a run."""
-    lines = [
-        "| table | declared | shipped | corrected | error at h = 1/16, shipped | corrected |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     at = STEPS.index(16)
     for row in record["rows"]:
         right = row.get("corrected")
-        cells = [
+        rows.append([
             row["table"], row["declared"], _seen(row["shipped"]), _seen(right),
             f"{row['shipped'][at]:.1e}", "" if right is None else f"{right[at]:.1e}",
-        ]  # fmt: skip
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
+        ])  # fmt: skip
     for row in record["packages"]:
         name = f"{row['package']} {row['version']}, `{row['method']}`"
-        lines.append(
-            f"| {name} itself |  | {_seen(row['errors'])} |  | {row['errors'][1]:.1e} |  |"
-        )
-    return "\n".join(lines)
+        errors = row["errors"]
+        rows.append([f"{name} itself", "", _seen(errors), "", f"{errors[1]:.1e}", ""])
+    heads = "table; declared; shipped; corrected; error at h = 1/16, shipped; corrected"
+    return markdown(heads.split("; "), rows)
 
 
-#: Name of a table of the page -> what writes it.
-TABLES = {"audit-orders": lambda: table(json.loads(PLACE.read_text("utf-8")))}
+PAGES: Pages = {PAGE: {"audit-orders": lambda: table(measured("audit-orders"))}}
 
 
-def main(arguments: Sequence[str]) -> None:
-    """Measure into a file, or put the table into the page."""
-    if list(arguments) == ["--page"]:
-        write({PAGE: TABLES})
-        return
-    path = Path(arguments[0])
+def main(path: Path) -> None:
+    """Measure into a file."""
     known = json.loads(path.read_text("utf-8")) if path.exists() else {}
     here = packages()
     # what another environment has measured of a package stays
     others = [x for x in known.get("packages", ()) if x["table"] not in {y["table"] for y in here}]
     rows = carried_out(row, ({"table": name} for name in DEFECTS), beside=path)
-    measured = {"rows": rows, "packages": others + here}
-    complete(path, {**HEAD, **measured, "where": circumstances()})
+    found = {"rows": rows, "packages": others + here}
+    complete(path, {**HEAD, **found, "where": circumstances()})
 
 
 if __name__ == "__main__":
-    main(arguments(sys.argv[1:]))
+    main(Path(arguments(sys.argv[1:])[0]))

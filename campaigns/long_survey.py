@@ -11,7 +11,6 @@ values made anew every :data:`RENEW` steps.
 
 The first form takes 10^6 steps of every method, the second adds longer runs of the methods named.
 Runs are carried out where ``--on`` or ``GLMREF_EXECUTOR`` says; those that the file has are kept.
-``python -m campaigns.long_survey page`` writes the table of the page.
 """
 
 from __future__ import annotations
@@ -27,11 +26,11 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import Case, arguments, fingerprint, renew
-from campaigns.pages import write
+from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.long_runs import LOST, ONE_VALUE, UNITS, three_digits
 from glmref.catalogue.advice import ADVICE, SHORT
 from glmref.catalogue.claims import G_SYMPLECTIC, NYSTROM_ORDER, ORDER, SYMMETRIC
-from glmref.catalogue.lookup import data_root, load, names
+from glmref.catalogue.lookup import load, names
 from glmref.engine.solve import solve
 from glmref.errors import GlmrefError
 from glmref.measure.longtime import energy_deviation
@@ -170,7 +169,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
     """
     kinds = ("bounded", "grows", "lost")
     heads = ["method", "steps", *kinds, "where", "renewed: bounded", "grows or lost"]
-    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    lines = []
     for name, steps in dict.fromkeys((x["method"], x["steps"]) for x in rows):
         mine = [x for x in rows if (x["method"], x["steps"]) == (name, steps)]
         runs = [(x["problem"], run) for x in mine for run in x["runs"]]
@@ -181,8 +180,8 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         kept = again.count("bounded")
         ends = [str(kept), str(len(again) - kept)] if again else ["", ""]
         cells = [f"`{name}`", f"{steps:,}", *cells, "; ".join(where), *ends]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append(cells)
+    return markdown(heads, lines)
 
 
 NOTE = (
@@ -203,15 +202,10 @@ HEAD = {
 }
 
 
-FILE = data_root() / "measurements" / "long-survey.json"
-PAGE = Path(__file__).parents[1] / "docs" / "choose.md"
-NOTES = Path(__file__).with_suffix(".md")
-
-
 def advice() -> str:
     """Return the table of what to take first."""
-    lines = ["| your problem | take | why |", "|---|---|---|"]
-    return "\n".join(lines + [f"| {x.need} | `{x.take[0]}` | {x.why} |" for x in ADVICE])
+    rows = ([x.need, f"`{x.take[0]}`", x.why] for x in ADVICE)
+    return markdown(["your problem", "take", "why"], rows)
 
 
 def also() -> str:
@@ -223,10 +217,11 @@ def also() -> str:
     return "\n".join(lines)
 
 
-#: Page -> name of a table -> what writes it.
-PAGES = {
-    PAGE: {"advice": advice, "also": also},
-    NOTES: {"long-survey": lambda: table(json.loads(FILE.read_text(encoding="utf-8"))["rows"])},
+PAGES: Pages = {
+    ROOT / "docs" / "choose.md": {"advice": advice, "also": also},
+    ROOT / "campaigns" / "long_survey.md": {
+        "long-survey": lambda: table(measured("long-survey")["rows"])
+    },
 }
 
 
@@ -242,8 +237,6 @@ def main(path: Path, steps: int = STEPS, methods: Sequence[str] | None = None) -
     renew(path, HEAD, "rows", todo, row)
 
 
-if __name__ == "__main__" and sys.argv[1:] == ["page"]:
-    write(PAGES)
-elif __name__ == "__main__":
+if __name__ == "__main__":
     file, *words = arguments(sys.argv[1:])
     main(Path(file), int(words[0]) if words else STEPS, words[1:] or None)

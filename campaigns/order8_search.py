@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
 from glmref.prove.system import SweepSystem
@@ -88,17 +88,9 @@ def main(path: Path) -> None:
     """Search every ansatz and write the file."""
     cases = ({"ansatz": k} for k in range(len(ANSATZES)))
     found = carried_out(attempt_case, cases, beside=path)
-    document = {
-        "format": "glmref-measurement-1",
-        "name": path.stem,
-        "what": "Order 8: conditions and what random starts gave",
-        "how": "python -m campaigns.order8_search",
-        "seed": SEED,
-        "scale": SCALE,
-        "solved_below": SOLVED,
-        "ansatzes": found,
-    }
-    complete(path, document)
+    title = "Order 8: conditions and what random starts gave"
+    about = {"seed": SEED, "scale": SCALE, "solved_below": SOLVED}
+    complete(path, record_of("order8_search", "order8-search", title, **about, ansatzes=found))
 
 
 if __name__ == "__main__":

@@ -1,19 +1,32 @@
-"""Tables of a page: each stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``."""
+"""Tables of pages: each stands between ``<!-- table: NAME -->`` and ``<!-- end of table -->``.
+
+    python -m campaigns.pages
+
+computes all of them anew from the files in data.
+"""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from glmref.catalogue.lookup import data_root
+ROOT = Path(__file__).resolve().parents[1]
+#: Page -> name of a table -> what writes it.
+Pages = Mapping[Path, Mapping[str, Callable[[], str]]]
+#: Modules of this package with :data:`Pages` of their own, called ``PAGES``.
+WRITERS = (
+    *("audited_codes", "audited_orders", "long_survey", "scene_results"),
+    *("order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
+)
 
 
 def measured(name: str) -> dict[str, Any]:
     """Return a file of data/measurements."""
-    path = data_root() / "measurements" / f"{name}.json"
+    path = ROOT / "data" / "measurements" / f"{name}.json"
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return found
 
@@ -23,9 +36,14 @@ def row(*cells: object) -> str:
     return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
 
 
-def table(head: Sequence[str], rows: Sequence[str]) -> str:
+def table(head: Sequence[object], rows: Iterable[str]) -> str:
     """Return a table in Markdown."""
     return "\n".join([row(*head), "|" + "---|" * len(head), *rows])
+
+
+def markdown(head: Sequence[object], rows: Iterable[Iterable[object]]) -> str:
+    """Return a table in Markdown from the cells of its head and of its rows."""
+    return table(head, (row(*cells) for cells in rows))
 
 
 def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
@@ -45,7 +63,7 @@ def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
     """
     for name, write in tables.items():
         pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
-        table = write().rstrip("\n")
+        table = write()
         text, count = re.subn(
             pattern, lambda found, table=table: f"{found[1]}{table}\n{found[2]}", text, flags=re.S
         )
@@ -54,7 +72,21 @@ def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
     return text
 
 
-def write(pages: Mapping[Path, Mapping[str, Callable[[], str]]]) -> None:
-    """Put tables into their pages: page -> name of a table -> what writes it."""
+def all_pages() -> dict[Path, dict[str, Callable[[], str]]]:
+    """Return the tables of all pages, from all :data:`WRITERS`."""
+    found: dict[Path, dict[str, Callable[[], str]]] = {}
+    for module in WRITERS:
+        pages: Pages = import_module(f"campaigns.{module}").PAGES
+        for page, tables in pages.items():
+            found[page] = {**found.get(page, {}), **tables}
+    return found
+
+
+def write(pages: Pages) -> None:
+    """Put tables into their pages."""
     for page, tables in pages.items():
         page.write_text(filled(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write(all_pages())

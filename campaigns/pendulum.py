@@ -22,12 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from glmref.catalogue.lookup import load
 from glmref.measure.law import fit_law, samples_of
 from glmref.measure.longtime import ROWS, follow
 from glmref.measure.parasitic import parasitic_size, solution_direction
-from glmref.measure.timing import circumstances
 from glmref.problems import problem
 
 STEPS = 10**8
@@ -121,20 +120,18 @@ def row(task: Mapping[str, Any]) -> dict[str, Any]:
     return long_run(task["method"], steps=task["steps"], h=task["h"])
 
 
-def main(path: str) -> None:
+NOTE = (
+    "Relative energy error |H - H0|/|H0| at samples that thin out with time; law: exponent of the "
+    "rms over dyadic stretches."
+)
+
+
+def main(path: Path) -> None:
     """Measure and write the file."""
-    file = Path(path)
     tasks = ({"method": name, "h": h, "steps": STEPS} for name, h in RUNS)
-    runs = carried_out(row, tasks, beside=file, limits=TIMED)
-    document = {
-        "format": "glmref-measurement-1",
-        "what": f"pendulum from {ANGLE} radians, {STEPS:,} steps: energy, time, memory",
-        "how": "python -m campaigns.pendulum; relative energy error |H - H0|/|H0| at "
-        "samples that thin out with time; law: exponent of the rms over dyadic stretches",
-        "where": circumstances(),
-        "runs": runs,
-    }
-    complete(file, document)
+    runs = carried_out(row, tasks, beside=path, limits=TIMED)
+    title = f"Pendulum from {ANGLE} radians, {STEPS:,} steps: energy, time, memory"
+    complete(path, record_of("pendulum", "pendulum-1e8", title, NOTE, runs=runs))
     for run in runs:
         exponent = run["law"]["exponent"]
         said = "-" if exponent is None or math.isnan(exponent) else f"{exponent:.2f}"
@@ -142,4 +139,4 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(arguments(sys.argv[1:])[0])
+    main(Path(arguments(sys.argv[1:])[0]))

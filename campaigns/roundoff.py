@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, in_json
 from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
@@ -95,14 +95,6 @@ class RoundOff:
     exponent: float
     mean: float
     runs: int
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the record in JSON's types."""
-        from glmref.compute.records import finite
-
-        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
-        record |= {"steps": list(self.steps), "rms": [finite(x) for x in self.rms]}
-        return record | {"exponent": finite(self.exponent), "mean": finite(self.mean)}
 
 
 def round_off(
@@ -213,7 +205,7 @@ def row(task: Mapping[str, Any]) -> Row:
     subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
     options = options_of(method, variant)
     found = round_off(method, subjects, h=SIZE, steps=task["steps"], **options)
-    return {"variant": variant, **found.as_json()}
+    return {"variant": variant, **in_json(found)}
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections import Counter
 from pathlib import Path
-from typing import Any
 
-from campaigns.pages import measured, row, table, write
+from campaigns.pages import ROOT, Pages, markdown, measured, write
 from glmref.catalogue.lookup import data_root
 
-PAGE = Path(__file__).parents[1] / "docs" / "scene-results.md"
+PAGE = ROOT / "docs" / "scene-results.md"
 FOLDER = data_root() / "measurements"
 #: Problem and end of the table of stiff problems, and its methods.
 JUMP = ("van-der-pol", 2.0)
@@ -36,9 +35,8 @@ def stiff() -> str:
             continue
         step = f"h = {one['h']:.3g}" if one["h"] else f"tol {one['tolerance']:.0e}"
         error = one["outcome"] if one["error"] is None else f"{one['error']:.1e}"
-        rows.append(row(one["name"], step, error, f"{one['evaluations']:,}"))
-    head = ["method", "step", "error", "evaluations"]
-    return table(head, rows)
+        rows.append([one["name"], step, error, f"{one['evaluations']:,}"])
+    return markdown(["method", "step", "error", "evaluations"], rows)
 
 
 def long() -> str:
@@ -50,17 +48,16 @@ def long() -> str:
         when = "" if law["kind"] != "blow-up" else f" at t = {law['time']:.3g}"
         growth = memory["at the end"] - memory["after 1 per cent"]
         rows.append(
-            row(
+            (
                 f"`{run['method']}`", run["h"], law["kind"] + when, exponent,
                 f"{law['largest']:.1e}", f"{run['seconds']['process']:.0f} s", f"{growth:.1f} MB",
             )
         )  # fmt: skip
     head = ["method", "h", "law of the energy error", "exponent", "largest", "processor", "memory"]
-    return table(head, rows)
+    return markdown(head, rows)
 
 
-#: Name of a table -> what writes it.
-TABLES: Mapping[str, Callable[[], str]] = {"stiff": stiff, "long": long}
+PAGES: Pages = {PAGE: {"stiff": stiff, "long": long}}
 
 
 def renew(path: Path) -> None:
@@ -78,7 +75,7 @@ def renew(path: Path) -> None:
                 "scene": one["scene"],
                 "question": one["question"],
                 "answer": one["answer"],
-                "outcomes": outcomes(one["records"]),
+                "outcomes": dict(sorted(Counter(x["outcome"] for x in one["records"]).items())),
             }
             for one in sorted(documents, key=lambda one: one["scene"])
         ],
@@ -87,20 +84,7 @@ def renew(path: Path) -> None:
     (FOLDER / "scenes.json").write_text(text + "\n", encoding="utf-8")
 
 
-def outcomes(records: list[dict[str, Any]]) -> dict[str, int]:
-    """Return how often each outcome was met."""
-    found: dict[str, int] = {}
-    for record in records:
-        found[record["outcome"]] = found.get(record["outcome"], 0) + 1
-    return dict(sorted(found.items()))
-
-
-def main(run: Path | None = None) -> None:
-    """Put the tables into the page, after the answers of a run into the data if one is given."""
-    if run is not None:
-        renew(run)
-    write({PAGE: TABLES})
-
-
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if sys.argv[1:] else None)
+    if sys.argv[1:]:
+        renew(Path(sys.argv[1]))
+    write(PAGES)

@@ -19,13 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, in_json, record_of
 from glmref.catalogue.lookup import load
-from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.errors import UsageError
 from glmref.measure.attempt import attempt
-from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import reference_state, state_error
 from glmref.method import GLM
 from glmref.problems import problem
@@ -105,11 +103,6 @@ class StiffCost:
     jacobians: int
     matrices: int
     size: int
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the record in JSON's types."""
-        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
-        return record | {"error": finite(self.error)}
 
 
 def matrices_of(method: GLM, problem: Problem, *, h: float) -> Matrices:
@@ -206,31 +199,29 @@ def row(task: Mapping[str, Any]) -> dict[str, Any]:
     subject, t_end = problem(task["problem"], **task["parameters"]), task["t_end"]
     if "solver" in task:
         solver, tolerance = task["solver"], task["tolerance"]
-        return peer_cost(subject, solver, tolerance=tolerance, t_end=t_end).as_json()
+        return in_json(peer_cost(subject, solver, tolerance=tolerance, t_end=t_end))
     method, steps = load(task["method"]), task["steps"]
     assert isinstance(method, GLM)
-    return stiff_cost(subject, method, h=t_end / steps, steps=steps).as_json()
+    return in_json(stiff_cost(subject, method, h=t_end / steps, steps=steps))
 
 
-def main(path: str) -> None:
+NOTE = (
+    "error: of the last state, relative; matrices: factored, each of `size` rows; up to three "
+    "unknowns they are written out and inverted afresh at every implicit stage"
+)
+
+
+def main(path: Path) -> None:
     """Measure every case and write the file."""
     tasks: list[dict[str, Any]] = []
     for name, parameters, t_end, counts in CASES:
         case = {"problem": name, "parameters": parameters, "t_end": t_end}
         tasks += [{**case, "method": x, "steps": n} for x in METHODS for n in counts]
         tasks += [{**case, "solver": x, "tolerance": tolerance} for x, tolerance in PEERS]
-    file = Path(path)
-    document = {
-        "format": "glmref-measurement-1",
-        "what": "counts on stiff problems: Newton at a fixed step beside scipy's Radau and BDF",
-        "how": "python -m campaigns.stiff; error: of the last state, relative; matrices: "
-        "factored, each of `size` rows; up to three unknowns they are written out and inverted "
-        "afresh at every implicit stage",
-        "where": circumstances(),
-        "rows": carried_out(row, tasks, beside=file),
-    }
-    complete(file, document)
+    rows = carried_out(row, tasks, beside=path)
+    title = "Counts on stiff problems: Newton at a fixed step beside scipy's Radau and BDF"
+    complete(path, record_of("stiff", "stiff-cost", title, NOTE, rows=rows))
 
 
 if __name__ == "__main__":
-    main(arguments(sys.argv[1:])[0])
+    main(Path(arguments(sys.argv[1:])[0]))

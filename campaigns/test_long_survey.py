@@ -1,12 +1,10 @@
 """Long runs on eight problems: the record, its verdicts, and what the page says of it."""
 
-import json
 from collections import Counter
 
 import pytest
 
 from campaigns.long_survey import (
-    FILE,
     PAGES,
     PROBLEMS,
     RENEW,
@@ -16,12 +14,12 @@ from campaigns.long_survey import (
     surveyed,
     verdict,
 )
-from campaigns.pages import filled
+from campaigns.pages import measured
 from campaigns.partitioned.long_runs import ONE_VALUE, labels
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.record import GROWS_IN_SURVEY, survey_notes
 
-ROWS = json.loads(FILE.read_text(encoding="utf-8"))["rows"]
+ROWS = measured("long-survey")["rows"]
 
 
 @pytest.mark.slow
@@ -57,10 +55,12 @@ def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
         if x["steps"] == 10**7 and ("lost" in ends or "grows" in ends):
             said = x["problem"] + (" (lost)" if "lost" in ends else "")
             where.setdefault(x["method"], []).append(said)
-    assert labels(FILE.name) == {
+    assert labels("long-survey.json") == {
         name: [GROWS_IN_SURVEY.format("; ".join(x))] for name, x in where.items()
     }
-    assert {name: survey_notes(name) for name in where} == labels(FILE.name)  # what recipes write
+    assert {name: survey_notes(name) for name in where} == labels(
+        "long-survey.json"
+    )  # what recipes write
     assert survey_notes("gauss-3") == []
 
 
@@ -87,12 +87,6 @@ def test_a_run_repeats_its_first_hundred_thousand_steps():
 )
 def test_verdicts(energy, outcome, said):
     assert verdict({"outcome": outcome, "energy": energy}) == said
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_tables_of_a_page_are_those_of_the_record(page):
-    text = page.read_text(encoding="utf-8")
-    assert filled(text, PAGES[page]) == text
 
 
 def test_the_sentences_of_the_pages_are_those_of_the_record():

@@ -6,19 +6,17 @@ the last of the 10^8 steps; the laws follow from the samples; and the first mill
 again, pass through the same states.
 """
 
-import json
 import math
 
 import numpy as np
 import pytest
 from scipy.special import ellipk, ellipkinc
 
+from campaigns.pages import measured
 from campaigns.pendulum import CHECKPOINTS, long_run
-from glmref.catalogue.lookup import data_root
 from glmref.measure.law import KINDS
 
-FILE = data_root() / "measurements" / "pendulum-1e8.json"
-RUNS = {(r["method"], r["h"]): r for r in json.loads(FILE.read_text("utf-8"))["runs"]}
+RUNS = {(r["method"], r["h"]): r for r in measured("pendulum-1e8")["runs"]}
 
 
 def test_the_order_6_method_keeps_the_energy_over_1e8_steps():

@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from campaigns.driver import in_json
 from campaigns.roundoff import VARIANTS, bodies, main, options_of, round_off, rows
 from glmref.catalogue.lookup import load
 from glmref.errors import UsageError
@@ -32,7 +33,7 @@ def test_a_form_that_is_not_kept_shows_a_drift():
 
 def test_the_record_is_plain_json():
     found = round_off(load("gauss-1"), BODIES[:1], **{**OPTIONS, "steps": 200})
-    assert json.loads(json.dumps(found.as_json(), allow_nan=False))["runs"] == 2
+    assert json.loads(json.dumps(in_json(found), allow_nan=False))["runs"] == 2
 
 
 @pytest.mark.parametrize(

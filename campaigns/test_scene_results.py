@@ -1,27 +1,10 @@
-"""The tables of docs/scene-results.md are those of the data."""
+"""The answers of the scenes that are stored, and the sentence of the page about them."""
 
 from __future__ import annotations
 
-import pytest
-
-from campaigns.pages import filled
-from campaigns.scene_results import PAGE, TABLES, measured
+from campaigns.pages import measured
+from campaigns.scene_results import PAGE
 from glmref.scenes import load_scene, names
-
-
-def test_the_tables_of_the_page_are_those_of_the_data() -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    assert filled(text, TABLES) == text, "run `python -m campaigns.scene_results`"
-
-
-@pytest.mark.parametrize("name", TABLES)
-def test_a_table_that_is_out_of_date_or_in_another_place_is_noticed(name: str) -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    cut = TABLES[name]().rpartition("\n")[0]
-    changed = text.replace(TABLES[name](), cut)
-    assert filled(changed, TABLES) == text != changed
-    with pytest.raises(ValueError, match="0 places"):
-        filled(text.replace(f"<!-- table: {name} -->", ""), TABLES)
 
 
 def test_the_answers_are_to_the_questions_that_the_scenes_ask() -> None:

@@ -1,12 +1,12 @@
 """Stiff problems: matrices are as small and as few as they can be, and what a fixed step costs."""
 
-import json
 import re
 
 import pytest
 
+from campaigns.pages import measured
 from campaigns.stiff import matrices_of, stiff_cost
-from glmref.catalogue.lookup import data_root, load
+from glmref.catalogue.lookup import load
 from glmref.engine.kernel import prepare
 from glmref.problems import problem
 
@@ -83,13 +83,9 @@ def test_the_generated_source_has_no_other_elimination():
     assert set(re.findall(r"^ *(\w*factor)\(.*\], (\d+),", text, re.MULTILINE)) == {("factor", "8")}
 
 
-MEASURED = data_root() / "measurements" / "stiff-cost.json"
-
-
 @pytest.mark.slow
-@pytest.mark.skipif(not MEASURED.exists(), reason="not measured yet")
 def test_the_measured_counts_are_measured_again():
-    rows = json.loads(MEASURED.read_text("utf-8"))["rows"]
+    rows = measured("stiff-cost")["rows"]
     ours = [row for row in rows if row["h"] is not None and row["problem"] == "fput-stiff"]
     assert {row["name"] for row in ours} >= {"g6245", "sdirk-4"}
     row = next(r for r in ours if r["name"] == "g6245" and r["outcome"] == "completed")

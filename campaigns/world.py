@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import TIME_NOTE, run_seconds
 from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_step, task_of
@@ -172,20 +173,20 @@ def winners(document: Mapping[str, Any]) -> dict[str, int]:
 def table(document: Mapping[str, Any]) -> str:
     """Milliseconds, in brackets evaluations, in Markdown; the fastest of a case is bold."""
     names = [*METHODS, *PEERS]
-    lines = [f"| case | {' | '.join(names)} |", "|---" * (len(names) + 1) + "|"]
+    rows = []
     for entry in document["cases"]:
-        rows, best = {x["method"]: x for x in entry["methods"]}, _best(entry["methods"])
+        known, best = {x["method"]: x for x in entry["methods"]}, _best(entry["methods"])
         cells = [entry["case"]]
         for name in names:
-            row = rows.get(name)
+            row = known.get(name)
             if row is None or row["seconds"] is None:
                 cells.append("-" if row is None else "not reached")
                 continue
             shown = f"{1e3 * row['seconds']:.3g}"
             count = f" ({row['evaluations']:,})" if row["evaluations"] else ""
             cells.append((f"**{shown}**" if row is best else shown) + count)
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown(["case", *names], rows)
 
 
 if __name__ == "__main__":

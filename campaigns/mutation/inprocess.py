@@ -19,7 +19,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import _lru_cache_wrapper, cache
 from itertools import zip_longest
 from pathlib import Path
@@ -29,6 +29,7 @@ from typing import Any
 import pytest
 
 from glmref.engine.kept import ByIdentity
+from glmref.problems.tracing import codes
 
 from .mutants import Mutant
 
@@ -51,18 +52,10 @@ SILENT = ["-s", "-q", "--tb=no", "--assert=plain", "-p", "no:cacheprovider", "-p
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
-    """Yield the code of a module and of all that is defined in it, in the order of its text."""
-    yield code
-    for inner in code.co_consts:
-        if isinstance(inner, CodeType):
-            yield from _codes(inner)
-
-
 def _numbered(code: CodeType) -> dict[tuple[str, int], CodeType]:
     """Qualified name, and number among those of the same name -> code."""
     found: dict[tuple[str, int], CodeType] = {}
-    for inner in _codes(code):
+    for inner in codes(code):
         number = 0
         while (inner.co_qualname, number) in found:
             number += 1

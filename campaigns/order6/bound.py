@@ -21,11 +21,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.order6 import compare
 from campaigns.order6.compare import Case, Comparison
+from campaigns.pages import markdown
 from glmref.catalogue.lookup import load
-from glmref.measure.timing import circumstances
 from glmref.method import GLM
 from glmref.problems import problem
 
@@ -44,18 +44,9 @@ CASES = (*compare.CASES[:2], Case("double-pendulum", lambda: problem("double-pen
 def main(path: Path) -> None:
     """Measure all cases and write the file."""
     tasks = ({"case": case.name, "methods": list(METHODS)} for case in CASES)
-    complete(
-        path,
-        {
-            "format": "glmref-measurement-1",
-            "name": path.stem,
-            "title": "Order 8 against Gauss with four stages: seconds at 1e-9, and a bound",
-            "how": "python -m campaigns.order6.bound FILE",
-            "notes": [NOTE],
-            "cases": carried_out(row, tasks, beside=path),
-            "where": circumstances(),
-        },
-    )
+    title = "Order 8 against Gauss with four stages: seconds at 1e-9, and a bound"
+    cases = carried_out(row, tasks, beside=path)
+    complete(path, record_of("order6.bound", "order8-bound", title, NOTE, cases=cases))
 
 
 def row(task: Mapping[str, Any]) -> dict[str, Any]:
@@ -80,17 +71,17 @@ def bound(found: Mapping[str, Any], stages: int, unit: Mapping[str, Any]) -> flo
 def table(document: Mapping[str, Any]) -> str:
     """Time in units of :data:`UNIT`, evaluations of a stage in a step, and the bound; Markdown."""
     cases = [x["case"] for x in document["cases"]]
-    lines = [f"| method | stages | {' | '.join(cases)} |", "|---" * (len(cases) + 2) + "|"]
+    rows = []
     for name in METHODS:
         method = load(name)
         assert isinstance(method, GLM)
-        cells = []
+        cells = [f"`{name}`", method.s]
         for entry in document["cases"]:
-            rows = {x["method"]: x for x in entry["methods"]}
-            if name not in rows or UNIT not in rows:
+            known = {x["method"]: x for x in entry["methods"]}
+            if name not in known or UNIT not in known:
                 cells.append("not reached")
                 continue
-            found, unit = rows[name], rows[UNIT]
+            found, unit = known[name], known[UNIT]
             time = found["seconds"] / unit["seconds"]
             each = found["evaluations"] / found["steps"] / method.s
             text = f"{time:.2g}; {found['steps'] / unit['steps']:.2g}; {each:.2g}"
@@ -99,8 +90,8 @@ def table(document: Mapping[str, Any]) -> str:
             elif not name.startswith("gauss"):
                 text += f"; {bound(found, method.s, unit):.2g}"
             cells.append(text)
-        lines.append(f"| `{name}` | {method.s} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown(["method", "stages", *cases], rows)
 
 
 if __name__ == "__main__":

@@ -22,15 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from glmref.catalogue.lookup import load
-from glmref.compute.records import finite
 from glmref.engine.kernel import Kernel, prepare
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import Stepper, apply_finish, stepper
 from glmref.engine.starting_values import starting_values
 from glmref.errors import GlmrefError
-from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import Reference, reference_state, state_error
 from glmref.method import GLM
 from glmref.problems import problem
@@ -178,10 +176,10 @@ class Track:
             "runs": [
                 {
                     "steps": run.steps,
-                    "error": rounded(run.error),
-                    "seconds": rounded(median(run.seconds)),
-                    "evaluations_per_step": rounded(run.evaluations / run.steps),
-                    "factorisations_per_step": rounded(run.factorisations / run.steps),
+                    "error": four_digits(run.error),
+                    "seconds": four_digits(median(run.seconds)),
+                    "evaluations_per_step": four_digits(run.evaluations / run.steps),
+                    "factorisations_per_step": four_digits(run.factorisations / run.steps),
                 }
                 for run in self.runs
             ],
@@ -197,7 +195,7 @@ def bracket(runs: Sequence[Run], target: float) -> tuple[Run, ...]:
     return ()
 
 
-def at_error(runs: Sequence[Run], target: float) -> dict[str, float] | None:
+def at_error(runs: Sequence[Run], target: float) -> dict[str, float | None] | None:
     """Seconds, evaluations and steps at an error, interpolated; ``None`` where not met."""
     found = bracket(runs, target)
     if not found:
@@ -205,8 +203,8 @@ def at_error(runs: Sequence[Run], target: float) -> dict[str, float] | None:
     first, last = found
     part = math.log(first.error / target) / math.log(first.error / last.error)
 
-    def between(a: float, b: float) -> float:
-        return rounded(math.exp(math.log(a) + part * math.log(b / a)))
+    def between(a: float, b: float) -> float | None:
+        return four_digits(math.exp(math.log(a) + part * math.log(b / a)))
 
     return {
         "seconds": between(median(first.seconds), median(last.seconds)),
@@ -215,10 +213,9 @@ def at_error(runs: Sequence[Run], target: float) -> dict[str, float] | None:
     }
 
 
-def rounded(value: float) -> float:
-    """Return four significant digits."""
-    number = finite(float(value))
-    return float(f"{number:.4g}") if number is not None else math.nan
+def four_digits(value: float) -> float | None:
+    """Round to four digits; ``None`` for what is not finite."""
+    return float(f"{value:.4g}") if math.isfinite(value) else None
 
 
 class Comparison:
@@ -253,30 +250,19 @@ class Comparison:
             "problem": self.subject.name,
             "dimension": self.subject.dimension,
             "t_end": self.case.t_end,
-            "reference": {"kind": self.reference.kind, "error": rounded(self.reference.error)},
+            "reference": {"kind": self.reference.kind, "error": four_digits(self.reference.error)},
             "tracks": [track.as_json() for track in self.tracks],
         }
-
-
-def document(name: str, comparisons: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the file's document."""
-    return {
-        "format": "glmref-measurement-1",
-        "name": name,
-        "what": "Order 6 and 8: seconds and evaluations at equal error",
-        "how": "python -m campaigns.order6.compare",
-        "seconds": "processor time, medians of interleaved rounds",
-        "rounds": ROUNDS,
-        "where": circumstances(),
-        "cases": list(comparisons),
-    }
 
 
 def main(path: Path) -> None:
     """Measure all cases and write the file."""
     names = [name for group in METHODS.values() for name in group]
     cases = [{"case": case.name, "methods": list(case.methods or names)} for case in CASES]
-    complete(path, document(path.stem, carried_out(row, cases, beside=path, limits=TIMED)))
+    found = carried_out(row, cases, beside=path, limits=TIMED)
+    title = "Order 6 and 8: seconds and evaluations at equal error"
+    about = {"seconds": "processor time, medians of interleaved rounds", "rounds": ROUNDS}
+    complete(path, record_of("order6.compare", "order6", title, **about, cases=found))
 
 
 def row(task: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,14 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
-from campaigns.order6.compare import METHODS, rounded
+from campaigns.driver import arguments, carried_out, complete, in_json, record_of
+from campaigns.order6.compare import METHODS, four_digits
 from glmref.catalogue.lookup import load
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import Stepper, apply_finish, apply_start, stepper
 from glmref.errors import GlmrefError
 from glmref.measure.longtime import along, follow
-from glmref.measure.timing import circumstances
 from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -98,14 +97,6 @@ class LongRun:
     bounded: bool
     lost: float | None
     rate: float | None = None
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the record in JSON's types."""
-        record = dict(self.__dict__)
-        for key, value in record.items():
-            if isinstance(value, float):
-                record[key] = rounded(value) if math.isfinite(value) else None
-        return record
 
 
 def parasitic_part(engine: Stepper, values: np.ndarray, h: float) -> tuple[np.ndarray, float]:
@@ -195,7 +186,7 @@ def scan_rate(case: Mapping[str, Any]) -> dict[str, Any]:
     name, run = SCANNED
     h, nudge = case["h"], case["nudge"]
     steps = round(NUDGED_STEPS * (0.1 / h) ** 3)
-    rate = rounded(growth_rate(name, run, h=h, steps=steps, nudge=nudge))
+    rate = four_digits(growth_rate(name, run, h=h, steps=steps, nudge=nudge))
     return {"method": name, "run": run, "h": h, "steps": steps, "nudge": nudge, "rate": rate}
 
 
@@ -214,7 +205,7 @@ def _gone(part: Solution, unit: float) -> bool:
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
     """Return one run of one method, with the rate at which its parasitic part grows."""
     name, run = case["method"], case["run"]
-    return replace(long_run(name, run), rate=growth_rate(name, run)).as_json()
+    return in_json(replace(long_run(name, run), rate=growth_rate(name, run)), four_digits)
 
 
 def main(path: Path) -> None:
@@ -224,19 +215,10 @@ def main(path: Path) -> None:
     cases = ({"run": run, "method": x} for run in RUNS for x in names)
     runs = carried_out(row, cases, beside=path)
     scan = carried_out(scan_rate, ({"h": h, "nudge": nudge} for h, nudge in SCAN), beside=path)
-    document = {
-        "format": "glmref-measurement-1",
-        "name": path.stem,
-        "what": "Ten million steps of h = 0.1 with the methods of order 6 and 8",
-        "how": "python -m campaigns.order6.long_runs",
-        "factor": FACTOR,
-        "nudge": NUDGE,
-        "nudged_steps": NUDGED_STEPS,
-        "where": circumstances(),
-        "runs": runs,
-        "scan": scan,
-    }
-    complete(path, document)
+    title = "Ten million steps of h = 0.1 with the methods of order 6 and 8"
+    about = {"factor": FACTOR, "nudge": NUDGE, "nudged_steps": NUDGED_STEPS}
+    record = record_of("order6.long_runs", "long-runs", title, **about, runs=runs, scan=scan)
+    complete(path, record)
 
 
 if __name__ == "__main__":

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
-from campaigns.order6.compare import rounded
+from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.order6.compare import four_digits
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import Stepper, apply_finish, stepper
 from glmref.engine.starting_values import enhanced_start, starting_values
@@ -79,7 +79,7 @@ def amplitudes(name: str, kind: str) -> dict[str, Any]:
         rest = Underlying(engine).parasitic(engine.arithmetic.number(0), values, step, order=IDEAL)
         sizes.append(float(sum(abs(x) ** 2 for x in rest.ravel()) ** 0.5))
     order = math.log2(sizes[-2] / sizes[-1])
-    return {"amplitude": [rounded(x) for x in sizes], "order": round(order, 2)}
+    return {"amplitude": [four_digits(x) for x in sizes], "order": round(order, 2)}
 
 
 def final_errors(name: str, kind: str) -> dict[str, Any]:
@@ -96,7 +96,7 @@ def final_errors(name: str, kind: str) -> dict[str, Any]:
         y = engine.solution(values)
         if method.finishing is not None and kind != "zero":
             y, _ = apply_finish(method.finishing, engine, T_END, y, h)
-        errors.append(rounded(state_error(np.asarray(y, dtype=float), reference)))
+        errors.append(four_digits(state_error(np.asarray(y, dtype=float), reference)))
     return {"evaluations": cost, "error": errors}
 
 
@@ -111,7 +111,7 @@ def loss_times(name: str, kind: str, *, h: float = 0.1, steps: int = 100_000) ->
         lost=lambda part: loss(subject, part, u).time is not None,
     )  # fmt: skip
     time = loss(subject, ended, u).time
-    return None if time is None else rounded(time)
+    return None if time is None else four_digits(time)
 
 
 def start_row(case: Mapping[str, Any]) -> dict[str, Any]:
@@ -139,17 +139,11 @@ def main(path: Path) -> None:
         for kind in ("zero", "explicit", "enhanced 2", "enhanced 4", "enhanced 8")
     )
     losses = carried_out(loss_row, cases, beside=path)
-    document = {
-        "format": "glmref-measurement-1",
-        "name": path.stem,
-        "what": "What a start costs and what it buys",
-        "how": "python -m campaigns.order6.starts",
-        "problem": {"name": "kepler", **KEPLER, "t_end": T_END},
-        "h": list(STEP_SIZES),
-        "starts": starts,
-        "losses": {"problem": {"name": "pendulum", "q0": "23/10"}, "h": 0.1, "runs": losses},
-    }
-    complete(path, document)
+    record = record_of("order6.starts", "starts", "What a start costs and what it buys")
+    record |= {"problem": {"name": "kepler", **KEPLER, "t_end": T_END}, "h": list(STEP_SIZES)}
+    record["starts"] = starts
+    record["losses"] = {"problem": {"name": "pendulum", "q0": "23/10"}, "h": 0.1, "runs": losses}
+    complete(path, record)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, carried_out, complete, record_of
 from glmref.catalogue.lookup import document, load, names
 from glmref.method import GLM
 from glmref.theory.error_constants import conjugate_error, error_norm
@@ -55,8 +55,8 @@ def methods() -> list[str]:
 
 def frequencies(method: GLM) -> list[dict[str, float]]:
     """c2 and c3 of each parasitic eigenvalue, by increasing argument in (0, pi]."""
-    rounded = method.to_float()
-    A, U, B, V = rounded.A, rounded.U, rounded.B, rounded.V
+    four_digits = method.to_float()
+    A, U, B, V = four_digits.A, four_digits.U, four_digits.B, four_digits.V
     found = []
     for zeta in np.linalg.eigvals(V):
         theta = cmath.phase(complex(zeta))
@@ -122,7 +122,7 @@ def _rounded(value: Any) -> Any:
 
 
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the rounded record of one method."""
+    """Return the four_digits record of one method."""
     return _rounded(record(case["method"]))
 
 
@@ -130,14 +130,8 @@ def main(path: Path) -> None:
     """Compute all records and write the file."""
     cases = ({"method": x} for x in (*methods(), *NEIGHBOURS))
     records = carried_out(row, cases, beside=path)
-    out = {
-        "format": "glmref-measurement-1",
-        "name": path.stem,
-        "what": "Constants of the methods of order 6 and 8",
-        "how": "python -m campaigns.order6.survey",
-        "methods": records,
-    }
-    complete(path, out)
+    title = "Constants of the methods of order 6 and 8"
+    complete(path, record_of("order6.survey", "order6-methods", title, methods=records))
 
 
 if __name__ == "__main__":

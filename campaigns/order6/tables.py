@@ -8,11 +8,10 @@ computes them anew from the files in data/measurements.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from pathlib import Path
 from typing import Any
 
 from campaigns.order6 import bound
-from campaigns.pages import measured, row, table, write
+from campaigns.pages import ROOT, Pages, markdown, measured, write
 from campaigns.partitioned.long_runs import kepler_table
 
 TARGETS = ("1e-06", "1e-09")
@@ -37,7 +36,7 @@ def constants() -> str:
     for m in measured("order6-methods")["methods"]:
         error, c = m["error"], m["parasitic"]
         rows.append(
-            row(
+            (
                 f"`{m['name']}`", m["order"], m["stages"],
                 " ".join(map(str, m["implicit"])) if len(m["implicit"]) < m["stages"] else "all",
                 number(error["identity"]), number(error["after_conjugation"]),
@@ -51,7 +50,7 @@ def constants() -> str:
         *("method", "order", "stages", "implicit", "error, identity", "error, conjugated"),
         *("largest A", "largest U", "periodicity", "parasitic", "start, finish"),
     ]
-    return table(head, rows)
+    return markdown(head, rows)
 
 
 def fastest(case: Mapping[str, Any], target: str, solver: str) -> dict[str, Mapping[str, float]]:
@@ -82,8 +81,8 @@ def comparison(solver: str, *cases: str) -> str:
                 if at is None
                 else f"{number(at['seconds'] / best[BASE]['seconds'])} ({at['evaluations']:.0f})"
             )
-        rows.append(row(f"`{name}`", *cells))
-    return table(["method", *(f"{c['case']}, {t}" for c, t, _ in columns)], rows)
+        rows.append((f"`{name}`", *cells))
+    return markdown(["method", *(f"{c['case']}, {t}" for c, t, _ in columns)], rows)
 
 
 def verdict(run: Mapping[str, Any]) -> str:
@@ -100,60 +99,60 @@ def long_runs() -> str:
         low = "none" if run["bounded"] else "saturated"
         rate = number(run["rate"]) if run["rate"] > 1.5e-6 else low
         rows.append(
-            row(
+            (
                 f"`{run['method']}`", run["run"], f"{run['steps']:,}", number(run["energy"]),
                 number(run["parasitic_early"]), number(run["parasitic"]), verdict(run),
                 rate,
             )
         )  # fmt: skip
     head = ["method", "run", "steps", "energy", "parasitic, early", "largest", "", "rate"]
-    return table(head, rows)
+    return markdown(head, rows)
 
 
 def rate_scan() -> str:
     """Return rates of one method over h and the size of the nudge."""
     rows = [
-        row(f"{x['h']:g}", f"{x['steps']:,}", f"{x['nudge']:g}", number(x["rate"], 3),
+        (f"{x['h']:g}", f"{x['steps']:,}", f"{x['nudge']:g}", number(x["rate"], 3),
             number(x["rate"] / x["h"] ** 2, 4))
         for x in measured("long-runs")["scan"]
     ]  # fmt: skip
-    return table(["h", "steps", "nudge", "rate", "rate / h^2"], rows)
+    return markdown(["h", "steps", "nudge", "rate", "rate / h^2"], rows)
 
 
 def kepler() -> str:
     """Ten million steps of Kepler's problem."""
     names = [r["method"] for r in measured("long-runs")["runs"]]
     shown = [*dict.fromkeys(names), BASE]
-    return kepler_table(measured("kepler-long")["runs"], shown).rstrip("\n")
+    return kepler_table(measured("kepler-long")["runs"], shown)
 
 
 def starts() -> str:
     """Return what a start costs and buys."""
     found = measured("starts")
     rows = [
-        row(
+        (
             f"`{s['method']}`", s["start"], s["evaluations"], number(s["amplitude"][1]),
             s["order"], *(number(x) for x in s["error"]),
         )
         for s in found["starts"]
     ]  # fmt: skip
     head = ["method", "start", "evaluations", "amplitude, h = 0.1", "power of h"]
-    return table([*head, *(f"error, h = {h:g}" for h in found["h"])], rows)
+    return markdown([*head, *(f"error, h = {h:g}" for h in found["h"])], rows)
 
 
 def losses() -> str:
     """When methods with growth are lost."""
     rows = [
-        row(f"`{x['method']}`", x["start"], "-" if x["lost"] is None else f"{x['lost']:g}")
+        (f"`{x['method']}`", x["start"], "-" if x["lost"] is None else f"{x['lost']:g}")
         for x in measured("starts")["losses"]["runs"]
     ]
-    return table(["method", "start", "lost at t"], rows)
+    return markdown(["method", "start", "lost at t"], rows)
 
 
 def searches() -> str:
     """Return the search for order 8."""
     rows = [
-        row(
+        (
             a["stages"], a["values"], a["stage_order"],
             " ".join(map(str, a["explicit"])) or "none",
             "symmetric" if a["parity"] == [1] else "antisymmetric" if a["parity"] else "no -1",
@@ -164,19 +163,10 @@ def searches() -> str:
         for a in measured("order8-search")["ansatzes"]
     ]  # fmt: skip
     head = [
-        *(
-            "stages",
-            "values",
-            "stage order",
-            "explicit",
-            "gamma",
-            "signs",
-            "unknowns",
-            "conditions",
-        ),
-        *("starts that reach zero", "smallest residual"),
+        *("stages", "values", "stage order", "explicit", "gamma", "signs", "unknowns"),
+        *("conditions", "starts that reach zero", "smallest residual"),
     ]
-    return table(head, rows)
+    return markdown(head, rows)
 
 
 TABLES: Mapping[str, Callable[[], str]] = {
@@ -228,7 +218,7 @@ def shipped(names: Collection[str] = ()) -> str:
             for times in columns
         )
         rows.append(
-            row(
+            (
                 f"`{name}`", m["order"], m["stages"],
                 implicit, number(m["error"]["after_conjugation"]), *times,
                 f"{m['start_stages']}, {m['finish_stages']}", verdict(long[name, "pendulum-2.3"]),
@@ -239,12 +229,11 @@ def shipped(names: Collection[str] = ()) -> str:
         *("method", "order", "stages", "implicit", "error constant", "time, Hénon-Heiles"),
         *("time, chain, Newton", "start, finish", "pendulum", "Kepler"),
     ]
-    return table(head, rows)
+    return markdown(head, rows)
 
 
-ROOT = Path(__file__).resolve().parents[2]
 #: Page -> name of a table -> what writes it.
-PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
+PAGES: Pages = {
     ROOT / "campaigns" / "order6" / "README.md": {"shipped": shipped, **TABLES},
     ROOT / "docs" / "order6.md": {"selected": lambda: shipped(SELECTED)},
 }

@@ -15,6 +15,7 @@ from campaigns.order6.long_runs import growth_rate, long_run
 from campaigns.order6.starts import begin, kinds, loss_times
 from campaigns.order6.survey import frequencies, methods, record
 from campaigns.order8_search import ANSATZES, SOLVED, STARTS
+from campaigns.pages import measured
 from glmref.catalogue.lookup import data_root, document, load, names
 from glmref.derive.ansatz import Ansatz
 from glmref.derive.recipes.record import GROWS
@@ -156,9 +157,7 @@ def labelled() -> dict[tuple[str, str], str]:
     return found
 
 
-LONG_RUNS = json.loads(
-    (data_root() / "measurements" / "long-runs.json").read_text(encoding="utf-8")
-)
+LONG_RUNS = measured("long-runs")
 
 
 def test_the_rate_of_growth_goes_with_the_square_of_h_and_not_with_the_nudge() -> None:

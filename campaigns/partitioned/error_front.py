@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned.stages_search import SCANNED, Stages, evaluations, gap, growth, of_file
 
 METHODS = (*SCANNED, "quinlan-8a", "quinlan-8b")
@@ -161,10 +162,11 @@ def share(constant: float, pairs: int) -> float:
 def table(document: Mapping[str, Any]) -> str:
     """Tabulate evaluations over the first-order bound, those on training problems, and growth."""
     heads = "order, method, interval, degrees apart, over the bound, $10^{-6}$, $10^{-9}$, growth"
-    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 8 + "|"]
+    rows = []
     for m in PAIRS:
-        rows = [x for x in (*document["methods"], *document["descents"]) if x["pairs"] == m]
-        for x in rows:
+        for x in (*document["methods"], *document["descents"]):
+            if x["pairs"] != m:
+                continue
             name = f"`{x['method']}`" if "method" in x else "least found"
             cells = [str(2 * m + 2), name, f"{x['end']:g}", f"{x['apart']:g}"]
             if x["constant"] is None:
@@ -172,8 +174,8 @@ def table(document: Mapping[str, Any]) -> str:
             else:
                 counts = [f"{n:,}" for n in x["evaluations"]]
                 cells += [f"{share(x['constant'], m):.2f}", *counts, f"{x['growth']:g}"]
-            lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+            rows.append(cells)
+    return markdown(heads.split(", "), rows)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
@@ -177,7 +178,7 @@ def summary(document: Mapping[str, Any]) -> str:
     In brackets in how many cases the new one needs less.
     """
     heads = "T, horizon, what, new / published multistep, new / splitting, new / pair, new / RKN"
-    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 7 + "|"]
+    rows = []
     kinds: Sequence[tuple[str, str, str]] = (
         ("evaluations, $10^{-6}$", "1e-06", "needed"),
         ("evaluations, $10^{-9}$", "1e-09", "needed"),
@@ -192,8 +193,8 @@ def summary(document: Mapping[str, Any]) -> str:
                     for other in ("published multistep", "splitting", "pair", NYSTROM)
                 ]
                 kind = "quadratic" if second else "other"
-                lines.append(f"| {kind} | {horizon} | {words} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+                rows.append([kind, horizon, words, *cells])
+    return markdown(heads.split(", "), rows)
 
 
 def singles(document: Mapping[str, Any]) -> str:
@@ -205,9 +206,9 @@ def singles(document: Mapping[str, Any]) -> str:
     columns = [(measure, tolerance) for measure in ("state", "energy") for tolerance in TOLERANCES]
     names = {"state": "short", "energy": "long"}
     heads = [f"{names[m]}, $10^{{{int(t[2:])}}}$" for m, t in columns]
-    lines = [f"| method | {' | '.join(heads)} |", "|---" * (len(columns) + 1) + "|"]
+    rows = []
     for name in methods_for(next(iter(PROBLEMS))):
-        cells = []
+        cells = [f"`{name}`"]
         for measure, tolerance in columns:
             shares = []
             for entry in _horizon(document, measure, second=True):
@@ -216,17 +217,17 @@ def singles(document: Mapping[str, Any]) -> str:
                 if counts.get(name) and math.isfinite(unit):
                     shares.append(counts[name] / unit)
             cells.append(f"{mean(shares):.2f} ({len(shares)})" if shares else "-")
-        lines.append(f"| `{name}` | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown(["method", *heads], rows)
 
 
 def table(document: Mapping[str, Any], measure: str) -> str:
     """All cases of a horizon, in Markdown: evaluations at 1e-9 by group, ratios, the fastest."""
-    head = (
-        "| problem | best splitting | best pair | Nyström | best published multistep | best new | "
-        "new / multistep | new / splitting | the same at $10^{-6}$ | fastest |"
+    heads = (
+        "problem, best splitting, best pair, Nyström, best published multistep, best new, "
+        "new / multistep, new / splitting, the same at $10^{-6}$, fastest"
     )
-    lines = [head, "|---" * 10 + "|"]
+    rows = []
     for entry in document["cases"]:
         if entry["measure"] != measure:
             continue
@@ -240,8 +241,8 @@ def table(document: Mapping[str, Any], measure: str) -> str:
         times = {x["method"]: x.get("seconds", {}).get("1e-09", math.inf) for x in entry["methods"]}
         fastest = min(times, key=lambda x: times[x])
         cells.append(fastest if math.isfinite(times[fastest]) else "-")
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown(heads.split(", "), rows)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ import numpy as np
 from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.order6.compare import METHODS
 from campaigns.order6.long_runs import parasitic_part
+from campaigns.pages import markdown
 from glmref.catalogue.lookup import document, load, names
 from glmref.derive.recipes.record import LOST, in_words
 from glmref.engine.outcome import Solution
@@ -330,15 +331,14 @@ def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> s
     marks = [n for n in runs[0]["marks"] if n >= 100_000]
     shown = ", ".join(f"$10^{len(str(n)) - 1}$" for n in marks)
     heads = ["method", *(f"e = {e}: {shown}" for e in orbits), "bounded"]
-    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-    rows = {(run["method"], run["eccentricity"]): run for run in runs}
+    known, rows = {(run["method"], run["eccentricity"]): run for run in runs}, []
     for name in methods:
-        mine = [rows[name, e] for e in orbits]
+        mine = [known[name, e] for e in orbits]
         cells = [", ".join(_shown(x) for x in run["energy"][-len(marks) :]) for run in mine]
         where = [run["eccentricity"] for run in mine if run["bounded"]]
         verdict = "yes" if len(where) == len(orbits) else f"at {in_words(where)}" if where else "no"
-        lines.append(f"| `{name}` | {' | '.join(cells)} | {verdict} |")
-    return "\n".join(lines) + "\n"
+        rows.append([f"`{name}`", *cells, verdict])
+    return markdown(heads, rows)
 
 
 def _shown(x: float | None) -> str:

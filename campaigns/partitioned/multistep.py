@@ -23,8 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns import pages
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned import work
 from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
 from campaigns.partitioned.long_runs import follow_at as follow
@@ -151,7 +151,7 @@ def table(document: Mapping[str, Any], tolerance: str) -> str:
     rivals = [x for key, methods in groups.items() if not key.startswith("new") for x in methods]
     new = [x for key, methods in groups.items() if key.startswith("new") for x in methods]
     head = ["case", *(f"best {key}" for key in groups), "new / best other"]
-    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
+    rows: list[list[str]] = []
     ratios: list[float] = []
     for entry in document["cases"]:
         cells = [entry["case"]]
@@ -162,9 +162,9 @@ def table(document: Mapping[str, Any], tolerance: str) -> str:
         if math.isfinite(mine) and math.isfinite(theirs):
             ratios.append(mine / theirs)
         cells.append(f"{mine / theirs:.2f}" if math.isfinite(mine) else "-")
-        lines.append(f"| {' | '.join(cells)} |")
-    lines.append(f"| geometric mean |{' |' * len(groups)} {mean(ratios):.2f} |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    rows.append(["geometric mean", *[""] * len(groups), f"{mean(ratios):.2f}"])
+    return markdown(head, rows)
 
 
 #: Method in whose evaluations :func:`mean_table` counts.
@@ -181,17 +181,17 @@ def mean_table(document: Mapping[str, Any]) -> str:
     groups = ((cases, "cases"), (long, "long cases"))
     columns = [(t, some, word) for t in ("1e-06", "1e-09") for some, word in groups]
     heads = [f"$10^{{{int(t[2:])}}}$, {len(some)} {word}" for t, some, word in columns]
-    lines = [f"| method | {' | '.join(heads)} |", "|---" * (len(columns) + 1) + "|"]
+    rows = []
     for group in ("published multistep", "new, second-order"):
         for name in document["groups"][group]:
-            cells = []
+            cells = [f"`{name}`"]
             for tolerance, some, _ in columns:
                 shares = [
                     needed(x, [name], tolerance)[1] / needed(x, [UNIT], tolerance)[1] for x in some
                 ]
                 cells.append(f"{mean(shares):.2f}")
-            lines.append(f"| `{name}` | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+            rows.append(cells)
+    return markdown(["method", *heads], rows)
 
 
 # --- long runs ------------------------------------------------------------------------------------
@@ -285,14 +285,13 @@ def _cause(run: Mapping[str, Any]) -> str:
 
 def long_table(document: Mapping[str, Any]) -> str:
     """Return energy errors after 10^5, 10^6 and 10^7 steps and the time of a step, in Markdown."""
-    head = "| method | problem | h | $10^5$ | $10^6$ | $10^7$ | ns a step | bounded |"
-    lines = [head, "|---" * 8 + "|"]
+    heads, rows = "method, problem, h, $10^5$, $10^6$, $10^7$, ns a step, bounded", []
     for run in document["runs"]:
         what = ", ".join([run["problem"], *(f"{k} = {v}" for k, v in run["parameters"].items())])
         cells = ["not finite" if x is None else f"{x:.1e}" for x in run["energy"][-3:]]
         cells += ["-" if run["ns"] is None else f"{run['ns']:.0f}", _cause(run)]
-        lines.append(f"| `{run['method']}` | {what} | {run['h']:g} | {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        rows.append([f"`{run['method']}`", what, f"{run['h']:g}", *cells])
+    return markdown(heads.split(", "), rows)
 
 
 def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
@@ -321,9 +320,9 @@ def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
         runs = [x["bounded"] for x in documents["multistep-long"]["runs"] if x["method"] == name]
         cells = ["separable" if shipped.q else "second order", order, values]
         cells += [2 if shipped.slopes else 1, f"{first[name]:g}", f"{sum(runs)} of {len(runs)}"]
-        rows.append(pages.row(f"`{name}`", *cells))
+        rows.append([f"`{name}`", *cells])
     heads = "method, systems, order, values, kicks a step, first resonance, bounded"
-    return pages.table(heads.split(", "), rows)
+    return markdown(heads.split(", "), rows)
 
 
 # --- resonances -----------------------------------------------------------------------------------

@@ -37,6 +37,7 @@ from scipy.linalg import toeplitz
 from scipy.optimize import least_squares
 
 from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned import multistep_search as one
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
 from campaigns.partitioned.multistep_search import Training
@@ -453,17 +454,15 @@ def scanned(
 
 def growth_table(document: Mapping[str, Any]) -> str:
     """Return where methods grow, in Markdown."""
-    head = "| method | orbit | end of the interval | step sizes with growth | first | the widest |"
-    lines = [head, "|---" * 6 + "|"]
+    heads = "method, orbit, end of the interval, step sizes with growth, first, the widest"
+    rows = []
     for x in document["scans"]:
         widest = sorted(sorted(x["ranges"], key=lambda r: r[0] - r[1])[:3])
         shown = ", ".join(f"{a:g} to {b:g}" if a < b else f"{a:g}" for a, b in widest) or "none"
         first = f"{x['ranges'][0][0]:g}" if x["ranges"] else "-"
-        lines.append(
-            f"| `{x['method']}` | {x['orbit']} | {x['end']:g} | "
-            f"{x['marked']:,} of {x['sizes']:,} | {first} | {shown} |"
-        )
-    return "\n".join(lines) + "\n"
+        marked = f"{x['marked']:,} of {x['sizes']:,}"
+        rows.append([f"`{x['method']}`", x["orbit"], f"{x['end']:g}", marked, first, shown])
+    return markdown(heads.split(", "), rows)
 
 
 # --- the front ------------------------------------------------------------------------------------
@@ -569,7 +568,7 @@ def front_table(document: Mapping[str, Any]) -> str:
         "method, kicks, pairs, interval, reach, at $10^{-6}$, at $10^{-9}$, "
         "held out: $10^{-6}$, $10^{-9}$, growth"
     )
-    lines = [f"| {' | '.join(heads.split(', '))} |", "|---" * 10 + "|"]
+    rows = []
     published = [x["held out"] for x in document["methods"] if x["method"].startswith("quinlan")]
     for x in document["methods"]:
         shares = [
@@ -582,13 +581,16 @@ def front_table(document: Mapping[str, Any]) -> str:
             )
             for key in x["evaluations"]
         ]
-        counts = " | ".join(f"{n:,}" for n in x["evaluations"].values())
-        lines.append(
-            f"| {x['method']} | {x['kicks']} | {x['pairs']} | {x['interval']:.2f} "
-            f"| {x['reach']:.2f} | {counts} | {shares[0]:.2f} | {shares[1]:.2f} "
-            f"| {x['growth']:g} |"
+        rows.append(
+            [
+                *(x["method"], x["kicks"], x["pairs"]),
+                *(f"{x[key]:.2f}" for key in ("interval", "reach")),
+                *(f"{n:,}" for n in x["evaluations"].values()),
+                *(f"{share:.2f}" for share in shares),
+                f"{x['growth']:g}",
+            ]
         )
-    return "\n".join(lines) + "\n"
+    return markdown(heads.split(", "), rows)
 
 
 def count(pairs: int, order: int, seed: int, starts: int, tries: int, s: int = 2) -> None:

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.pages import markdown
 from campaigns.partitioned.long_runs import CASES, STEPS, Case, pair_names, pair_row, three_digits
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
@@ -164,10 +165,7 @@ def main(path: Path, cases: Sequence[Case] = CASES, steps: int = STEPS) -> None:
 
 def starts_table(document: Mapping[str, Any]) -> str:
     """Return misses of both starts and their orders, in Markdown."""
-    lines = [
-        "| pair | evaluations of k, f | carried: zero | own | first: zero | own |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     for row in document["starts"]:
         cells = [
             f"{row[what][start]['size']:.1e} ({row[what][start]['order']:.1f})"
@@ -175,23 +173,22 @@ def starts_table(document: Mapping[str, Any]) -> str:
             for start in ("zero", "own")
         ]
         k, f = row["evaluations"]
-        lines.append(f"| {row['method']} | {k}, {f} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        rows.append([row["method"], f"{k}, {f}", *cells])
+    head = "pair; evaluations of k, f; carried: zero; own; first: zero; own"
+    return markdown(head.split("; "), rows)
 
 
 def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
     """Ten million steps from both starts: energy error and carried values, in Markdown."""
-    lines = [
-        "| pair | problem | energy: zero | own | carried: zero | own | bounded: zero | own |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    rows = []
     known = {(x["method"], x["problem"]): x for x in zero["runs"]}
     for own in document["runs"]:
         other = known[own["method"], own["problem"]]
         cells = [_last(x, what) for what in ("energy", "carried") for x in (other, own)]
         cells += ["yes" if x["bounded"] else "no" for x in (other, own)]
-        lines.append(f"| {own['method']} | {own['problem']} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        rows.append([own["method"], own["problem"], *cells])
+    head = "pair; problem; energy: zero; own; carried: zero; own; bounded: zero; own"
+    return markdown(head.split("; "), rows)
 
 
 def _last(row: Mapping[str, Any], what: str) -> str:

@@ -8,11 +8,10 @@ computes them anew from the files in data/measurements and data/methods/partitio
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from campaigns.pages import measured, write
+from campaigns.pages import ROOT, Pages, markdown, measured, write
 from campaigns.partitioned.long_runs import FURTHER, ONE_VALUE, RESTARTED, kepler_table, pair_names
 from campaigns.partitioned.starts import runs_table, starts_table
 from campaigns.partitioned.work import CASES, PAIRS
@@ -21,7 +20,6 @@ from glmref.catalogue.lookup import load
 from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import parasitic_curvature
 
-ROOT = Path(__file__).resolve().parents[2]
 #: Column -> the methods it stands for; the best of them is shown.
 GROUPS: Mapping[str, Sequence[str]] = {
     "Störmer-Verlet": ("stormer-verlet",),
@@ -69,7 +67,7 @@ def _rows(document: Mapping[str, Any], tolerance: str, key: str, show: Any) -> s
     """Return one row a case: every group, the best general pair, the best pair, and their ratio."""
     others = [name for names in GROUPS.values() for name in names]
     heads = ["case", *GROUPS, "general pair", "any pair", "pair / best other"]
-    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    rows = []
     for case in document["cases"]:
         if not any(row[key] for row in case["methods"]):
             continue
@@ -84,8 +82,8 @@ def _rows(document: Mapping[str, Any], tolerance: str, key: str, show: Any) -> s
         theirs = best(case, others, tolerance, key)
         both = ours is not None and theirs is not None
         cells.append(f"{ours[1] / theirs[1]:.2f}" if both else "-")  # type: ignore[index]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown(heads, rows)
 
 
 def needs_table(document: Mapping[str, Any], tolerance: str) -> str:
@@ -111,36 +109,33 @@ def ratios(document: Mapping[str, Any], name: str, tolerance: str) -> dict[str, 
 
 def one_pair_table(document: Mapping[str, Any], names: Sequence[str], tolerance: str) -> str:
     """Return evaluations of single pairs over those of the best other method, by case."""
-    lines = ["| case | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     found = [ratios(document, name, tolerance) for name in names]
-    for case in (case["case"] for case in document["cases"]):
-        cells = [f"{one[case]:.2f}" if case in one else "-" for one in found]
-        lines.append(f"| {case} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+    rows = (
+        [case, *(f"{one[case]:.2f}" if case in one else "-" for one in found)]
+        for case in (case["case"] for case in document["cases"])
+    )
+    return markdown(["case", *names], rows)
 
 
 def start_table(document: Mapping[str, Any], cases: Sequence[str], tolerance: str) -> str:
     """Tabulate evaluations from zero values, from the enhanced start, and with its cost."""
-    lines = [
-        "| case | pair | zero start | enhanced start | with its cost |",
-        "|---|---|---|---|---|",
-    ]
+    rows = []
     for case in document["cases"]:
-        rows = {(row["method"], row["start"]): row for row in case["methods"]}
-        names = [name for name, start in rows if start == "enhanced" and case["case"] in cases]
+        known = {(row["method"], row["start"]): row for row in case["methods"]}
+        names = [name for name, start in known if start == "enhanced" and case["case"] in cases]
         for name in names:
-            row = rows[name, "enhanced"]
-            zero, other = (x["needed"].get(tolerance) for x in (rows[name, "zero"], row))
+            row = known[name, "enhanced"]
+            zero, other = (x["needed"].get(tolerance) for x in (known[name, "zero"], row))
             total = None if other is None else other + row["start_evaluations"]
             shown = ("-" if x is None else f"{x:,}" for x in (zero, other, total))
-            lines.append("| " + " | ".join([case["case"], name, *shown]) + " |")
-    return "\n".join(lines) + "\n"
+            rows.append([case["case"], name, *shown])
+    return markdown(["case", "pair", "zero start", "enhanced start", "with its cost"], rows)
 
 
 def long_table(document: Mapping[str, Any]) -> str:
     """Ten million steps: energy errors and carried values at 10^5 and at the end."""
     heads = ("pair", "problem", "h", "energy, $10^5$", "$10^7$", "carried, $10^5$", "$10^7$")
-    lines = [f"| {' | '.join(heads)} | bounded |", "|---" * 8 + "|"]
+    rows = []
     for run in document["runs"]:
         at = run["marks"].index(100_000)
         cells = [
@@ -148,8 +143,8 @@ def long_table(document: Mapping[str, Any]) -> str:
             *(f"{run[row][k]:.1e}" for row in ("energy", "carried") for k in (at, -1)),
             "yes" if run["bounded"] else _ending(run),
         ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+        rows.append(cells)
+    return markdown([*heads, "bounded"], rows)
 
 
 def _ending(run: Mapping[str, Any]) -> str:
@@ -194,7 +189,7 @@ def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
         *("evaluations over the best splitting's", "fewer on"),
         *("grows within $10^7$ steps on", "within $10^8$ also on"),
     )
-    lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    rows = []
     for name in PAIRS:
         file = file_of(name)
         claims, order = file["claims"], file["claims"]["order"]
@@ -208,16 +203,14 @@ def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
             f"{sum(r < 1 for r in mine.values())} of {len(mine)}",
             *(ten.get(name, "-"), hundred.get(name, "-")),
         )
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines)
+        rows.append(cells)
+    return markdown(heads, rows)
 
 
 def growth_table() -> str:
     """Parasitic growth of second order on the oscillator: its sign and the periodicity interval."""
-    lines = [
-        "| pair | order | stages Q | $\\kappa$ | periodic to $y$ | order of zero start | remark |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    head = "pair, order, stages Q, $\\kappa$, periodic to $y$, order of zero start, remark"
+    rows = []
     for name in PAIRS:
         pair, file = load(name), file_of(name)
         claims, kappa = file["claims"], float(parasitic_curvature(pair))
@@ -234,23 +227,23 @@ def growth_table() -> str:
             *(f"`{name}`", order, file["stages"].count("Q"), f"{kappa:.2e}"),
             *("-" if end is None else f"{end:.5g}", 3 if both else 1, remark),
         )
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines)
+        rows.append(cells)
+    return markdown(head.split(", "), rows)
 
 
 _TIMED = [case.name for case in CASES if case.timed]
 _SINGLE = (
     *("pair-6-7", "pair-6-8", "pair-8-24", "pair-rkn-6-7b", "pair-rkn-6-8b", "pair-rkn-8-16"),
 )
-_SHIPPED = ("pairs", "pairs-long", "pairs-starts", "kepler-long")
 
 
 def _shipped() -> str:
-    return shipped_table({x: measured(x) for x in _SHIPPED})
+    names = ("pairs", "pairs-long", "pairs-starts", "kepler-long")
+    return shipped_table({x: measured(x) for x in names})
 
 
 #: Page -> name of a table -> what writes it.
-PAGES: Mapping[Path, Mapping[str, Callable[[], str]]] = {
+PAGES: Pages = {
     ROOT / "campaigns" / "partitioned" / "README.md": {
         "shipped": _shipped,
         "evaluations-9": lambda: needs_table(measured("pairs"), "1e-09"),

@@ -1,12 +1,12 @@
 """Error constants of symmetric multistep methods: against their series, their bound, the record."""
 
-import json
 import math
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
+from campaigns.pages import measured
 from campaigns.partitioned.error_front import (
     ASKED,
     PAIRS,
@@ -19,11 +19,10 @@ from campaigns.partitioned.error_front import (
     table,
 )
 from campaigns.partitioned.stages_search import gap, interval, of_file
-from glmref.catalogue.lookup import data_root
 from glmref.derive.multistep import Half
 from glmref.derive.recipes.multistep import SHIPPED
 
-RECORD = json.loads((data_root() / "measurements" / "error-front.json").read_text(encoding="utf-8"))
+RECORD = measured("error-front")
 
 
 def test_the_coefficients_are_those_of_cowell():

@@ -1,18 +1,17 @@
 """Extended phase space: two copies move as the system does; the page says what was measured."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from campaigns.pages import measured
 from campaigns.partitioned.extended import METHODS, doubled, evaluations
 from glmref import solve
-from glmref.catalogue.lookup import data_root
 from glmref.problems import problem
 
 PAGE = Path(__file__).parents[2] / "docs" / "nonseparable.md"
-RECORD = json.loads((data_root() / "measurements" / "nonseparable.json").read_text("utf-8"))
+RECORD = measured("nonseparable")
 ROWS = {x["problem"]: x["methods"] for x in RECORD["extended"] if x["tolerance"] == 1e-9}
 
 

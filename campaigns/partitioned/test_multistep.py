@@ -1,8 +1,4 @@
-"""Multistep methods: the records, the tables of the pages, and the labels of the files.
-
-``python campaigns/partitioned/test_multistep.py`` puts the tables into docs/multivalue.md and
-multistep.md.
-"""
+"""Multistep methods: the records, the sentences of the pages, and the labels of the files."""
 
 import json
 from fractions import Fraction
@@ -12,8 +8,8 @@ import numpy as np
 import pytest
 
 from campaigns import world
-from campaigns.pages import filled, measured, write
-from campaigns.partitioned import error_front, held_out, multistep
+from campaigns.pages import measured
+from campaigns.partitioned import held_out, multistep
 from campaigns.partitioned.held_out_problems import PROBLEMS
 from campaigns.partitioned.long_runs import Case
 from campaigns.partitioned.multistep import (
@@ -21,15 +17,12 @@ from campaigns.partitioned.multistep import (
     SYMMETRIC,
     cosines,
     follow,
-    long_table,
-    mean_table,
     needed,
     scan,
-    shipped_table,
-    table,
     twin,
 )
 from campaigns.partitioned.multistep_search import coefficients
+from campaigns.partitioned.multistep_tables import long_answer, multistep_shipped
 from campaigns.partitioned.stages_search import CASES as TRAINING
 from campaigns.partitioned.stages_search import (
     Stages,
@@ -38,8 +31,6 @@ from campaigns.partitioned.stages_search import (
     counted,
     doubled,
     drifts,
-    front_table,
-    growth_table,
     interval,
     ranges,
 )
@@ -52,52 +43,9 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE, NOTES = ROOT / "docs" / "multivalue.md", Path(__file__).with_name("multistep.md")
 
 
-def of(write, name, *more):
-    """What writes a table from a record."""
-    return lambda: write(measured(name), *more)
-
-
-def answer():
-    """The rows of the summary over long horizons."""
-    lines = held_out.summary(measured("held-out")).splitlines()
-    return "\n".join([*lines[:2], *(x for x in lines if "| long |" in x)])
-
-
-def shipped():
-    return shipped_table(
-        {x: measured(x) for x in ("multistep-long", "multistep-growth", "multistep-resonances")}
-    )
-
-
-#: Page -> name of a table -> what writes it.
-PAGES = {
-    PAGE: {"held-out-answer": answer, "multistep-shipped": shipped},
-    NOTES: {
-        "multistep-1e-09": of(table, "multistep", "1e-09"),
-        "multistep-1e-06": of(table, "multistep", "1e-06"),
-        "multistep-means": of(mean_table, "multistep"),
-        "multistep-long": of(long_table, "multistep-long"),
-        "multistep-growth": of(growth_table, "multistep-growth"),
-        "multistep-front": of(front_table, "multistep-front"),
-        "error-front": of(error_front.table, "error-front"),
-        "world": of(world.table, "world"),
-        "held-out-summary": of(held_out.summary, "held-out"),
-        "held-out-singles": of(held_out.singles, "held-out"),
-        "held-out-long": of(held_out.table, "held-out", "energy"),
-        "held-out-short": of(held_out.table, "held-out", "state"),
-    },
-}
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_the_tables_of_a_page_are_those_of_the_data(page):
-    text = page.read_text(encoding="utf-8")
-    assert filled(text, PAGES[page]) == text
-
-
 def test_the_sentences_of_the_page_are_those_of_the_records():
     page = " ".join(PAGE.read_text(encoding="utf-8").split())
-    rows = [[y.strip() for y in x.strip("|").split("|")] for x in answer().splitlines()[2:]]
+    rows = [[y.strip() for y in x.strip("|").split("|")] for x in long_answer().splitlines()[2:]]
     ratios = {(x[0], x[2]): [y.split()[0] for y in x[3:]] for x in rows}
     published, splitting, *_ = ratios["quadratic", "evaluations, $10^{-9}$"]
     assert (
@@ -132,7 +80,7 @@ def test_the_sentences_of_the_page_are_those_of_the_records():
     won = world.winners(measured("world"))
     assert (sum(won.values()), sum(won.get(x, 0) for x in SHIPPED)) == (16, 12)
     assert "of sixteen cases new methods for second-order systems are the fastest in twelve" in page
-    first = min(float(x.split("|")[6]) for x in shipped().splitlines()[2:])
+    first = min(float(x.split("|")[6]) for x in multistep_shipped().splitlines()[2:])
     assert 0.09 < first and "Keep $h \\omega$ below 0.09" in page
 
 
@@ -315,7 +263,3 @@ def test_three_kicks_of_a_higher_order_are_found_by_solving_for_it():
 
 def test_ranges_join_neighbours():
     assert ranges([False, True, True, False, True], [1, 2, 3, 4, 5]) == [[2, 3], [5, 5]]
-
-
-if __name__ == "__main__":
-    write(PAGES)

@@ -6,16 +6,12 @@ hold (docs/pairs-theory.md, Starting). Observed orders at h = 1/32 and 1/64 agre
 next term is smaller by h^2 times the ratio of the constants, 1e-3 times some ten.
 """
 
-import json
-from pathlib import Path
-
 import pytest
 
+from campaigns.pages import measured
 from campaigns.partitioned.starts import observed, started_pairs
 from glmref.catalogue.lookup import document, names
 
-ROOT = Path(__file__).resolve().parents[2]
-MEASURED = ROOT / "data" / "measurements"
 CLOSE = 0.1
 
 
@@ -47,13 +43,9 @@ def test_the_values_carried_agree_two_orders_above_the_claim(name, of):
     assert orders[2:] == pytest.approx(expected(name)[2:], abs=CLOSE)
 
 
-def stored():
-    return json.loads((MEASURED / "pairs-starts.json").read_text(encoding="utf-8"))
-
-
 @pytest.mark.slow
 def test_the_stored_orders_are_those_of_the_claims():
-    rows = stored()["starts"]
+    rows = measured("pairs-starts")["starts"]
     assert [x["method"] for x in rows] == started_pairs()
     for row in rows:
         orders = [row[what][x]["order"] for what in ("carried", "first") for x in ("zero", "own")]
@@ -65,21 +57,23 @@ def test_the_stored_orders_are_those_of_the_claims():
 
 @pytest.mark.slow
 def test_every_pair_with_a_start_is_measured():
-    record = stored()
+    record = measured("pairs-starts")
     pairs = {x for x in names("methods") if document(x)["class"] == "pair-sweep"}
     assert {x["method"] for x in record["runs"]} == set(started_pairs()) <= pairs
     assert len(record["runs"]) == 2 * len(started_pairs())
 
 
 def test_a_file_says_so_exactly_where_its_start_stops_the_growth():
-    zero = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))["runs"]
-    own = {(x["method"], x["problem"]): x["bounded"] for x in stored()["runs"]}
+    zero = measured("pairs-long")["runs"]
+    own = {(x["method"], x["problem"]): x["bounded"] for x in measured("pairs-starts")["runs"]}
     for name in started_pairs():
         growing = [x["problem"] for x in zero if x["method"] == name and not x["bounded"]]
         notes = " ".join(document(name).get("notes", []))
         stopped = bool(growing) and all(own[name, x] for x in growing)
         assert ("the starting method of this file they stay bounded" in notes) is stopped, name
-    assert any(x["bounded"] is False for x in stored()["runs"])  # no start stops it everywhere
+    assert any(
+        x["bounded"] is False for x in measured("pairs-starts")["runs"]
+    )  # no start stops it everywhere
 
 
 def later(record):
@@ -98,7 +92,7 @@ def test_a_file_says_so_exactly_where_a_hundred_million_steps_show_growth():
         for note in document(name).get("notes", []):
             if "hundred million" in note and "pairs-starts.json" in note:
                 labelled[name] = note.partition("grow on ")[2].partition(", see")[0].split(" and ")
-    record = stored()
+    record = measured("pairs-starts")
     assert labelled == later(record)
     record["further"][0]["bounded"] = not record["further"][0]["bounded"]
     assert labelled != later(record)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from campaigns.pages import measured
 from campaigns.partitioned import work as pair_needs
 from campaigns.partitioned.long_runs import Case as LongCase
 from campaigns.partitioned.long_runs import Long, follow_pair, pair_names
@@ -62,7 +63,7 @@ def test_a_curve_ends_an_octave_below_the_sharpest_tolerance():
 
 
 def test_no_count_of_the_stored_curves_lies_behind_the_point_where_a_curve_ends():
-    record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    record = measured("pairs")
     ended = 0
     for row in (row for case in record["cases"] for row in case["methods"]):
         curve = [(n, math.nan if e is None else e) for n, e in row["curve"]]
@@ -132,11 +133,8 @@ def test_bounded_looks_at_energy_at_carried_values_and_at_the_end():
     assert run((1e-16, 1e-15, 1e-14), (0.0, 0.0, 1e-14)).bounded  # round-off
 
 
-MEASURED = ROOT / "data" / "measurements"
-
-
 def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
-    runs = json.loads((MEASURED / "pairs-long.json").read_text(encoding="utf-8"))["runs"]
+    runs = measured("pairs-long")["runs"]
     assert {x["method"] for x in runs} == set(pair_names())
     for run in runs:
         notes = [x for x in document(run["method"]).get("notes", []) if "pairs-long.json" in x]
@@ -147,7 +145,7 @@ def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
 
 @pytest.mark.slow
 def test_the_file_holds_every_case_and_every_method():
-    record = json.loads((MEASURED / "pairs.json").read_text(encoding="utf-8"))
+    record = measured("pairs")
     assert [x["case"] for x in record["cases"]] == [case.name for case in CASES]
     for case in record["cases"]:
         assert {row["method"] for row in case["methods"]} == set(METHODS)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
+from ..engine.forms import CLOSE
 from ..exact import Exact, Scalar, rounded_decimal
 from ..method.rounding import as_double
 from ..system.arguments import whole
-from .scheme import CLOSE
 
 #: Digits that a published decimal of the catalogue and a ball of working precision still have.
 MOST_DIGITS = 150

@@ -23,8 +23,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..catalogue.claims import ORDER
-from ..engine.starting_values import renewal_of
+from ..engine.forms import CLOSE
+from ..engine.starting_values import default_passes, renewal_of
 from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
@@ -36,10 +36,6 @@ from ..method.stage_order import dependency_blocks
 if TYPE_CHECKING:
     from ..method import FinishingMethod, StartingMethod
 
-#: A coefficient this close to zero is zero, as for the engine (:data:`glmref.engine.forms.CLOSE`).
-CLOSE = 1e-40
-#: Passes of the enhanced start, as the engine takes them (:mod:`glmref.engine.starting_values`).
-_DEFAULT_PASSES, _MOST_PASSES = 4, 8
 
 _ZERO, _ONE = exact(0), exact(1)
 
@@ -209,11 +205,6 @@ def _corrector(U: Matrix, V: Matrix, name: str) -> Matrix:
     return ((_ZERO,) * n, *((_ZERO, *row) for row in inverse))
 
 
-def _passes(method: GLM | PartitionedGLM) -> int:
-    order = method.claims.get(ORDER.key, _DEFAULT_PASSES)
-    return min(_MOST_PASSES, order) if isinstance(order, int) else _DEFAULT_PASSES
-
-
 def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     """Return the tableaux of a method's stepper.
 
@@ -243,7 +234,7 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
         correct=_corrector(method.U, method.V, method.name or "the method")
         if several
         else _zeros(method.r),
-        passes=_passes(method) if several else 0,
+        passes=default_passes(method) if several else 0,
         renew=renewal_of(method),
     )
 
@@ -304,6 +295,6 @@ def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
         finish=None,
         zero=_stacked(tuple((x,) for x in zero[0]), tuple((x,) for x in zero[1])),
         correct=correct,
-        passes=_passes(pair) if several else 0,
+        passes=default_passes(pair) if several else 0,
         renew=renewal_of(pair),
     )

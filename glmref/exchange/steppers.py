@@ -257,6 +257,18 @@ def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) 
     return found
 
 
+def _beside(scheme: Scheme, numbers: Numbers) -> dict[str, list[str]]:
+    """Return the arrays that C++ and Rust have beside the tableaux; ``head`` is of integers."""
+    found: dict[str, list[str]] = {}
+    enhanced = scheme.begins == "enhanced"
+    if enhanced or (scheme.pair and scheme.finish is None):
+        found["head"] = [str(x) for x in scheme.heads]
+    if enhanced:
+        found["zero_V"] = _flat(numbers.matrix(scheme.zero))
+        found["correct_K"] = _flat(numbers.matrix(scheme.correct))
+    return found
+
+
 def _cpp_tables(scheme: Scheme, numbers: Numbers) -> str:
     lines: list[str] = []
     for name, table in scheme.tables:
@@ -269,11 +281,8 @@ def _cpp_tables(scheme: Scheme, numbers: Numbers) -> str:
             inner = wrapped(items, "    ")
             inner[0] = "   {" + inner[0].lstrip()
             lines += [*inner[:-1], inner[-1] + ("}," if k + 1 < len(lists) else "}};")]
-    if (scheme.pair and scheme.finish is None) or scheme.begins == "enhanced":
-        lines += _braces("int", "head", [str(x) for x in scheme.heads])
-    if scheme.begins == "enhanced":
-        lines += _braces("double", "zero_V", _flat(numbers.matrix(scheme.zero)))
-        lines += _braces("double", "correct_K", _flat(numbers.matrix(scheme.correct)))
+    for name, items in _beside(scheme, numbers).items():
+        lines += _braces("int" if name == "head" else "double", name, items)
     return "\n".join(lines)
 
 
@@ -326,11 +335,8 @@ def _rust_tables(scheme: Scheme, numbers: Numbers) -> str:
             if letter != "c" or not scheme.pair:
                 lines += _rust_list(letter.lower(), _flat(rows))
         lines += ["};"]
-    if (scheme.pair and scheme.finish is None) or scheme.begins == "enhanced":
-        lines += _rust_static("HEAD", "usize", [str(x) for x in scheme.heads])
-    if scheme.begins == "enhanced":
-        lines += _rust_static("ZERO_V", "f64", _flat(numbers.matrix(scheme.zero)))
-        lines += _rust_static("CORRECT_K", "f64", _flat(numbers.matrix(scheme.correct)))
+    for name, items in _beside(scheme, numbers).items():
+        lines += _rust_static(name.upper(), "usize" if name == "head" else "f64", items)
     return "\n".join(lines)
 
 

@@ -238,7 +238,7 @@ def _references(function: FunctionType) -> Iterator[tuple[str, Any]]:
     KeyError
         For a name without a value.
     """
-    for code in _codes(function.__code__):
+    for code in codes(function.__code__):
         for name in code.co_names:
             if name in function.__globals__:
                 yield name, function.__globals__[name]
@@ -249,11 +249,12 @@ def _references(function: FunctionType) -> Iterator[tuple[str, Any]]:
             raise KeyError(name) from None
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
+def codes(code: CodeType) -> Iterator[CodeType]:
+    """Yield a code and all that is defined in it, in the order of its text."""
     yield code
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            yield from _codes(constant)
+            yield from codes(constant)
 
 
 #: Modules whose values do not change; what a function reads from any other is not seen.
@@ -323,7 +324,7 @@ def _copied(function: Any, trace: _Trace, known: dict[int, Any]) -> FunctionType
     code = function.__code__
     if code.co_flags & (0x04 | 0x08 | 0x20 | 0x80 | 0x100 | 0x200) or function.__kwdefaults__:
         raise Untraceable  # *args, **kwargs, generators and coroutines
-    for one in _codes(code):
+    for one in codes(code):
         if getattr(one, "co_exceptiontable", b"") and not one.co_flags & 0x20:
             raise Untraceable
         for step in dis.get_instructions(one):

@@ -2,7 +2,6 @@
 
 from fractions import Fraction
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -10,6 +9,7 @@ from glmref.conformance.taylor import taylor_states
 from glmref.errors import UsageError
 from glmref.problems import names, problem
 from glmref.problems.kepler import eccentric_anomaly
+from tests.build import high
 
 CASES = [(name, {}) for name in names() if problem(name).exact and name != "long-chain"] + [
     ("kepler", {"eccentricity": 0}),
@@ -29,12 +29,6 @@ CASES = [(name, {}) for name in names() if problem(name).exact and name != "long
 DIGITS = 60
 
 
-def high():
-    context = mpmath.MPContext()
-    context.dps = DIGITS
-    return context
-
-
 def size(y):
     return max(abs(x) for x in y)
 
@@ -42,7 +36,7 @@ def size(y):
 @pytest.mark.sampled(10)
 @pytest.mark.parametrize(("name", "parameters"), CASES)
 def test_exact_solution_solves_the_equation(name, parameters):
-    context = high()
+    context = high(DIGITS)
     p = problem(name, **parameters).on(context)
     for t in ("0.3", "-0.7"):
         t = context.mpf(t)
@@ -69,7 +63,7 @@ AUTONOMOUS = [case for case in CASES if case[0] not in ("prothero-robinson", "ka
 
 @pytest.mark.parametrize(("name", "parameters"), AUTONOMOUS)
 def test_exact_solution_is_a_flow(name, parameters):
-    context = high()
+    context = high(DIGITS)
     p = problem(name, **parameters).on(context)
     s, t = context.mpf("1.3"), context.mpf("-2.1")
     if name == "blow-up":
@@ -80,14 +74,14 @@ def test_exact_solution_is_a_flow(name, parameters):
 
 
 def test_exact_solution_in_double_is_rounded_once():
-    p, context = problem("kepler"), high()
+    p, context = problem("kepler"), high(DIGITS)
     mine = p.exact(1000.0, p.y0)
     fine = p.on(context).exact(context.mpf(1000), [context.mpf(float(x)) for x in p.y0])
     assert mine.tolist() == [float(x) for x in fine]
 
 
 def test_exact_solution_takes_fractions_of_time():
-    context = high()
+    context = high(DIGITS)
     p = problem("kepler").on(context)
     third = p.solution(Fraction(1, 3))
     assert size(third - p.solution(context.mpf(1) / 3)) < 1e-58
@@ -97,13 +91,13 @@ def test_exact_solution_takes_fractions_of_time():
 def test_pendulum_closed_form_agrees_with_taylor(parameters):
     p = problem("pendulum", **parameters)
     series = taylor_states(p, [5], digits=25)[0]
-    exact = p.on(high()).solution(5)
+    exact = p.on(high(DIGITS)).solution(5)
     assert size(series - exact) < 1e-22
 
 
 @pytest.mark.parametrize("e", ["0", "0.1", "0.9", "0.999", "0.999999999", "1"])
 def test_keplers_equation_is_solved_to_the_last_digit(e):
-    context = high()
+    context = high(DIGITS)
     e = context.mpf(e)
     for mean in ("0", "1e-50", "1e-9", "0.001", "0.5", "3.14", "-3", "1e6"):
         anomaly = eccentric_anomaly(context.mpf(mean), e, context)

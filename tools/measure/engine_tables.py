@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
+
+from campaigns import pages
+from campaigns.pages import markdown
 
 Row = Mapping[str, Any]
 Tables = Mapping[str, Callable[[list[Row]], str]]
-
-
-def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """Return the text of a table in Markdown."""
-    lines = [list(head), ["---" for _ in head], *rows]
-    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
 def against_c(rows: list[Row], comparison: str) -> str:
@@ -35,7 +32,7 @@ def against_c(rows: list[Row], comparison: str) -> str:
                 f"{row['reference_over_engine']:.0f}",
             )
         )  # fmt: skip
-    return table(head, body)
+    return markdown(head, body)
 
 
 def steps(rows: list[Row]) -> str:
@@ -59,7 +56,7 @@ def lanes(rows: list[Row]) -> str:
         for row in rows
         if row["comparison"] == "lanes"
     ]  # fmt: skip
-    return table(head, body)
+    return markdown(head, body)
 
 
 def kepler(rows: list[Row]) -> str:
@@ -85,7 +82,7 @@ def kepler(rows: list[Row]) -> str:
                 text = f"{setting:.0f}" if setting > 1 else f"tolerance {setting:.0e}"
                 line += [text, f"{time:.4g}", f"**{time / peer:.2f}**"]
         body.append(line)
-    return table(head, body)
+    return markdown(head, body)
 
 
 def kepler_in_short(rows: list[Row]) -> str:
@@ -102,7 +99,7 @@ def kepler_in_short(rows: list[Row]) -> str:
             peer = found["heyoka", goal]["milliseconds"][1]
             line += [f"{times[1]:.4g}", f"{times[1] / peer:.2f}"] if times else ["", ""]
         body.append(line)
-    return table(head, body)
+    return markdown(head, body)
 
 
 def against_c_in_short(rows: list[Row]) -> str:
@@ -113,7 +110,7 @@ def against_c_in_short(rows: list[Row]) -> str:
         [method, *(f"{mine[method, problem]['c_over_engine'][1]:.2f}" for problem in problems)]
         for method in dict.fromkeys(method for method, _ in mine)
     ]
-    return table(["method", *problems], body)
+    return markdown(["method", *problems], body)
 
 
 #: Integrators in the table of docs/engine.md.
@@ -133,12 +130,4 @@ def filled(page: str, rows: list[Row], tables: Tables = TABLES) -> str:
 
     Each stands between two comments with its name.
     """
-    for name, write in tables.items():
-        pattern = rf"(<!-- table: {name} -->\n)(?:(?!<!--).)*(<!-- end of table -->)"
-        text = write(rows)
-        page, count = re.subn(
-            pattern, lambda found, text=text: f"{found[1]}{text}\n{found[2]}", page, flags=re.DOTALL
-        )
-        if count != 1:
-            raise ValueError(f"the page has {count} places for the table {name}, not one")
-    return page
+    return pages.filled(page, {name: partial(write, rows) for name, write in tables.items()})
