@@ -17,11 +17,17 @@ from .table import ZERO
 from .values import Number, Unread
 
 #: Words of the subject; a file without any of them holds tables only under plain names.
-SUBJECT = re.compile(
-    r"runge|butcher|tableau|rosenbrock|(?<![a-z])rk\d|\bi?mex\b|dirk|integrator|stepper|yoshida|"
-    r"symplectic|adams|bashforth|moulton|multi.?step|nordsieck|suzuki|embedded|time.?step|\bode\b|\bodes\b|solver",
-    re.IGNORECASE,
-)
+_WORDS = (
+    "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
+    "moulton nordsieck suzuki embedded solver"
+).split()
+_PHRASES = re.compile(r"(?<![a-z])rk\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b")
+
+
+def of_subject(text: str) -> bool:
+    """Return whether a text has a word of the subject."""
+    text = text.lower()
+    return any(x in text for x in _WORDS) or _PHRASES.search(text) is not None
 
 
 # --- names ----------------------------------------------------------------------------------------
@@ -74,6 +80,7 @@ class Array:
     at: int
     lost: str = ""
     named: bool = False  #: Whether entries have names of their own.
+    absent: frozenset[int] = frozenset()  #: Places of a vector of which no name is there.
     stem: str = ""
     role: str = ""
     guessed: bool = False  #: Whether no name says that these are weights.
@@ -106,7 +113,8 @@ def arrays(block: Block, language: Language) -> list[Array]:
         value = item.value
         match = _INDEXED.match(item.name)
         if isinstance(value, Entries):
-            made = _of_entries(value, item, base)
+            own = language.base == 1 and value and min(min(k) for k in value) > 0
+            made = _of_entries(value, item, 1 if own else base)
             if made is not None:
                 found.append(made)
         elif isinstance(value, list):
@@ -123,7 +131,7 @@ def arrays(block: Block, language: Language) -> list[Array]:
                     value = value[0]
                 found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
                                    item.lost))  # fmt: skip
-                found += _parts(item, named=bool(SUBJECT.search(block.called)))
+                found += _parts(item, named=of_subject(block.called))
         elif match and isinstance(value, Number | Unread):
             scalars.setdefault(match[1], []).append((match[2], match[3], item))
     for stem, rows in lists.items():
@@ -247,12 +255,15 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
     words = {digits for digits, more, _ in given if more is None}
     matrix = (
         any(more is not None for _, more, _ in given)
+        or (role_of(stem)[1] == "c" and words - {"1", "2"} == {"21"})
         or words == {"21"}
         or bool(words & {"21", "10", "0201", "0100"} and words & {"31", "32", "20", "0301", "0200"})
     )
+    pairs = [x for x in words if len(x) == 2]
+    below = "21" in words and all("0" < x[1] < x[0] for x in pairs)  # c2, c21: two arrays
     if matrix and (
-        any(len(x) == 2 and x[0] == "0" for x in words)
-        or (role_of(stem)[1] not in ("", "A") and any(len(x) == 1 for x in words))
+        any(x[0] == "0" for x in pairs)
+        or (role_of(stem)[1] not in ("", "A") and any(len(x) == 1 for x in words) and not below)
     ):
         matrix = False  # b1, b10, b20: a long vector
     wide = any(len(x) == 4 and x[0] == "0" for x in words)
@@ -268,7 +279,7 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
                 doubles[i, j] = item
                 break
     found: list[Array] = []
-    if len(doubles) >= 2 or words == {"21"}:
+    if len(doubles) >= 2 or (doubles and "21" in words):
         base = 0 if any(j == 0 for _, j in doubles) else 1
         s = max(i for i, _ in doubles)
         value: list[Any] = [
@@ -282,6 +293,9 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
         line = [singles[k].value if k in singles else ZERO for k in range(base, max(singles) + 1)]
         found.append(_together(stem, line, list(singles.values())))
         found[-1].lost = found[-1].lost or twice
+        found[-1].absent = frozenset(k - base for k in range(base, len(line) + base)) - {
+            k - base for k in singles
+        }
     return found
 
 

@@ -100,7 +100,7 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     status = _explained(table, method, status, record, remarks, search=search)
     if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
         remarks.append("the order is 0: the weights do not sum to 1")
-        named = any(table.c) or not (table.general and table.kind == "rosenbrock")
+        named = any(table.c) or not (table.general and table.kind != "rk")
         tableau = table.order is not None or (named and method.gap <= method.coarse)
         status = "wrong" if tableau else "unread"
         if not tableau:
@@ -127,7 +127,9 @@ def _meant(
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
     if status in ("wrong", "question") and table.guessed:
-        remarks.append("the last row of A is taken for weights, as no others are read")
+        remarks.append(
+            "the last row of A, or that of an estimate, is taken for weights, as no others are read"
+        )
         return "unread"
     if status in ("wrong", "question") and not table.sure and not (
         explained or rows or one_row_apart(method)

@@ -26,7 +26,8 @@ from .values import Number, Unread
 #: How near a sum must be to 1 for a list to be taken for weights.
 LOOSE = 4e-3
 _SPLITTING = re.compile(
-    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|ruth|mclachlan|hamiltonian", re.IGNORECASE
+    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|mclachlan|hamiltonian",
+    re.IGNORECASE,
 )
 _STEPS = re.compile(
     r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am|bdf)_?\d|nordsieck|\bbdf\b|\blmm\b",
@@ -82,7 +83,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     found: list[Found] = []
     matrices = [x for x in made if not x.flat]
     vectors = [x for x in made if x.flat]
-    for rule in (_rosenbrock, _transformed, _shu_osher, _nystrom):
+    for rule in (_general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
         found += rule(block, matrices, vectors)
     if not matrices:
         storage = _low_storage(vectors)
@@ -119,6 +120,24 @@ def _guarded(name: str, line: int, arrays: list[Array], make: Any) -> Iterator[F
         reached = reach(Trial(table).scheme(), 3, stop=1.0)
         table.loose = reached.to(LOOSE)
     yield Found(table, arrays)
+
+
+# --- general linear methods -----------------------------------------------------------------------
+
+
+def _general_linear(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """Yield A, B, U, V of a method that carries more than one value: Butcher (2016), section 50."""
+    named: dict[str, list[Array]] = {}
+    for x in matrices:
+        named.setdefault(x.name.lower(), []).append(x)
+    if not {"a", "b", "u", "v"} <= named.keys():
+        return
+    for four in zip(*(named[x] for x in "abuv"), strict=False):
+        A, B, U, V = (len(x.value) for x in four)
+        if (A, B) == (U, V):
+            table = Table("", four[0].line, "glm", general=True, last=max(x.last for x in four))
+            table.unread = "a general linear method; its first and last values are not read"
+            yield Found(table, list(four))
 
 
 # --- Rosenbrock -----------------------------------------------------------------------------------
@@ -364,7 +383,8 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
         if y is None or abs(len(x.value) - len(y.value)) > 1 or len(x.value) + len(y.value) < 4:
             continue
         good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
-        if not any(good):
+        whole = all(size(v) % 1 == 0 for v in (*x.value, *y.value))
+        if not any(good) or whole:
             continue
 
         def make(table: Table, x: Array = x, y: Array = y) -> None:
@@ -420,8 +440,9 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
         rows = [x.value] if x.flat else [r for r in x.value if isinstance(r, list)]
         rows = [_trimmed(r) for r in rows]
         adams = _ADAMS.search(f"{about} {x.name}") is not None
-        broken = [y for r in rows for y in r if size(y) != round(size(y) or 0)]
-        if len(broken) < 2 or any(not isinstance(y, Number) for r in rows for y in r):
+        broken = [y for r in rows for y in r if size(y) % 1 != 0]
+        small = all(abs(size(y)) < 0.1 for y in broken)  # these may be tolerances
+        if len(broken) < 2 or small or any(not isinstance(y, Number) for r in rows for y in r):
             continue
         sums = [abs(sum(map(size, r)) - 1) < LOOSE for r in rows]
         if 2 * sum(sums) >= len(sums) and adams:

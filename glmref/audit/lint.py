@@ -91,10 +91,9 @@ def lint(
             if path.suffix in _TABLEAUX and _is_tableau(path):
                 found.tables += 1
                 found.remarks += _of_file(path, _name(path, root), examine)
-        mine = [
-            x for x in files
-            if x.suffix in ENDINGS and (x == place or may_hold(read_source(x) or "", x.name))
-        ]  # fmt: skip
+        sources = [x for x in files if x.suffix in ENDINGS]
+        alone = len(sources) == 1
+        mine = [x for x in sources if alone or may_hold(read_source(x) or "", x.name)]
         if mine:
             _of_sources(place, mine, root, changed, found)
     unique = {(x.path, x.line, x.message): x for x in found.remarks}

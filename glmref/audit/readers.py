@@ -298,6 +298,8 @@ _ORDER_FUNCTION = re.compile(
 
 def declared_orders(text: str) -> dict[str, int]:
     """Return orders by name: ``alg_order(alg::Name) = n``, ``p%order = n``, "A third-order .."."""
+    if "rder" not in text and "RDER" not in text:
+        return {}
     places = re.findall(
         r"module procedure (\w+)_properties(?:(?!end procedure).){0,4000}?p%order = (\d+)",
         text,
@@ -307,7 +309,7 @@ def declared_orders(text: str) -> dict[str, int]:
         return {name: int(n) for name, n in places}
     places = re.findall(
         r"^class (\w+)(?:(?!^class ).)*?IntegratorOrder\(\) const(?: override)? *\{ *return (\d+)",
-        text, re.DOTALL | re.MULTILINE)  # fmt: skip
+        text, re.DOTALL | re.MULTILINE) if "IntegratorOrder()" in text else []  # fmt: skip
     if places:
         return {name: int(n) for name, n in places}
     documented = {}
@@ -318,7 +320,7 @@ def declared_orders(text: str) -> dict[str, int]:
         order = said and (int(said[1]) if said[1] else ORDINALS.get(said[2].lower()))
         if order:
             documented[name] = order
-    found = _ORDER_FUNCTION.findall(text)
+    found = _ORDER_FUNCTION.findall(text) if "_order" in text else []
     for inner in re.findall(r"\b[Oo](?:rder|RDER)s?\w*\s*(?::[^=\n]{1,60})?=\s*\{([^{}]*)\}", text):
         found += re.findall(r"[\"']([\w .-]+)[\"']\s*[:=,]\s*(\d{1,2})\b", inner)
     documented |= {name: int(n) for name, n in found}

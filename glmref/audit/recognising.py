@@ -8,6 +8,7 @@ strict; and what a name forbids, numbers do not allow. See :mod:`.collecting` fo
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isqrt
@@ -16,7 +17,7 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import Block, Collector
-from .entries import SUBJECT, Array, arrays, role_of, size
+from .entries import Array, arrays, of_subject, role_of, size
 from .folding import flattened
 from .kinds import others
 from .lexer import Language, Remark
@@ -28,19 +29,24 @@ from .values import Number, Unread
 LOOSE = 4e-3
 #: Part of the rows whose sums must be the nodes.
 MOST_ROWS = 0.6
-_PLAIN = re.compile(r"[Rr]unge|RUNGE|[Bb]utcher|BUTCHER|[Tt]ableau")
-_NUMERAL = re.compile(r"\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\"")
+_PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
+#: So many numerals stand so near one another where there is a table.
+_NUMERALS, _WITHIN = 4, 600
+_NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
 
 
 def may_hold(text: str, where: str = "") -> bool:
     """Return whether a text has the numerals and the words of a file with tables."""
-    if _PLAIN.search(text) is not None:
+    if any(x in text for x in _PLAIN):
         return True
-    found = _NUMERAL.finditer(text)
-    if sum(1 for _, _ in zip(range(4), found, strict=False)) < 4:
+    last: deque[int] = deque(maxlen=_NUMERALS)
+    for numeral in _NUMERAL.finditer(text):
+        last.append(numeral.start())
+        if len(last) == _NUMERALS and last[-1] - last[0] < _WITHIN:
+            break
+    else:
         return False
-    about = SUBJECT.search(text) is not None or SUBJECT.search(where) is not None
-    return about or re.search(r"\b[Aa]\b", text) is not None
+    return of_subject(text) or of_subject(where) or re.search(r"\b[Aa]\b", text) is not None
 
 
 # --- readings -------------------------------------------------------------------------------------
@@ -129,13 +135,25 @@ def _near(x: float, y: float) -> bool:
 
 
 def times_of(x: Array, reading: Reading) -> list[Any] | None:
-    """Return nodes (s,), of which the first, 0, or under names the last may be left out."""
+    """Return nodes (s,), of which the first, 0, or any without a name may be left out.
+
+    Those of further stages, of a dense output, are left out; one without a name is its row's sum.
+    """
     s, value = len(reading.A), x.value
-    if x.named and 1 < len(value) < s and size(value[0]) == 0:
-        rows = [row for row in reading.A[len(value) :] if all(isinstance(y, Number) for y in row)]
-        value = [*value, *(Number(sum((y.value for y in row), Exact(0))) for row in rows)]
+    if x.named and len(value) > 1 and size(value[0]) == 0:
+        given = {k for k in range(min(s, len(value))) if k not in x.absent}
+        if x.role != "c" and 2 * len(given) < s:
+            return None  # a few names alone are no evidence
+        value = [
+            value[k]
+            if k in given
+            else Number(sum((y.value for y in row if isinstance(y, Number)), Exact(0)))
+            for k, row in enumerate(reading.A)
+        ]
     elif len(value) == s - 1:
         value = [ZERO, *value]
+    elif len(value) > s and x.role == "c":
+        value = value[:s]
     return value if len(value) == s else None
 
 
@@ -261,10 +279,6 @@ def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidat
             m = nodes_in(reading, times_of(x, reading)) + 0.01 * (x.role == "c")
             if m > match:
                 match, node = m, x
-            if len(x.value) > s and x.role == "c":  # times of a dense output, too
-                m = nodes_in(reading, x.value[:s])
-                if m > match:
-                    match, node = m, x
         if match < MOST_ROWS:
             node = None
             named = [x for x in vectors if x.role == "c" and len(x.value) in (s, s - 1)]
@@ -345,7 +359,7 @@ def tables(
         for item in block.items:
             if isinstance(item.value, Block) and item.value.user is None:
                 item.value.user = block
-    about = about or SUBJECT.search(text) is not None or SUBJECT.search(where) is not None
+    about = about or of_subject(text) or of_subject(where)
     strong = re.search(r"runge|butcher|tableau", text, re.IGNORECASE) is not None
     found: list[Table] = []
     for block in everything:
@@ -367,6 +381,9 @@ def tables(
                 break
     _used_by(found, everything, collector)
     declare(found, collector.remarks)
+    for table in found:
+        if table.kind == "composition" and (table.order or 0) % 2:
+            table.order = None  # a palindrome has an even order; this is the number of its weights
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
 
 
@@ -470,6 +487,9 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             continue
         for table, call in pairs:
             if best[1] < len(call.arguments) and table.order is None:
+                numbers = {n for _, n in call.arguments if n is not None and 1 <= n <= 14}
+                if call.arguments[best[1]][1] == len(table.b[0]) and len(numbers) > 1:
+                    continue  # this may be the number of stages, and another one the order
                 table.order = call.arguments[best[1]][1]
                 table.sure = table.sure and len(pairs) > 2
 
@@ -726,13 +746,14 @@ def _additive(x: Candidate, y: Candidate) -> bool:
 
 def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     table = Table(_title(block, x.array), x.array.line, general=True)
-    s = len(x.reading.A)
     table.last = max(y.last for y in (x.array, *([x.b] if x.b else []), *([x.c] if x.c else [])))
     table.block, table.source, table.key = block, x.array.name, key_of(x.array.value)
     table.loose = x.order
     lost = _lost(x, ())
     rows = enumerate(x.reading.A)
-    if x.array.named and x.match < 1 and not lost and any(size(row[i]) == 0 for i, row in rows):
+    own = [size(row[i]) for i, row in rows]
+    some = x.match < 1 or any(own)  # c may be complete, or the sums of rows
+    if x.array.named and some and not lost and 0 in own[x.match >= 1 :]:
         diagonal = [y for y in block.items if y.name in ("γ", "gamma", "gam")]
         lost = f"the diagonal of {x.array.name} may be {diagonal[0].name}" if diagonal else ""
     if lost:
@@ -740,14 +761,16 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
         return table
     times = x.reading.c
     if x.c is not None:
-        times = x.c.value[:s] if len(x.c.value) > s else times_of(x.c, x.reading)
+        times = times_of(x.c, x.reading)
     if _is_nystrom(x, near):
         table.unread = "the coefficients of a Nystrom method, in a form that is not read"
         return table
     table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
     table.named = x.array.named
     table.order, table.sure, table.pair = _own_order(block), True, _two_orders(block)
-    table.guessed = x.b.guessed if x.b is not None else x.reading.b is None
+    table.guessed = x.reading.b is None
+    if x.b is not None:
+        table.guessed = x.b.guessed or role_of(x.b.name)[1] == "embedded"
     if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
         table.sure = False
     _further(table, x, near)

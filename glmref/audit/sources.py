@@ -124,6 +124,7 @@ def audit(
     if form and form not in FORMATS:
         raise UsageError(f"there is no reader for {form!r}; one of {', '.join(FORMATS)}")
     paths = files(source, form)
+    alone = len(paths) == 1
     root = source if source.is_dir() else source.parent
     outside = {path for path in paths if source.is_dir() and _leads_out(root, path)}
     declared: dict[str, int] = {}
@@ -138,7 +139,7 @@ def audit(
         chosen = set(wanted)
         paths = [path for path in paths if path in chosen]
     inside = [path for path in paths if path not in outside]
-    rows = list(_rows(inside, form, declared, completed, source.is_file()))
+    rows = list(_rows(inside, form, declared, completed, source.is_file(), alone=alone))
     remark = "a link that leads out of the checkout; it is not followed"
     rows += [(path, _unread(1, path.name, remark)) for path in paths if path in outside]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
@@ -162,14 +163,19 @@ def _rows(
     declared: Mapping[str, int],
     completed: Mapping[str, str],
     given: bool,
+    *,
+    alone: bool,
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
-    """Yield each file with the tasks of its tables, and with records of what cannot be read."""
+    """Yield each file with the tasks of its tables, and with records of what cannot be read.
+
+    The only file of a folder is read whether it has the words of the subject or not.
+    """
     for path in paths:
         text = read_source(path)
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (re.search(_MARKS[form], text) if form else given or may_hold(text, path.name)):
+        if not (re.search(_MARKS[form], text) if form else alone or may_hold(text, path.name)):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
                 "given": given}  # fmt: skip

@@ -27,6 +27,8 @@ from .schemes import Scheme, reach
 #: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
 #: all, in tables of decimals and of fractions.
 FINE, COARSE, EXACT = 2e-14, 1e-8, 1e-10
+#: Decimals of fewer digits are numbers as they stand; those of more may be rounded.
+FEWEST = 5
 #: Entries beyond this are not those of a method with one slip, and its powers leave doubles.
 _LARGE = 1e20
 #: A gap or a residual of trees through order 8 that says that c is A 1 but for rounding.
@@ -82,6 +84,20 @@ def _is_rounded(x: Number) -> bool:
     return x.places is not None or short
 
 
+def _places(printed: Sequence[Number]) -> int:
+    """Return the digits after the point of the longest decimal; 0 where one does not end."""
+    most = 0
+    for x in printed:
+        q = x.value.as_fraction()
+        while q is not None and q.denominator != 1 and most < SHORT:
+            if 10**most % q.denominator == 0:
+                break
+            most += 1
+        if q is None or 10**most % q.denominator:
+            return 0
+    return most
+
+
 def _ball(x: Number) -> Ball:
     return x.value.ball()
 
@@ -133,6 +149,9 @@ class Trial:
                 nystrom = reach(self.scheme(), table.order, stop=0.5 * self.scale)
                 self.quadratic = nystrom.to(COARSE) >= table.order
         self.fine, self.coarse = FINE * self.scale, COARSE if rounded else EXACT
+        places = _places(printed)
+        if FEWEST <= places < SHORT:  # what the rounding of the last digit explains is no failure
+            self.coarse = max(self.coarse, len(self.b[0]) * 10.0**-places)
 
     def scheme(self, weights: Sequence[Sequence[Scalar]] | None = None) -> Scheme:
         """Return the scheme whose order is asked for, with other weights where they are given."""

@@ -250,3 +250,13 @@ def test_the_hook_takes_every_ending_that_is_read() -> None:
     read = {*ENDINGS, ".json", ".toml"}
     assert all(re.search(hook["files"], f"x{ending}") for ending in read)
     assert not re.search(hook["files"], "x.csv")
+
+
+def test_the_only_file_of_a_folder_is_read_as_when_it_is_named(tmp_path: Path, capsys) -> None:
+    own = "double A[2][2] = {{0, 0}, {%s, 0}}, b[2] = {0, 1}, c[2] = {0, 0.5};\n"
+    (tmp_path / "own.c").write_text(own % "0.5")
+    assert main(["lint", str(tmp_path)]) == 0
+    assert "1 table: 0 errors" in capsys.readouterr().err
+    (tmp_path / "other.c").write_text("int main(void) { return 0; }\n")
+    assert main(["lint", str(tmp_path)]) == 2
+    assert "no table is found" in capsys.readouterr().err

@@ -263,6 +263,10 @@ NOT_TABLES = [
         ),
         "c",
     ),
+    ("// a solver: arrays that kick\nint a[2] = {0, 1}; long b[2] = {1, 0};", "c"),
+    ("// a solver: the truth\ndouble a[2] = {0.5, 0.5}, b[2] = {1, 0};", "c"),
+    ("class AdamsTest { double[] absolute = { 1.0e-5, 1.0e-7 }; }", "java"),
+    ("# Adams method\nadams = [limit, 0.25, 0.5]\n", "python"),  # one of no known value
 ]
 
 
@@ -271,6 +275,43 @@ def test_other_matrices_are_no_tables(text: str, language: str) -> None:
     assert tables(text, LANGUAGES[language]) == []
 
 
+#: Kutta's method under names, with an abscissa to fill in.
+NODES = (
+    "// Runge-Kutta\nconst int order = 4;\ndouble a21 = 1.0/3.0, a31 = -1.0/3.0, a32 = 1.0, "
+    "a41 = 1.0, a42 = -1.0, a43 = 1.0, b1 = 0.125, b2 = 0.375, b3 = 0.375, b4 = 0.125, "
+    "c2 = {}, c4 = 1.0, c5 = 0.5;"
+)
+#: Stages and outputs of a method of two values; its order is that of the first value alone.
+GENERAL = (
+    "// general linear methods beside Runge-Kutta, order 2\nvoid f() {{ double c[2] = {{0.3, 1}}, "
+    "a[2][2] = {{{{0.3, 0}}, {{0.7, 0.3}}}}, b[2][2] = {{{{0.7, 0.3}}, {{0, 1}}}}; {} }}"
+)
+#: Low-storage coefficients in five digits; their order is 2 but for rounding (Bernardini 2009).
+ROUNDED = (
+    "# low-storage Runge-Kutta\nfunction ORK()\n    order = 2\n"
+    "    A2 = -1.0; A3 = -1.55798; A4 = -1.0; A5 = -0.45031\n"
+    "    B1 = 0.2; B2 = 0.83204; B3 = {}; B4 = 0.35394; B5 = 0.2\nend\n"
+)
+DIAGONAL = (
+    "// diagonally implicit Runge-Kutta\nconst int order = 2; double gamma = 0.25, a11 = 0.25, "
+    "a21 = 0.5, a22 = 0.25, a31 = 0.25, a32 = 0.25, {} = 0.25, b1 = 0.5, b2 = 0.25, b3 = 0.25, "
+    "c1 = 0.25, c2 = 0.75, c3 = 0.75;"
+)
+ESTIMATE = (
+    "# Runge-Kutta\nclass Pair:\n    order = 2\n    A = [[0, 0, 0], [1.0, 0, 0], [0.25, 0.5, 0]]\n"
+    "    bhat = [{}, 0]\n    c = [0, 1.0, 0.75]\n"
+)
+ROSENBROCK = (
+    "// Rosenbrock\nconst int order = 2; double gamma = 0.25, a21 = 4.0, c2 = 1.0, c21 = -8.0, "
+    "b1 = {}.0, b2 = 2.0;"
+)
+GAUSS = (
+    "! Runge-Kutta\nsubroutine gauss\ninteger, parameter :: order = 4\n"
+    "real :: gam(0:2), a(2,2), b(2), c(2)\ngam(0) = 0.5\ngam(1) = 0.25\n"
+    "a(1,1) = 1.0/4\na(1,2) = 1.0/4 - sqrt(3.0)/6\na(2,1) = 1.0/4 + sqrt(3.0)/6\na(2,2) = 1.0/4\n"
+    "b(1) = 0.5\nb(2) = 0.5\nc(1) = 1.0/2 - sqrt(3.0)*{0}.0\nc(2) = 1.0/2 + sqrt(3.0)/6\n"
+    "end subroutine\n"
+)
 #: What was accused though it is right, or not read, with its language and its status.
 READ = [
     (  # weights that a function returns, and not the last row of A
@@ -332,6 +373,29 @@ READ = [
         ),
         "c",
         "found",
+    ),
+    (NODES.format("1.0/3.0"), "c", "right"),  # c3 has no name, and c5 is one of a dense output
+    (NODES.format("1.0/4.0"), "c", "wrong"),
+    (
+        GENERAL.format("double u[2][2] = {{1, 0}, {1, 0}}, v[2][2] = {{1, 0}, {0, 0}};"),
+        "c",
+        "unread",
+    ),
+    (GENERAL.format(""), "c", "question"),
+    (ROUNDED.format("0.6"), "julia", "digits"),
+    (ROUNDED.format("0.61"), "julia", "wrong"),
+    (DIAGONAL.format("a33"), "c", "right"),
+    (DIAGONAL.format("x33"), "c", "unread"),  # `gamma` may be the entry without a name
+    (ESTIMATE.format("0.5, 0.5"), "python", "right"),
+    (ESTIMATE.format("0.6, 0.4"), "python", "unread"),  # no row is called weights
+    (ROSENBROCK.format(6), "c", "right"),  # c21 is an entry of C, c2 an abscissa
+    (ROSENBROCK.format(5), "c", "wrong"),
+    (GAUSS.format("1/6"), "fortran", "right"),  # one array begins at 0, the others at 1
+    (GAUSS.format("1/7"), "fortran", "wrong"),
+    (  # the weights do not sum to 1, and nothing declares an order
+        "// symplectic\ndouble a[2] = {0.5, 0.5}, b[2] = {0.25, 0.5};",
+        "c",
+        "unread",
     ),
 ]
 
@@ -453,3 +517,14 @@ def test_kicks_of_a_splitting_are_no_composition(tmp_path: Path) -> None:
         "  static constexpr FixedVector<double, 3> b{{{0.25, 0.5, 0.25}}};\n};\n"
     )
     assert {x["status"] for x in audit(tmp_path)} == {"right"}
+
+
+def test_the_number_of_the_weights_of_a_composition_is_not_their_order() -> None:
+    """The order of a palindrome is even; codes call the length of the list an order."""
+    text = (
+        "// Suzuki-Yoshida\nconst int suzukiOrder = {0};\n"
+        "double suzukiWeights[5] = {{0.3, 0.3, -0.2, 0.3, 0.3}};"
+    )
+    five, four = (judge(_one(text.format(n), "c")) for n in (5, 4))
+    assert (five["declared"], four["declared"]) == (None, 4)
+    assert "the sum of the cubes of the weights is 0.1" in five["remarks"][0]
