@@ -22,7 +22,8 @@ MEANINGS = {
     BOUNDED: "symplectic with one value, so that no parasitic part can grow",
     RECORDED: "not symplectic; the energy error stayed bounded over the ten million steps that the "
     "file records",
-    GROWS: "the energy error grows within ten million steps, by the file of the method",
+    GROWS: "the energy error grows within ten million steps, as predicted on this orbit or by the "
+    "file of the method",
     PREDICTED: "not symplectic; no parasitic part is predicted to become large on this orbit in "
     "ten million steps",
     OBSERVED: "not symplectic; no growing parasitic part was reported over a million steps of this "

@@ -22,6 +22,9 @@ clear growth within the pilot run counts.
 **Size.** phi begins as what the start leaves, read off the pilot run, and at least as round-off,
 :data:`ROUND_OFF`. The run is lost where phi reaches :data:`LEVEL` of the solution. Both constants
 were fixed before any run was compared; nothing is fitted.
+
+**Saturation.** Nonlinear terms, which Psi does not have, may stop phi before that:
+:mod:`.saturation`.
 """
 
 from __future__ import annotations
@@ -46,6 +49,7 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
+from .saturation import saturation
 from .underlying import Underlying
 
 #: Size of a parasitic part that the start does not excite.
@@ -69,13 +73,14 @@ AWAY, NEAR = 0.1, 1e-3
 NUDGE = 1e-5
 #: A growth parameter below it is zero but for the digits of the tableau.
 NO_GROWTH = 1e-9
-#: Steps beyond which no loss is looked for.
-FOR_EVER = 1e12
+#: Steps beyond which no loss is looked for; a loss before so many is at once.
+FOR_EVER, AT_ONCE = 1e12, 10
 #: Why there is no prediction where growth is slow or the passes for Psi do not converge.
 UNRESOLVED = (
     "growth of first order on an orbit that is not periodic, or a resonance of two eigenvalues of V"
 )
-LOST, BOUNDED, NONE, OPEN = "lost", "bounded", "no parasitic part", "open"
+LOST, SATURATES, BOUNDED = "lost", "saturates", "bounded"
+NONE, OPEN = "no parasitic part", "open"
 
 
 @dataclass(frozen=True)
@@ -111,16 +116,19 @@ class Prediction(Shown):
     h, t_end : float
         Step size, and the end of the run.
     verdict : str
-        ``"lost"`` or ``"bounded"`` up to ``t_end``; ``"no parasitic part"``; ``"open"``.
+        ``"lost"``, ``"saturates"`` or ``"bounded"`` up to ``t_end``; ``"no parasitic part"``;
+        ``"open"``.
     steps : float or None
-        Step at which the run is lost, possibly beyond ``t_end``, ``inf`` for never; ``None`` where
-        that is open.
+        Step at which the run is lost, possibly beyond ``t_end``, ``inf`` for never; that by which a
+        part is large in one that saturates; ``None`` where that is open.
     zeta : complex or None
         The eigenvalue whose part is the first to be large.
     parts : tuple[ParasiticPart, ...]
         All of them.
     why : str
         Why it is open, or ``""``.
+    level : float or None
+        Relative energy error that a run that saturates reaches. Later it may be lost all the same.
     """
 
     method: str
@@ -132,13 +140,14 @@ class Prediction(Shown):
     zeta: complex | None = None
     parts: tuple[ParasiticPart, ...] = ()
     why: str = ""
+    level: float | None = None
 
     def __repr__(self) -> str:
         return f"<Prediction: {self.text}>"
 
     @property
     def time(self) -> float | None:
-        """Time from the start at which the run is lost, ``None`` where that is open."""
+        """Time from the start at which the run is lost or saturates, ``None`` where it is open."""
         return None if self.steps is None else self.steps * abs(self.h)
 
     @property
@@ -146,12 +155,17 @@ class Prediction(Shown):
         """Such as ``"lost after about 1.2e+06 steps, by the part at zeta = -1"``."""
         if self.verdict in (NONE, OPEN) or self.steps is None:
             return f"{self.verdict}: {self.why}" if self.why else self.verdict
+        many = f"{self.steps:.2g}"
+        about = f"about {many} step{'s' * (many != '1')}"
+        part = "" if self.zeta is None else f"the part at zeta = {_text(self.zeta)}"
         if self.verdict == LOST:
-            at = "" if self.zeta is None else f", by the part at zeta = {_text(self.zeta)}"
-            return f"lost after about {self.steps:.2g} steps{at}"
+            when = "at once" if self.steps < AT_ONCE else f"after {about}"
+            return f"lost {when}{part and f', by {part}'}"
+        if self.verdict == SATURATES:
+            return f"{part} saturates after {about}: the energy error stays near {self.level:.1g}"
         if self.steps > FOR_EVER:
             return "bounded: no parasitic part grows"
-        return f"bounded for about {self.steps:.2g} steps"
+        return f"bounded for {about}"
 
 
 def _text(zeta: complex) -> str:
@@ -287,6 +301,16 @@ def _exponential(matrix: np.ndarray) -> np.ndarray:
     return result
 
 
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """What becomes of a parasitic part in the linear equation."""
+
+    rate: float  #: per step
+    steps: float  #: step at which it is large
+    #: (m,) phi at the last return before that; ``None`` where no return is known
+    late: np.ndarray | None = None
+
+
 class _Growing:
     """One parasitic part along the pilot orbit.
 
@@ -311,29 +335,34 @@ class _Growing:
         least = ROUND_OFF * float(np.linalg.norm(product, 2))
         return max(float(np.linalg.norm(product @ self.start)), least)
 
-    def found(self, period: float | None, *, grows: bool) -> tuple[float, float]:
-        """Return the rate per step and step of loss, in the way that fits.
-
-        ``grows`` says that mu is not zero.
-        """
+    def found(self, period: float | None, *, grows: bool) -> _Course:
+        """Return its course, found in the way that fits; ``grows`` says that mu is not zero."""
         near = np.isfinite(_logarithms(self.psi)).all()  # else steps are too large for averages
         if period is not None and near and period + 3 < len(self.psi):
             return self.periodic(period)
         return self.seen() if grows or not near else self.averaged()
 
-    def averaged(self) -> tuple[float, float]:
-        """Return the rate per step, and the step of loss, where the propagators are near to I.
+    def late(self, product: np.ndarray) -> np.ndarray:
+        """Return phi where the product of the propagators is so much, also from round-off."""
+        phi = product @ self.start
+        if np.linalg.norm(phi) >= self.size(product):
+            return phi
+        return np.linalg.svd(product)[0][:, 0]
+
+    def averaged(self) -> _Course:
+        """Return the same where the propagators are near to I.
 
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         """
         logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
         for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):
             mean = np.tensordot(_weights(len(some)), some, 1)
-            done, _ = self._repeated(_exponential(mean))
-            found.append((float(np.max(np.linalg.eigvals(mean).real)), done + 1))
-        return max(found, key=lambda pair: pair[1])
+            done, before = self._repeated(_exponential(mean))
+            rate = float(np.max(np.linalg.eigvals(mean).real))
+            found.append(_Course(rate, done + 1, self.late(before)))
+        return max(found, key=lambda course: course.steps)
 
-    def periodic(self, period: float) -> tuple[float, float]:
+    def periodic(self, period: float) -> _Course:
         """Return the same from the product over a period of so many steps, repeated."""
         whole = int(period)
         part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
@@ -344,9 +373,9 @@ class _Growing:
         done, before = self._repeated(once)
         last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= self.level),
                     whole) if math.isfinite(done) else 0  # fmt: skip
-        return rate, done * period + last
+        return _Course(rate, done * period + last, self.late(before))
 
-    def seen(self) -> tuple[float, float]:
+    def seen(self) -> _Course:
         """Return the same from growth by :data:`CLEAR` within the pilot run; NaN if it is less."""
         lengths = range(len(self.psi), 0, -1)
         end = next((n for n in lengths if self.size(self.products[n]) < math.inf), 0)
@@ -354,10 +383,10 @@ class _Growing:
         early, late = (self.size(self.products[n]) for n in (half, end))
         lost = next((n for n, x in enumerate(self.products) if self.size(x) >= self.level), None)
         if not late > CLEAR * early:
-            return math.nan, math.nan if lost is None else float(lost)
+            return _Course(math.nan, math.nan if lost is None else float(lost))
         rate = math.log(late / early) / (end - half)
         further = math.log(self.level / late) / rate
-        return rate, float(lost) if lost is not None else end + further
+        return _Course(rate, float(lost) if lost is not None else end + further)
 
     def _repeated(self, once: np.ndarray) -> tuple[float, np.ndarray]:
         """Return how often a product may be taken until phi is large, and what it is then."""
@@ -501,31 +530,47 @@ def predict(
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
     length = abs(end - begin)
-    level = LEVEL * (float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1))))
-    parts = []
+    size = float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1)))
+    known, parts = [], []
     for b in bundles:
-        found = []
+        found: list[_Course] = []
         for passes in (PASSES - 2, PASSES):
             with np.errstate(all="ignore"):
                 psi = _propagators(V, b, steps, passes)[:count]
                 if not np.isfinite(psi).all():
                     return Prediction(*given, OPEN, why=UNRESOLVED)
-                part = _Growing(psi, _start(engine, b, psi, values, h), level)
-                found.append(part.found(period, grows=b.grows))
-        (_, before), (rate, lost) = found
-        early, late = sorted((before, lost))
+                growing = _Growing(psi, _start(engine, b, psi, values, h), LEVEL * size)
+                found.append(growing.found(period, grows=b.grows))
+        before, course = found
+        lost = course.steps
+        early, late = sorted((before.steps, lost))
         if early * abs(h) <= length and late > 2 * early:
             lost = math.nan  # the passes do not converge
-        begins = math.hypot(*np.abs(part.start))
+        begins = math.hypot(*np.abs(growing.start))
         begins = begins if begins > ROUND_OFF else 0.0
-        parts.append(ParasiticPart(complex(b.zeta), begins, rate / h, lost))
-    known = [part for part in parts if not math.isnan(part.steps)]
-    worst = min(known, key=lambda part: part.steps, default=None)
-    if worst is not None and worst.steps * abs(h) <= length:
-        return Prediction(*given, LOST, worst.steps, worst.zeta, tuple(parts))
-    if worst is None or len(known) < len(parts):
+        parts.append(ParasiticPart(complex(b.zeta), begins, course.rate / h, lost))
+        if not math.isnan(lost):
+            known.append((lost, b, course))
+    first = min(known, key=lambda x: x[0], default=None)
+    if first is not None and first[0] * abs(h) <= length:
+        lost, b, course = first
+        level, phi = None, course.late
+        if phi is not None:
+            part = _in_values(b.right, phi * (size / np.linalg.norm(phi)))
+            level = saturation(
+                chosen, subject, h, values[0], part.reshape(engine.shape), course.rate
+            )
+        verdict = LOST if level is None else SATURATES
+        return Prediction(*given, verdict, lost, complex(b.zeta), tuple(parts), level=level)
+    if first is None or len(known) < len(parts):
         return Prediction(*given, OPEN, None, None, tuple(parts), UNRESOLVED)
-    return Prediction(*given, BOUNDED, worst.steps, worst.zeta, tuple(parts))
+    return Prediction(*given, BOUNDED, first[0], complex(first[1].zeta), tuple(parts))
+
+
+def _in_values(right: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    """Return what phi, (m,), and its conjugate where it is complex add to the values: (r d,)."""
+    found = right @ phi
+    return 2 * np.real(found) if np.iscomplexobj(right) else np.real(found)
 
 
 def _depends_on_time(problem: Problem) -> bool:

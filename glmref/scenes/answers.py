@@ -107,16 +107,22 @@ def _carries_several(records: Sequence[Record], name: str) -> bool:
 # --- lost -----------------------------------------------------------------------------------------
 
 
+def _saturating(record: Record) -> str:
+    if (level := record.get("saturates")) is None:
+        return ""
+    return f" (predicted: the energy error stays near {level:.1g})"
+
+
 def _lost(scene: Scene, records: Sequence[Record]) -> str:
     lost, bounded, other = [], [], []
     for record in records:
         name = method_of(record)
         if record.get("lost") is not None:
             guess = record.get("predicted")
-            said = f" (predicted {guess:.4g})" if guess is not None else ""
+            said = _saturating(record) if guess is None else f" (predicted {guess:.4g})"
             lost.append(f"{name} at t = {record['lost']:.4g}{said}")
         elif record["outcome"] == "completed":
-            bounded.append(name)
+            bounded.append(f"{name}{_saturating(record)}")
         else:
             other.append(f"{name}: {record['outcome']}")
     ends = [x["task"]["t_end"] for x in records if "t_end" in x["task"]]  # of a changed copy, too

@@ -44,7 +44,7 @@ from ..engine.starting_values import renewal_of
 from ..errors import GlmrefError, UsageError
 from ..measure.prediction import BOUNDED as EXPECTED_BOUND
 from ..measure.prediction import LOST as EXPECTED_LOSS
-from ..measure.prediction import predict
+from ..measure.prediction import SATURATES, predict
 from ..measure.work_precision import measure, reference_state
 from ..method import Method
 from ..problems import Problem, from_path
@@ -451,7 +451,8 @@ class _Search:
             verdict = predict(self.method, self.subject, h, end).verdict
         except GlmrefError:
             return label
-        return {EXPECTED_LOSS: LOST, EXPECTED_BOUND: PREDICTED}.get(verdict, label)
+        known = {EXPECTED_LOSS: LOST, SATURATES: GROWS, EXPECTED_BOUND: PREDICTED}
+        return known.get(verdict, label)
 
     def _observed(self, h: float, label: str) -> str:
         """Return the label of long runs at a step size, from a long run that is watched."""

@@ -26,7 +26,7 @@ from ..measure.orbit import orbit
 from ..measure.parasitic import loss, modes, parasitic_size, solution_direction
 from ..measure.peers import measure_peer
 from ..measure.prediction import LOST as EXPECTED_LOSS
-from ..measure.prediction import predict
+from ..measure.prediction import SATURATES, predict
 from ..measure.timing import Timing, circumstances, machine
 from ..measure.work_precision import (
     Deadline,
@@ -343,6 +343,8 @@ def _parasitic(
     if not task.get("renew"):
         said = predict(method, subject, task["h"], task["t_end"], start=task["start"])
         record["predicted"] = said.time if said.verdict == EXPECTED_LOSS else None
+        if said.verdict == SATURATES:
+            record["saturates"] = said.level
     if len(method.components) == 1:
         record["growth"] = [
             {"zeta": [m.zeta.real, m.zeta.imag], "mu": [m.mu.real, m.mu.imag]}

@@ -17,9 +17,10 @@ from glmref.engine.kept import stepper_of
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure import prediction
-from glmref.measure.longtime import follow
-from glmref.measure.parasitic import loss, solution_direction
-from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES
+from glmref.measure.longtime import energy_deviation, follow
+from glmref.measure.parasitic import loss, modes, solution_direction
+from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURATES, Prediction
+from glmref.measure.saturation import saturation
 from glmref.scenes import load_scene
 from glmref.scenes.planning import predictions
 
@@ -31,7 +32,7 @@ def _along(name, subject, h, steps):
     method = load(name)
     V, bundles = prediction._on_values(stepper_of(method, subject))
     run = solve(subject, method, h=h, steps=steps, every=1, history=True)
-    return V, bundles, prediction._derivatives(method, subject, h, run.history)
+    return V, bundles, prediction._derivatives(method, subject, h, np.asarray(run.history))
 
 
 @pytest.mark.parametrize("name", ["gsymplectic-n", "multistep-8"])
@@ -73,15 +74,15 @@ def test_a_loss_of_first_order_is_predicted(name):
     run = follow(PENDULUM, method, h=0.1, steps=12_000)
     seen = loss(PENDULUM, run, solution_direction(method)).time
     found = predict(name, PENDULUM, 0.1, 2000)
-    assert found.verdict == LOST and found.zeta == -1
+    assert found.verdict == LOST and found.zeta == -1 and seen is not None
     assert found.time == pytest.approx(seen, rel=0.03)
     assert predict(name, PENDULUM, 0.1, 0.9 * seen).verdict == BOUNDED
 
 
 @pytest.mark.slow
 def test_a_start_with_a_larger_parasitic_part_is_lost_earlier():
-    times = [predict("gsymplectic-p", PENDULUM, 0.1, start=x).time for x in (None, "zero")]
-    assert times[1] < times[0]
+    usual, zero = (predict("gsymplectic-p", PENDULUM, 0.1, start=x) for x in (None, "zero"))
+    assert usual.time is not None and zero.time is not None and zero.time < usual.time
 
 
 @pytest.mark.slow
@@ -112,6 +113,54 @@ def test_what_is_not_predicted():
     for h, end, said in ((0.1, -1, "t_end is before t0"), (-0.1, 1, "t_end is after t0")):
         with pytest.raises(UsageError, match=said):
             predict("gsymplectic-n", PENDULUM, h, end)
+
+
+@pytest.mark.slow
+def test_a_part_that_stops_growing_saturates_at_the_level_seen():
+    orbit = problem("kepler", eccentricity="1/10")
+    found = predict("s5i1-i", orbit, 0.1, 2e4)
+    assert found.verdict == SATURATES and "stays near 0.006" in found.text
+    assert found.steps is not None and found.time is not None
+    run = follow(orbit, load("s5i1-i"), h=0.1, steps=round(1.8 * found.steps))
+    error = energy_deviation(orbit, run.y)
+    assert found.level == pytest.approx(error.max(), rel=0.2)
+    # growth by more than a factor a hundred before, none in as many steps after
+    assert error[run.t < found.time / 2].max() < error.max() / 100
+    assert predict("s5i1-i", orbit, 0.1, 0.9 * found.time).verdict == BOUNDED
+
+
+@pytest.mark.slow
+def test_no_saturation_where_a_condition_is_missing():
+    """A known energy, a rate, little work, growth, an energy that is not lost: each alone."""
+    s5, n = load("s5i1-i"), load("gsymplectic-n")
+    assert isinstance(s5, glmref.GLM) and isinstance(n, glmref.GLM)
+    orbit, linear = problem("kepler", eccentricity="1/10"), problem("harmonic-oscillator")
+
+    def first(subject, method):
+        return np.asarray(solve(subject, method, h=0.1, steps=1, every=1, history=True).history)[0]
+
+    start = first(orbit, s5)
+    (mode,) = (mode for mode in modes(s5) if abs(mode.zeta + 1) < 1e-9)
+    part = np.outer(np.real(mode.right), [1.0, 0.0, 0.0, 0.0])
+    rate = 1.6e-4
+    assert saturation(s5, orbit, 0.1, start, part, rate) is not None
+    assert saturation(s5, replace(orbit, hamiltonian=None), 0.1, start, part, rate) is None
+    for other in (-rate, 0.0, math.nan, 1e-9):
+        assert saturation(s5, orbit, 0.1, start, part, other) is None
+    assert saturation(s5, orbit, 0.1, start, 0 * part, rate) is None  # nothing is planted
+    start = first(linear, n)
+    assert saturation(n, linear, 0.1, start, np.ones_like(start), 0.01) is None  # nothing grows
+    start = first(PENDULUM, n)
+    (mode,) = modes(n)
+    part = np.outer(np.real(mode.right), [1.0, 1.0])
+    assert saturation(n, PENDULUM, 0.1, start, part, 0.003) is None  # it is lost
+
+
+def test_the_words_for_few_steps():
+    told = lambda verdict, steps: Prediction("m", "p", 0.1, 1.0, verdict, steps).text  # noqa: E731
+    assert told(LOST, 1.0) == told(LOST, 9.0) == "lost at once"
+    assert told(LOST, 24.0) == "lost after about 24 steps"
+    assert told(BOUNDED, 1.01) == "bounded for about 1 step"
 
 
 @given(rate=st.floats(1e-7, 1e-2), angle=st.floats(0.1, 3.0), start=st.floats(1e-15, 1e-3))

@@ -667,10 +667,12 @@ def test_losses_and_predictions_are_told(tmp_path):
     records = [
         made("gsymplectic-p", 0.1, lost=13.8, predicted=13.7473, steps=1000),
         made("g6245", 0.1, lost=None, steps=1_000_000),
+        made("s5i1-i", 0.1, lost=None, predicted=None, saturates=6.2e-3, steps=1000),
     ]
     assert answer(scene, records) == (
         "lost: gsymplectic-p at t = 13.8 (predicted 13.75); "
-        "bounded to t = 100000 (1,000,000 steps): g6245"
+        "bounded to t = 100000 (1,000,000 steps): g6245, "
+        "s5i1-i (predicted: the energy error stays near 0.006)"
     )
     for record in records:  # of a copy of the scene that ends earlier
         record["task"]["t_end"] = 1e3
