@@ -1,0 +1,83 @@
+"""Losses of long runs, seen and predicted: the record, and what the page says of it."""
+
+import pytest
+
+from campaigns.driver import fingerprint
+from campaigns.pages import measured
+from campaigns.parasitic_losses import (
+    ELSE,
+    KINDS,
+    LEVELS,
+    PAGE,
+    STEPS,
+    WITHIN,
+    agrees,
+    cases,
+    counts,
+    lost_at,
+    row,
+    saturated,
+)
+from glmref.measure.prediction import SATURATES
+
+ROWS = measured("parasitic-losses")["rows"]
+
+
+def test_the_record_holds_the_runs_that_it_says():
+    keys = ("method", "problem", "fingerprint", "h", "survey")
+    stored = {tuple(x[key] for key in keys) for x in ROWS}
+    assert stored == {tuple(x[key] for key in keys) for x in cases()} and len(stored) == len(ROWS)
+    for name, known in {(x["method"], x["fingerprint"]) for x in ROWS}:
+        assert known == fingerprint(name)
+    for x in ROWS:
+        assert (x["passed"] is None) == (x["survey"] == "bounded")
+        if x["passed"] is not None:
+            steps = [STEPS if n is None else n for n in x["passed"]]
+            assert steps == sorted(steps) and len(steps) == len(LEVELS) and steps[-1] <= STEPS
+
+
+def _run(passed, verdict="lost", steps=None):
+    return {"survey": "lost", "method": "g6245", "passed": [1] * (12 - len(passed)) + passed,
+            "predicted": {"verdict": verdict, "steps": steps, "level": None}}  # fmt: skip
+
+
+def test_what_saturates_and_what_agrees():
+    # steps of 1e-5, 1e-4, .. 1e-1
+    assert not saturated(_run([2000, 3000, 4000, 5000, 6000]))
+    assert saturated(_run([2000, 3000, 4000, 9000, 15_000]))
+    assert not saturated(_run([2, 3, 4, 9000, 15_000]))  # the error of the steps, no growth
+    assert saturated(_run([2000, 3000, 4000, None, None])) and lost_at(_run([None])) == STEPS
+    for steps, verdict, said in (
+        (499, "lost", False),
+        (500, "lost", True),
+        (2000, "lost", True),
+        (2001, "lost", False),
+        (1000, "saturates", False),
+        (None, "open", False),
+    ):
+        assert agrees(_run([1000], verdict, steps)) is said
+    found = counts([_run([1000], "lost", 900), _run([1000], "lost", 90), _run([1000], "open")])
+    assert list(found.values()) == [3, 1, 1, 0, 0, 1, 0, 0]
+
+
+def test_the_sentences_of_the_page_are_those_of_the_record():
+    free, first, bounded = (counts([x for x in ROWS if kind(x)]) for kind in KINDS.values())
+    said = " ".join(PAGE.read_text(encoding="utf-8").split())
+    for found, of in ((free, "are zero"), (first, "are not")):
+        known = f"{found[WITHIN]} of {found['runs']} lost runs whose growth parameters {of}"
+        assert known in said
+    assert f"{bounded[ELSE]} of {bounded['runs']} bounded runs" in said
+    both, seen = free["seen and predicted to saturate"], free["seen to saturate before the loss"]
+    known = f"{both} of {seen} runs that saturate before they are lost are predicted to saturate"
+    assert f"{known}, and {free[SATURATES] - both} other" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["s3i1-w3", "s5i1-i"])
+def test_runs_and_predictions_repeat(name):
+    x = next(x for x in ROWS if x["method"] == name and x["problem"] == "kepler, e = 1/10")
+    found = row(x)
+    assert found["predicted"]["verdict"] == x["predicted"]["verdict"]
+    assert found["predicted"]["steps"] == pytest.approx(x["predicted"]["steps"], rel=0.05)
+    # round-off decides when another part ends the saturation
+    assert found["passed"][8] == pytest.approx(x["passed"][8], rel=0.05)
