@@ -1,4 +1,4 @@
-"""The tables of campaigns/partitioned/README.md, docs/pairs.md and docs/pairs-theory.md.
+"""The tables of campaigns/partitioned/README.md, docs/pairs.md and docs/pairs-growth.md.
 
     python -m campaigns.partitioned.tables
 
@@ -265,7 +265,7 @@ PAGES: Pages = {
             x for x in _shipped().splitlines() if "`pair-4-" not in x
         )
     },
-    ROOT / "docs" / "pairs-theory.md": {"growth": growth_table},
+    ROOT / "docs" / "pairs-growth.md": {"growth": growth_table},
 }
 
 

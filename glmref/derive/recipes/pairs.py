@@ -48,7 +48,8 @@ LARGEST = 10.0
 def source(where: str) -> dict[str, Any]:
     """Return the source record of a pair that this recipe found."""
     return {
-        "citation": "glmref, derived by `glmref derive pairs` from the conditions of docs/pairs.md",
+        "citation": "glmref, derived by `glmref derive pairs` from the conditions of "
+        "docs/pairs-order.md",
         "where": where,
         "status": "derived",
     }

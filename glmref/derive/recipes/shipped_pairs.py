@@ -1,6 +1,6 @@
 """The shipped pairs: an ansatz with its free parameters fixed, and a start for the other unknowns.
 
-The numbers were found by searches (see docs/pairs-theory.md); four digits of the free parameters
+The numbers were found by searches (see docs/pairs-search.md); four digits of the free parameters
 were kept and everything else follows from the equations.
 """
 
