@@ -6,8 +6,11 @@ as :mod:`.work` does. Times are taken beside them, all methods of a case in turn
 the least of the rounds: the load of the machine meets all of them alike.
 
     python -m campaigns.partitioned.held_out data/measurements/held-out.json
+    python -m campaigns.partitioned.held_out digits data/measurements/held-out-digits.json
 
-Rows are kept as they end, so that the same command goes on where it was stopped.
+The second form counts evaluations down to an error of 1e-12 over the short horizon, on the
+problems of at most six components. Rows are kept as they end, so that the same command goes on
+where it was stopped.
 """
 
 from __future__ import annotations
@@ -140,6 +143,28 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
     complete(path, record | {"not measured": [x.name for x in CASES if x not in cases]})
 
 
+#: Tolerances down to which evaluations are counted over the short horizon, and the components
+#: of the largest problem.
+DIGITS, COMPONENTS = (1e-6, 1e-9, 1e-12), 6
+
+
+def count_row(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Count the evaluations of the methods of a case in JSON, at all of :data:`DIGITS`."""
+    case = case_of(task)
+    rows = [x.counted() for x in needs(case, task["methods"], DIGITS) if x.start != "enhanced"]
+    return {"case": case.name, "measure": case.measure, "methods": rows}
+
+
+def digits(path: Path) -> None:
+    """Count evaluations at all of :data:`DIGITS` and write the file."""
+    short = (x for x in CASES if x.measure == "state" and x.name not in LARGE)
+    cases = [x for x in short if x.built().dimension <= COMPONENTS]
+    tasks = (task_of(case, *methods_for(case.name)) for case in cases)
+    title = "Evaluations for 6, 9 and 12 digits on small problems on which no method was trained"
+    record = record_of("partitioned.held_out digits", "held-out-digits", title, _NEEDED)
+    complete(path, record | {"cases": carried_out(count_row, tasks, beside=path)})
+
+
 # --- tables ---------------------------------------------------------------------------------------
 
 
@@ -246,4 +271,5 @@ def table(document: Mapping[str, Any], measure: str) -> str:
 
 
 if __name__ == "__main__":
-    main(Path(arguments(sys.argv[1:])[0]))
+    *what, file = arguments(sys.argv[1:])
+    (digits if what == ["digits"] else main)(Path(file))

@@ -215,7 +215,9 @@ def mean(values: Sequence[float]) -> float:
     return math.exp(math.fsum(logs) / len(logs)) if logs else math.nan
 
 
-def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
+def needs(
+    case: Case, methods: Sequence[str] = METHODS, tolerances: Sequence[float] = TOLERANCES
+) -> list[Need]:
     """Measure the error of each method on the grid of step sizes.
 
     Pairs start from zero values, those of :data:`ENHANCED` from the enhanced start of three passes
@@ -225,11 +227,17 @@ def needs(case: Case, methods: Sequence[str] = METHODS) -> list[Need]:
     for method in methods:
         starts = ("zero", "enhanced") if method in ENHANCED else ("zero",)
         for start in starts if method.startswith("pair-") else ("",):
-            result.append(_need(case, method, start, error))
+            result.append(_need(case, method, start, error, tolerances))
     return result
 
 
-def _need(case: Case, method: str, start: str, error: Callable[[Solution], float]) -> Need:
+def _need(
+    case: Case,
+    method: str,
+    start: str,
+    error: Callable[[Solution], float],
+    tolerances: Sequence[float],
+) -> Need:
     each, curve, cost = per_step(method), [], 0
     for k in range(200):
         steps = math.ceil(case.least * 2 ** (k / DENSITY) / each)
@@ -242,21 +250,21 @@ def _need(case: Case, method: str, start: str, error: Callable[[Solution], float
         cost = solution.start_evaluations
         if solution.completed:
             curve.append((solution.evaluations, error(solution)))
-            if _settled(curve):
+            if _settled(curve, min(tolerances)):
                 break
-    found = {t: _crossing(curve, t) for t in TOLERANCES}
+    found = {t: _crossing(curve, t) for t in tolerances}
     needed = {t: n for t, n in found.items() if n is not None}
     return Need(method, start, tuple(curve), cost, needed)
 
 
-def _settled(curve: Sequence[tuple[int, float]]) -> bool:
+def _settled(curve: Sequence[tuple[int, float]], sharpest: float = min(TOLERANCES)) -> bool:
     """Whether the error has stayed below half the sharpest tolerance for an octave of step sizes.
 
     Smaller steps are not taken then. On the curves of ``data/measurements/pairs.json``, which go
     on to the smallest step, no crossing lies behind that point.
     """
     last = curve[-DENSITY:]
-    return len(last) == DENSITY and all(e < min(TOLERANCES) / 2 for _, e in last)
+    return len(last) == DENSITY and all(e < sharpest / 2 for _, e in last)
 
 
 def _crossing(curve: Sequence[tuple[int, float]], tolerance: float) -> float | None:

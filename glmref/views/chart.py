@@ -25,6 +25,9 @@ _MATPLOTLIB_MARKERS = ("o", "s", "^", "D", "v", "x", "P", "h")
 _LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 _CHARACTER = 6.7  # width of a character of the label font at 12 px, in px
 _SPACING = 15.0  # least distance of two labels, in px
+_ROW = 18  # height of a row of names below a chart, in px
+#: Width of a picture that a phone of 360 px shows with letters of 9 px and more.
+NARROW = 400
 
 Point = tuple[float, float]
 
@@ -97,30 +100,46 @@ def svg(
     y_label: str,
     width: int = 820,
     height: int = 460,
+    narrow: bool = False,
 ) -> str:
     """Return a complete SVG document, readable without any style sheet or script.
 
     Series without a point that can be drawn are named in a line below the chart.
+
+    Parameters
+    ----------
+    narrow : bool
+        Whether the picture is :data:`NARROW` px wide, which a phone shows with letters that can be
+        read; the series are then named below the chart instead of at its right.
     """
     shown = [one for one in series if one.drawn or one.across]
     empty = [one.name for one in series if not one.drawn and not one.across]
     longest = max((len(one.name) for one in shown), default=0)
-    margin = 30 + _CHARACTER * longest
-    height = max(height, round(110 + _SPACING * len(shown)))
-    width = max(width, round(70 + margin + 420))
+    margin = 14 if narrow else 30 + _CHARACTER * longest
+    names = _below(shown) if narrow else []
+    height = max(height, 0 if narrow else round(110 + _SPACING * len(shown)))
+    width = NARROW if narrow else max(width, round(70 + margin + 420))
     listed = textwrap.wrap(
         f"not drawn, without a positive value: {', '.join(empty)}" if empty else "",
         int((width - 90) / _CHARACTER),
         break_on_hyphens=False,
     )
-    height += 16 * max(len(listed) - 1, 0)
+    height += 16 * max(len(listed) - 1, 0) + _ROW * len(names)
     parts = [] if shown else [label(70, 60, "nothing to draw")]
     if shown:
-        bottom = height - 58 - 16 * max(len(listed) - 1, 0)
+        bottom = height - 58 - 16 * max(len(listed) - 1, 0) - _ROW * len(names)
         axes = Axes(70, 40, width - margin - 70, bottom - 40, *_limits(shown))
         labels = (x_label, y_label)
         parts += axes.frame(log_ticks(*axes.x), log_ticks(*axes.y), labels, aside=54)
-        parts += _lines(axes, shown)
+        lines, ends = _lines(axes, shown)
+        parts += lines
+        if not narrow:
+            parts += _aside(axes, shown, ends)
+        for k, row in enumerate(names):
+            for x, number, name in row:
+                y = bottom + 54 + _ROW * k
+                mark = _marker(MARKERS[number % len(MARKERS)], x, y - 4, _color(number))
+                parts += [mark, label(x + 9, y, name)]
     told = ["crosses at the top: runs that failed"] * any(one.failures for one in shown)
     told += ["dotted: the step size to which stability is predicted"] * any(
         one.limit for one in shown
@@ -130,7 +149,25 @@ def svg(
         height += 16
     for k, line in enumerate(reversed(listed)):
         parts.append(label(70, height - 8 - 16 * k, line, fill="#555"))
-    return document(title, width, height, parts)
+    return document(title, width, height, parts, 12 if narrow else 70)
+
+
+def _below(shown: Sequence[Series]) -> list[list[tuple[float, int, str]]]:
+    """Return rows of names below a narrow chart: where each begins, its number, and the name."""
+    rows: list[list[tuple[float, int, str]]] = []
+    end = math.inf
+    for number, one in enumerate(shown):
+        wide = 26 + _CHARACTER * len(one.name)
+        if end + wide > NARROW - 8:
+            rows.append([])
+            end = 16.0
+        rows[-1].append((end, number, one.name))
+        end += wide
+    return rows
+
+
+def _color(number: int) -> str:
+    return COLORS[number % len(COLORS)]
 
 
 def _limits(shown: Sequence[Series]) -> tuple[Point, Point]:
@@ -140,11 +177,12 @@ def _limits(shown: Sequence[Series]) -> tuple[Point, Point]:
     return decades(xs), decades(ys)
 
 
-def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
-    """Lines, markers, leaders and names of the series."""
-    parts, ends = [], []
+def _lines(axes: Axes, shown: Sequence[Series]) -> tuple[list[str], list[tuple[float, float, str]]]:
+    """Return lines and markers of the series, and where each line ends, in its colour."""
+    parts: list[str] = []
+    ends = []
     for number, one in enumerate(shown):
-        color = COLORS[number % len(COLORS)]
+        color = _color(number)
         dash = DASHES[(number // len(COLORS)) % len(DASHES)]
         points = [(*axes.at(math.log10(x), math.log10(y)), x, y, n) for x, y, n in one.drawn]
         parts += _failed(axes, one, color, number)
@@ -168,6 +206,14 @@ def _lines(axes: Axes, shown: Sequence[Series]) -> list[str]:
             )
         end = max(points, key=lambda point: point[0])
         ends.append((end[0], end[1], color))
+    return parts, ends
+
+
+def _aside(
+    axes: Axes, shown: Sequence[Series], ends: Sequence[tuple[float, float, str]]
+) -> list[str]:
+    """Return the names of the series at the right, each with a thin leader from its line."""
+    parts = []
     rows = place_labels([v for _, v, _ in ends], axes.top + 6, axes.bottom - 2)
     for one, (u, v, color), row in zip(shown, ends, rows, strict=True):
         x = axes.right + 20
