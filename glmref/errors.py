@@ -42,7 +42,7 @@ class DataError(GlmrefError):
 
 
 class ExactnessError(GlmrefError):
-    """An exact answer was asked for and does not exist in the field of algebraic numbers used."""
+    """A requested exact answer does not exist in the field of algebraic numbers used."""
 
 
 class UndecidedError(ExactnessError):

@@ -1,4 +1,4 @@
-"""Compute the reference states of data/solutions anew: twice, and keep the digits that agree."""
+"""Compute the reference states of data/solutions again: twice, and keep the digits that agree."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A start of order p with parity errs by O(h^(p+2)) in the values carried. The alternating terms in
 the first values are smaller by h^2 where one of the equations `start` fails, by h^4 where both
-hold (docs/pairs-theory.md, Starting). Observed orders at h = 1/32 and 1/64 agree with these to 0.1: the
+hold (docs/pairs-order.md, Starting methods). Observed orders at h = 1/32 and 1/64 agree with these to 0.1: the
 next term is smaller by h^2 times the ratio of the constants, 1e-3 times some ten.
 """
 

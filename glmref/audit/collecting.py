@@ -421,7 +421,7 @@ class Collector:
 
     def _assign(self, row: Sequence[Token], equal: int) -> None:
         target = _target(row[:equal], self.language)
-        if row[equal].text not in ("=", ":="):  # += and the like
+        if row[equal].text not in ("=", ":="):  # such as +=
             if target is not None:
                 self._lose(target[0], f"{target[0]} is changed after it is set", row[equal].line)
             return

@@ -118,7 +118,7 @@ def _tokens_of(language: Language) -> re.Pattern[str]:
     )
     if language.name != "fortran":
         marks = marks.replace(r"|\(/(?!/)|/\)", "")
-    if language.name == "c":  # int division and comments are told apart
+    if language.name == "c":  # int division and comments are distinguished
         marks = marks.replace(r"|//=", "")
     return re.compile(
         rf"(?P<blank>[ \t\r\f\v\u00a0]+)|(?P<remark>{language.comments})|(?P<line>\n)"

@@ -633,7 +633,7 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     about = about or _says(x)
     if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
         return False  # weights of an estimate, or of noise
-    if s == 1:  # tables() wants a declared order or abscissae, too
+    if s == 1:  # tables() requires a declared order or abscissae, too
         given = node or x.reading.c is not None or (x.b is not None and x.b.role == "b")
         return about and x.array.role in ("A", "beta") and given and x.order > 0
     if not broken and s < 4 and not (named and node and x.b is not None):

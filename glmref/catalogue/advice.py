@@ -129,7 +129,7 @@ ADVICE: tuple[Advice, ...] = (
         "explicit; in an adaptive code such as scipy's DOP853 where there is one",
         "general",
         ("cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
-        "Conservation properties are of no use there.",
+        "Conservation properties do not help there.",
     ),
 )
 

@@ -154,7 +154,7 @@ class _Plain:
                     f"{', '.join(sorted(needed_keys(kind)))}"
                 )
         return (
-            f"the key `class` is missing; it is told from the keys of a tableau such as A, b or "
+            f"the key `class` is missing; the class follows from the keys, such as A, b or "
             f"A, U, B, V or alpha, beta, and not from {', '.join(sorted(given)) or 'none'}"
         )
 

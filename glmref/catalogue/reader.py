@@ -60,7 +60,7 @@ def load_document(doc: Mapping[str, Any], *, where: str = "document") -> Method:
     """Turn a method document into a method, checking everything on the way.
 
     A document without ``format`` is in the plain dialect (:mod:`.plain`). One that makes no claims
-    may leave out ``name``, ``class`` and ``source``; the class is told from the keys.
+    may leave out ``name``, ``class`` and ``source``; the class follows from the keys.
 
     Raises
     ------
@@ -124,7 +124,7 @@ class _Reader(Entries):
         if not bare(self.doc):
             return text
         return (
-            f"{text}; it is told from the keys of a tableau such as A, b or A, U, B, V or alpha, "
+            f"{text}; the class follows from the keys, such as A, b or A, U, B, V or alpha, "
             f"beta, and not from {', '.join(sorted(self.doc.keys() - COMMON)) or 'none'}"
         )
 

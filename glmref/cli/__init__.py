@@ -141,7 +141,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _time_limit(arguments: list[str]) -> int | None:
-    """Return the time limit that is asked for; what is wrong in it is said later."""
+    """Return the requested time limit; errors in it are reported later."""
     first = arguments[0] if arguments else ""
     if not first.startswith("--time-limit") and "GLMREF_TIME_LIMIT" not in os.environ:
         return None

@@ -39,7 +39,7 @@ _FAILURES = ("internal error", "process killed")
 @click.command(short_help="Many tasks from a file, on one machine or a cluster.")
 @click.argument("name", metavar="[CAMPAIGN|FILE]", required=False)
 @click.option("--plan", "planned", is_flag=True, help="Say how many tasks and what they cost.")
-@click.option("--pages", "pages", is_flag=True, help="Make page and table anew; carry out nothing.")
+@click.option("--pages", "pages", is_flag=True, help="Make page and table again; run nothing.")
 @click.option(
     "--output",
     type=click.Path(file_okay=False, path_type=Path),

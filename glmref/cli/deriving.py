@@ -39,8 +39,8 @@ def derive(
     """Derive methods and prove them; without a recipe, list the recipes and their options.
 
     Options of the recipe follow it, as in: glmref derive order6 --c2 1/3 --z "exp(2*pi*i/3)".
-    A TOML file stands for the recipe `search` with that ansatz. Exit code 1 when what was asked
-    for is proved not to exist.
+    A TOML file stands for the recipe `search` with that ansatz. Exit code 1 when the method is
+    proved not to exist.
     """
     from ..derive import recipes
 

@@ -19,7 +19,7 @@ HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
 
 
 class Word(click.Choice[str]):
-    """One of some words; a wrong one is told the nearest."""
+    """One of some words; for a wrong one the nearest is named."""
 
     def get_invalid_choice_message(self, value: object, ctx: click.Context | None) -> str:
         """Return the sentence for a word that is none of them."""
@@ -106,7 +106,7 @@ def internal_sentence(error: BaseException | str, where: str = "") -> str:
 
 
 def confess(error: BaseException) -> None:
-    """Report an exception nobody expected; with GLMREF_DEBUG=1 its traceback too."""
+    """Report an unexpected exception; with GLMREF_DEBUG=1 its traceback too."""
     if os.environ.get("GLMREF_DEBUG"):
         traceback.print_exception(error)
     complain(internal_sentence(error))

@@ -36,7 +36,7 @@ COLLECT_AFTER = 50_000
 class Checked:
     """What became of one data file."""
 
-    name: str  #: Name or path as it was asked for.
+    name: str  #: Name or path as requested.
     findings: list[Finding] = field(default_factory=list)  #: One for each claim.
     error: str = ""  #: The sentence that says why there are none, or ``""``.
     internal: bool = False  #: Whether that is this program's fault.
@@ -81,9 +81,9 @@ def _decided(
     certificates: str | None,
 ) -> list[Finding]:
     """Return findings about a file; with a budget in a child, and open where that is ended."""
-    from ..prove.verifier import budget_of, no_more, nobody, verify_file
+    from ..prove.verifier import budget_of, ignored, no_more, verify_file
 
-    accepted = nobody if certificates is None else partial(write_certificate, Path(certificates))
+    accepted = ignored if certificates is None else partial(write_certificate, Path(certificates))
 
     def decide(tell: Callable[[Finding], None]) -> list[Finding]:
         with noting() as read:
@@ -96,7 +96,7 @@ def _decided(
     path = path_of(name)
     seconds = budget_of(path, budget)
     if seconds is None:
-        return decide(nobody)
+        return decide(ignored)
 
     def program(say: Say) -> None:
         def tell(f: Finding) -> None:

@@ -48,7 +48,7 @@ _ONE_THREAD = (
     *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"),
     *("VECLIB_MAXIMUM_THREADS", "BLIS_NUM_THREADS"),
 )
-#: A child that nobody ends any more, because its parent was killed, ends after this many limits.
+#: An orphaned child, whose parent was killed, ends after this many limits.
 _ABANDONED = 2.0
 #: Seconds that a timed task waits for a core.
 _WAIT = 20.0
@@ -183,7 +183,7 @@ class Child:
                 ) from None
             if not self._ended:
                 raise
-        if self._ended:  # while it was started: whoever ended it may have found no process yet
+        if self._ended:  # while it was started: it may have been ended before a process existed
             _stop(pool)
         return pool
 

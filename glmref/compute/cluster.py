@@ -119,7 +119,7 @@ class Dask:
         self.threads = max(1, sum(known.values()))
         if known:
             self._alive = monotonic()
-        # a scheduler of the user's own may wait for workers as long as it wants
+        # a scheduler of the user's own may wait for workers indefinitely
         elif self.client.cluster is not None and monotonic() - self._alive > PATIENCE:
             raise UsageError(
                 "all workers of the Dask cluster died, and none was started again; what had "

@@ -111,7 +111,7 @@ class Local:
         count = self.processes or len(usable)
         if limits.pinned and count > len(usable):
             raise UsageError(
-                f"timed tasks need a core each, {count} processes were asked for and there are "
+                f"timed tasks need a core each, {count} processes were requested and there are "
                 f"{len(usable)} cores; use --on local:{len(usable)}"
             )
         children = [Child(limits) for _ in range(count)]

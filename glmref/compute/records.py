@@ -166,7 +166,7 @@ class Records:
             else:
                 self._memory.setdefault(key_of(record["task"]), record)
         if faults and not self._memory:
-            raise DataError(f"{faults[0]}; move the file away to measure anew")
+            raise DataError(f"{faults[0]}; move the file away to measure again")
         if faults:
             more = f", and {len(faults) - 1} lines more" if faults[1:] else ""
             self._notice(f"{faults[0]}{more}; what cannot be read is measured again")
@@ -206,7 +206,7 @@ class Records:
     def _damaged(self, why: object) -> DataError:
         return DataError(
             f"{one_name(self.path or Path())} is damaged ({why}); save what can be read with "
-            f"`.recover` of the program sqlite3, or move it away to measure anew"
+            f"`.recover` of the program sqlite3, or move it away to measure again"
         )
 
     def _sound(self, text: bytes) -> Record | None:
@@ -376,7 +376,7 @@ def _connected(path: Path, mode: str) -> sqlite3.Connection:
         why = error
     file.close()
     if getattr(why, "sqlite_errorname", "SQLITE_NOTADB") in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
-        raise DataError(f"{name} is not a file of records ({why}); move it away to measure anew")
+        raise DataError(f"{name} is not a file of records ({why}); move it away to measure again")
     raise DataError(f"{name}: the file cannot be read ({why})")
 
 

@@ -1,7 +1,7 @@
 """``python -m glmref.conformance ADAPTER``, and ``glmref conformance``: the suite without pytest.
 
 Exit codes are those of every command of glmref: 0 every check holds, 1 one fails, 2 the adapter or
-an option is bad; and as shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads
+an option is bad; and as shells count, 130 after Ctrl-C, 143 after SIGTERM, 141 where no one reads
 on. Under pytest the codes are pytest's, which has 4 for the last.
 """
 
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def judge(asked: argparse.Namespace) -> int:
-    """Carry out what was asked for: ``adapter``, ``known_failures``, ``format`` and ``list``."""
+    """Carry out the request: ``adapter``, ``known_failures``, ``format`` and ``list``."""
     try:
         return _run(asked)
     except GlmrefError as error:
@@ -62,7 +62,7 @@ def _run(asked: argparse.Namespace) -> int:
 
 
 def _found(asked: argparse.Namespace) -> list[Any]:
-    """Return the findings, or the ids where a list was asked for."""
+    """Return the findings, or the ids where a list was requested."""
     from .checks import Suite
 
     subject = Subject(load_adapter(asked.adapter), f"the adapter {asked.adapter!r}")

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Shipped:
-    """An adapter that comes with the package; its library is imported when it is asked for.
+    """An adapter that comes with the package; its library is imported on first use.
 
     Attributes
     ----------

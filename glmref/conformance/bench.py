@@ -81,7 +81,7 @@ class Bench:
         return Fraction(max(found, default=0.0))
 
     def coefficients(self) -> dict[str, Any]:
-        """Return every coefficient as a decimal, so that nobody has to read expressions."""
+        """Return every coefficient as a decimal, so that no reader of expressions is needed."""
 
         def shown(matrix: Matrix) -> list[list[str]]:
             return [[decimal_of(x, SHOWN) for x in row] for row in matrix]

@@ -1,6 +1,6 @@
 """Make the vectors: mpmath at 60 digits, confirmed in ball arithmetic, wrong results beside them.
 
-``python -m glmref.conformance.generate`` writes ``data/vectors`` anew; with names, these files
+``python -m glmref.conformance.generate`` writes ``data/vectors`` again; with names, these files
 only; ``GLMREF_EXECUTOR`` says where they are made. The result depends on nothing but the method
 files, the problems and this package: the same bytes come out on every machine, and a test makes
 them again.
@@ -99,7 +99,7 @@ def checksums(folder: Path) -> str:
 
 
 def write(folder: Path, names: Sequence[str] = METHODS, on: str | None = None) -> None:
-    """Make the files of these methods anew, and the list of hashes.
+    """Make the files of these methods again, and the list of hashes.
 
     Raises
     ------

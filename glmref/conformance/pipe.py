@@ -171,7 +171,7 @@ class PipeAdapter:
                 self._drain()
                 time.sleep(0.005)
         finally:
-            # its number is its group's, and nobody else's while it is not waited for
+            # its number is that of its group only, while it is not waited for
             end_group(self.process.pid)
             _close(streams[1:])
             self.process.wait()

@@ -97,10 +97,10 @@ def _read(box: Box, watches: Sequence[Watch], r: int, slope: float) -> Reading:
     ]
     left, rows = without_idle(halves)
     blocks = [(clean(A), clean(U), clean(B), clean(V)) for A, U, B, V in left]
-    notes, strangers = [], sum(x.strangers for x in seconds)
-    if strangers and single:
-        notes.append(f"{strangers} calls of f at points that the first reading did not show")
-    elif strangers:
+    notes, unexpected = [], sum(x.unexpected for x in seconds)
+    if unexpected and single:
+        notes.append(f"{unexpected} calls of f at points that the first reading did not show")
+    elif unexpected:
         notes.append("dq or dp was called at points that the first reading did not show")
     if single and not len(rows[0]):
         notes.append("the result does not depend on f")

@@ -12,7 +12,7 @@ from ..problems import Problem
 from .subject import AdapterError
 
 #: A stage of order q at abscissa 1 and the result of order p agree in q markers: 8 are enough up
-#: to stage order 7. Explicit stages of a higher order are told apart by 12; iterations for implicit
+#: to stage order 7. 12 tell explicit stages of a higher order apart; iterations for implicit
 #: ones take more rounds, the more markers there are.
 MARKERS, MORE_MARKERS, _MOST = 8, 12, 200
 #: Points nearer than this are one stage, such as those of a difference quotient; an argument is
@@ -70,7 +70,7 @@ class Watch:
     times: list[float] = field(default_factory=list)
     calls: int = 0
     frozen: bool = False
-    strangers: int = 0
+    unexpected: int = 0
     markers: int = MARKERS
 
     def place(self, marker: np.ndarray) -> int:
@@ -83,7 +83,7 @@ class Watch:
             if np.abs(marker - other).max() < _SAME * scale:
                 return j
         if self.frozen:
-            self.strangers += 1
+            self.unexpected += 1
             return -1
         if len(self.points) >= _MOST:
             raise UsageError(

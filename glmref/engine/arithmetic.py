@@ -84,7 +84,7 @@ class Arithmetic:
         return out
 
     # -- the sums of a step. Arrays stand left of h: an mpmath number there would format the whole
-    # array for a message that nobody reads before it lets numpy multiply.
+    # array for an unused message before it lets numpy multiply.
 
     def known(self, U: np.ndarray, values: np.ndarray) -> Sequence[Any]:
         """Return what stages take from the values, ``U y``: (n, d)."""

@@ -101,7 +101,7 @@ def build(
     Raises
     ------
     ImportError, Unsupported
-        Where vectors of lanes are asked for and cannot be had: nothing else makes them.
+        Where vectors of lanes are requested and cannot be had: nothing else makes them.
     """
     if tuning.lanes:
         return _native(source, tuple(arguments.items()), tuning)

@@ -220,7 +220,7 @@ class _Loop:
     start: int
     stop: int
     counter: str
-    statements: list[str]  #: As they were asked for.
+    statements: list[str]  #: As they were requested.
 
 
 class ArrayTarget(Target):

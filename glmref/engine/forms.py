@@ -75,7 +75,7 @@ class StepForm:
     c: Row = ()  #: (s,) abscissae of a single method, or of stages evaluated together.
     #: (r, r) form that a running form conserves, in its basis, or ``None``.
     G: tuple[Row, ...] | None = None
-    M_residue: Row = ()  #: (s,), what rounding took from M_ii (sweep; below 1e-20 it is left out).
+    M_residue: Row = ()  #: (s,), rounding residual of M_ii (sweep; below 1e-20 it is left out).
     #: What is carried in place of value k of p is p_k + kick_k h dp(q), see :func:`.sweep.merged`
     #: and :func:`.sweep.merged_multistep`; empty where values are carried as they are.
     kick: Row = ()
@@ -357,7 +357,7 @@ def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
 
 
 def split_rows(matrix: Matrix) -> tuple[tuple[Row, ...], tuple[Row, ...]]:
-    """Round a matrix; and what rounding took from it."""
+    """Round a matrix; return it and its rounding residual."""
     pairs = [[split_float(x) for x in row] for row in matrix]
     first, second = (tuple(tuple(pair[k] for pair in row) for row in pairs) for k in (0, 1))
     return first, second

@@ -2,7 +2,7 @@
 
 Methods and problems are immutable and compared by identity, so that a run with the same objects, or
 with the same names, finds everything that the one before it has made. A file is read again when it
-has changed. A user's Python function is recorded anew at every run (:mod:`..problems.tracing`):
+has changed. A user's Python function is recorded again at every run (:mod:`..problems.tracing`):
 what it computes may have changed with what it reads, and then it is another kernel.
 """
 

@@ -274,10 +274,10 @@ def prepare(
     options = Options.of(arithmetic, history=history, interpreted=interpreted)
     # what a Python function computes may have changed with what it reads; an interpreted kernel
     # tells what went wrong in a list of its own
-    anew = interpreted or any(
+    fresh = interpreted or any(
         isinstance(getattr(problem, key), UserFunction) for key in ("f", "dq", "dp")
     )
-    make = _prepared.__wrapped__ if anew else _prepared
+    make = _prepared.__wrapped__ if fresh else _prepared
     kernel = make(method, problem, float(h), wanted, solver, options)
     return replace(kernel, seconds=time.perf_counter() - begin)
 

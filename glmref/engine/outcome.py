@@ -66,7 +66,7 @@ def is_finite(x: Any) -> bool:
     """Return whether a number is no NaN and not infinite, as one of mpmath above 2^65536 counts.
 
     A run that diverges squares its numbers from round to round, and the sine of one with a million
-    digits before the point takes for ever.
+    digits before the point takes minutes.
     """
     parts = getattr(x, "_mpf_", None)
     if parts is None:
@@ -134,7 +134,7 @@ class Solution(Shown):
     notices : tuple[str, ...]
         Sentences worth knowing, such as a fallback that was taken.
     renewals : int
-        How often the values were made anew, see ``renew`` of :func:`glmref.solve`.
+        How often the values were renewed, see ``renew`` of :func:`glmref.solve`.
     suspect : float or None
         Time at which a parasitic part that takes over was found in a run with an explicit multistep
         pair on a system that is not separable, see docs/nonseparable.md; else ``None``.
@@ -325,7 +325,7 @@ class Solution(Shown):
 
     @property
     def completed(self) -> bool:
-        """Whether every step that was asked for was taken."""
+        """Whether every requested step was taken."""
         return self.outcome is Outcome.COMPLETED
 
     @property

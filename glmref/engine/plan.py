@@ -1,4 +1,4 @@
-"""What a run is asked for: arguments checked, times turned into step numbers."""
+"""The arguments of a run: checked, times turned into step numbers."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def _whole(time: float, t0: float, what: str, h: float) -> int:
 def plan_of(
     problem: Problem, h: float, t_end: Any, steps: Any, every: Any, times: Any, limit: Any
 ) -> Plan:
-    """Check what is asked for and turn it into step numbers; the arguments are those of ``solve``.
+    """Check the arguments of ``solve`` and turn them into step numbers.
 
     Raises
     ------

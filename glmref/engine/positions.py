@@ -99,7 +99,7 @@ class PositionRounds:
         self.t.vec(lines, (half, 2 * half))
 
     def coefficients(self, guesses: Callable[[], Guesses]) -> None:
-        """Once a call: products with h, and what rounding took from them and from c and d.
+        """Once a call: products with h, their rounding residuals and those of c and d.
 
         The form is exact for the weights hw as they are rounded, so these are what hd stands for:
         hd_ij F_j is sum_k mu_ik hw_k mu_kj L_j up to m_ij F_j.

@@ -124,7 +124,7 @@ class Stepper:
     Raises
     ------
     UsageError
-        For a problem that has not the parts the method needs.
+        For a problem without the parts that the method needs.
     """
 
     A, U, B, V = (_matrix(letter) for letter in "AUBV")
@@ -428,7 +428,7 @@ class _Step:
 
 
 def _check(method: Method, problem: Problem) -> None:
-    """Refuse a problem that has not the parts the method needs.
+    """Refuse a problem without the parts that the method needs.
 
     Raises
     ------
@@ -469,7 +469,7 @@ def stepper(method: Method, problem: Problem, *, digits: int | None = None) -> S
     Raises
     ------
     UsageError
-        For a problem that has not the parts the method needs.
+        For a problem without the parts that the method needs.
     """
     return Stepper(method, problem, digits=digits)
 

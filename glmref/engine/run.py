@@ -51,7 +51,7 @@ class Run:
         self.problem, self.method, self.h, self.plan = problem, method, h, plan
         self.reference, self.start, self.history = reference, start.values, history
         self.cancel, self.progress = cancel, progress
-        # all values are kept where the caller wants them, or where the solution combines several
+        # all values are kept where the caller requests them, or where the solution combines several
         self.wide = history or not reference.first_value
         #: The rows (m, 1 or r, d) and how many there are so far; their step numbers where they do
         #: not follow from ``every``.
@@ -79,7 +79,7 @@ class Run:
         self.sound: tuple[np.ndarray, np.ndarray] | None = None
 
     def renewed_by(self, renew: int, start: Any) -> None:
-        """Make the values anew by ``start`` after every ``renew`` steps; 0 for never."""
+        """Renew the values by ``start`` after every ``renew`` steps; 0 for never."""
         if self.reference.shape[0] > 1:  # one value has no parasitic part
             self.renew, self.again = renew, start
 
@@ -139,7 +139,7 @@ class Run:
 
     def _not_renewed(self, error: RenewalFailed) -> None:
         self.outcome, why = outcome_of(error.why)
-        self.detail = f" (in making the values anew{why})"
+        self.detail = f" (in renewing the values{why})"
 
     def _renews(self, n: int) -> bool:
         return self.renew > 0 and n % self.renew == 0 and 0 < n < self.plan.steps
@@ -454,7 +454,7 @@ class Run:
 
     def solution(self) -> Solution:
         """Finish the rows and put everything together."""
-        # where only the end was asked for, the last good step is the end that there is
+        # where only the end was requested, the last good step is the end that there is
         short = self.outcome is not Outcome.COMPLETED and not self.plan.every
         if short and (not self.marks or self.marks[-1] != self.done):
             self._keep(self.done, self.values)

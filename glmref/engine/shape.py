@@ -163,7 +163,7 @@ def shape_of(problem: Problem, *, split: bool | None = None, first: bool = False
     Raises
     ------
     UsageError
-        When separate parts are asked for and there are none.
+        When separate parts are requested and there are none.
     """
     d = problem.dimension
     if split and not problem.separable:

@@ -28,7 +28,7 @@ from .starting_values import problem_start, starting_values
 from .sweep import FORMS
 
 ENGINES = ("compiled", "reference", "interpreted")
-#: More make a run of any length take for ever.
+#: Upper limit of `digits`; beyond it a single step takes minutes.
 MOST_DIGITS = 10_000
 
 
@@ -105,7 +105,7 @@ def solve(
     start : Any
         See :func:`.starting_values.starting_values`; by default the method's own starting method.
     renew : int
-        Make the carried values anew from the solution, by the starting method ``start``, after
+        Renew the carried values from the solution, by the starting method ``start``, after
         every so many steps; 0 for never. A parasitic part that grows starts from nothing each time,
         so that it takes many more steps to become large. What is exact for one step
         (G-symplecticity, symmetry) does not hold across a renewal, and each renewal adds the error
@@ -194,7 +194,7 @@ def solve(
             )
         if renew and given.kind == "given":  # they are those of y0, at every renewal
             raise UsageError(
-                "`renew` makes the values anew by a starting method, but `start` gives the values "
+                "`renew` makes the values again by a starting method, but `start` gives the values "
                 "at y0 alone; give a starting method, or leave `start` out"
             )
         run = Run(problem, chosen, h, plan, reference, given, history, cancel, progress)

@@ -174,7 +174,7 @@ def choose_solver(
     Raises
     ------
     UsageError
-        When Newton is asked for and its matrices are beyond :data:`NEWTON_BYTES`.
+        When Newton is requested and its matrices are beyond :data:`NEWTON_BYTES`.
     """
     if not form.implicit_stages or solver == "fixed-point":
         return "fixed-point" if solver == "auto" else solver

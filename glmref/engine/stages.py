@@ -105,7 +105,7 @@ class StageWriter(NewtonWriter):
         return names[0], names[1]
 
     def _with_residue(self, i: int, z: str, a: str) -> tuple[str, str]:
-        """Add what rounding took from M_ii, times the first guess of L_i, to the small terms.
+        """Add the rounding residual of M_ii, times the first guess of L_i, to the small terms.
 
         Sub-round-off, but of one sign at every step: left out, it is a linear drift.
         """

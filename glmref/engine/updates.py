@@ -1,6 +1,6 @@
 """Generated source for the values carried: x = V y, the increments of a step, the new values.
 
-A value is kept as y + e, e what rounding took from it (compensated summation). Within a step it is
+A value is kept as y + e, e its rounding residual (compensated summation). Within a step it is
 x + u, u holding e and the increments so far, so that increments are added to each other before
 they meet the value. Rows of V that are a signed unit vector cost nothing: they rename. Sums of
 several values lose no bits to rounding either (Knuth's TwoSum).

@@ -44,7 +44,7 @@ def enclose(value: Any, bits: int) -> flint.acb:
     """Return a ball of the working precision around an element of the algebraic field.
 
     flint works with 4096 bits at the most, or twice those asked for; a quotient whose denominator
-    needs more for a size is asked for again with more.
+    needs more for a size is computed again with more.
 
     Raises
     ------

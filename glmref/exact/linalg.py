@@ -4,7 +4,7 @@ A matrix is a tuple of rows, each a tuple of :class:`~glmref.exact.Exact` or
 :class:`~glmref.exact.Ball`. Over balls the same code encloses; where a decision (a pivot, a rank)
 cannot be made because a ball contains zero, :class:`~glmref.errors.ExactnessError` says so.
 :func:`solve_affine` takes systems with any number of rows. Over balls a pivot is an entry that
-excludes zero; rows in which no such entry is left are not used, and whoever asks checks the
+excludes zero; rows in which no such entry is left are not used, and the caller checks the
 residual of the point found, which encloses the solution if there is one.
 """
 

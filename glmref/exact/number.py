@@ -243,7 +243,7 @@ class Exact(Arithmetic):
     _q: flint.fmpq | None
     _gr: Any
     _roots: Roots | bool | None  # as one made of roots; ``False`` where that was not asked yet
-    _ball: Ball | None  # of the working precision, once it was asked for
+    _ball: Ball | None  # of the working precision, once it was requested
 
     def __init__(self, value: int | Fraction | flint.fmpq | Exact = 0) -> None:
         self._ball, self._roots = None, False
@@ -269,7 +269,7 @@ class Exact(Arithmetic):
 
     @classmethod
     def _made(cls, roots: Roots) -> Exact:
-        """Wrap a number made of roots; flint's element is made where it is asked for."""
+        """Wrap a number made of roots; flint's element is made on request."""
         q = roots.as_rational()
         if q is not None:
             return cls._of(q)

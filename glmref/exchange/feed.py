@@ -166,7 +166,7 @@ def _certificate(folder: Path, name: str, finding: Mapping[str, Any]) -> dict[st
     if stated != expected:
         raise DataError(
             f"{path.name}: the certificate states that the claim {stated}, and the stored verdict "
-            f"is {expected}; write data/measurements/verification.json anew"
+            f"is {expected}; write data/measurements/verification.json again"
         )
     return {"certificate": f"certificates/{path.name}"}
 

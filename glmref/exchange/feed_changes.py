@@ -113,7 +113,7 @@ def _compare(name: str, a: Mapping[str, Any], b: Mapping[str, Any], found: Chang
 
 
 def _compare_audits(before: _Rows, after: _Rows, found: Changes) -> None:
-    """Report the tables that were judged otherwise; an audit may be made anew."""
+    """Report the tables that were judged otherwise; an audit may be repeated."""
     for name in sorted({*before, *after}):
         a, b = before.get(name, {}), after.get(name, {})
         old, new = (x.get("status", "not audited") for x in (a, b))

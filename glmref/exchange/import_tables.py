@@ -54,7 +54,7 @@ class Found:
     order: int | None = None
     lower: int | None = None
     digits: int | None = None  #: Digits after the point that the table declares for its decimals.
-    about: dict[str, Any] = field(default_factory=dict)  #: Name, title, source and the like.
+    about: dict[str, Any] = field(default_factory=dict)  #: Name, title, source and such.
 
 
 def read_table(

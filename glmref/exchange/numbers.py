@@ -1,4 +1,4 @@
-"""Coefficients as text: decimals of a chosen length, what rounding took, exact expressions."""
+"""Coefficients as text: decimals of a chosen length, rounding residuals, exact expressions."""
 
 from __future__ import annotations
 

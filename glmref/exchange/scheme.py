@@ -81,7 +81,7 @@ class Scheme:
     #: (r, r), the matrix K^-1 of the enhanced start, see :mod:`glmref.engine.starting_values`.
     correct: Matrix
     passes: int  #: Passes of the enhanced start; 0 where ``zero`` is all there is.
-    #: Steps after which a long run makes the values anew from the solution, 0 for never.
+    #: Steps after which a long run renews the values from the solution, 0 for never.
     renew: int
 
     @property

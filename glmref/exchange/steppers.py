@@ -8,7 +8,7 @@ where the word holds:
     newton    implicit, and not a pair          started   the method has a starting method
     enhanced  it needs the enhanced start       plain     it starts from the solution
     finish    it has a finishing method         headed    values that are the solution are picked
-    renewed   long runs make the values anew
+    renewed   long runs renew the values
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
     name = identifier(method.name)
     used = [x for _, t in scheme.tables for m in (t.A, t.U, t.B, t.V) for row in m for x in row]
     remark = f"Coefficients differ from the exact ones by at most {worst(used, digits):.2g}; "
-    remark += "what rounding took from B is added back (L)."
+    remark += "the rounding residual of B is added back (L)."
     source = files("glmref.exchange") / "templates" / chosen.template
     values = {
         "name": name,
@@ -252,8 +252,8 @@ def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) 
         ("start", scheme.begins != "plain"), ("finish", scheme.finish is not None)
     ):  # fmt: skip
         found[f"{where}_rhs"] = named if used else silent
-        for key, (loud, quiet) in texts.items():
-            found[f"{where}_{key}"] = loud if used else quiet
+        for key, (used_text, unused_text) in texts.items():
+            found[f"{where}_{key}"] = used_text if used else unused_text
     return found
 
 

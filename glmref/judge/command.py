@@ -59,7 +59,7 @@ def check(text: str) -> tuple[bool, str]:
     Raises
     ------
     Unreadable
-        If the text is not JSON, or its value has not the members of a certificate.
+        If the text is not JSON, or its value does not have the members of a certificate.
     """
     if hasattr(signal, "SIGPROF"):
         signal.signal(signal.SIGPROF, beyond)

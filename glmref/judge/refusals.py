@@ -47,7 +47,7 @@ class Malformed(Refused):
 
 
 class NoCertificate(Malformed):
-    """The value has not the members of a certificate: the exit code is 2."""
+    """The value does not have the members of a certificate: the exit code is 2."""
 
 
 class Unreadable(Exception):

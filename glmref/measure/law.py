@@ -4,7 +4,7 @@ The law is read from the root mean square of the deviation over dyadic stretches
 is bounded, 1/2 a random walk, 1 linear, 2 quadratic; a run whose deviation reaches its own unit, or
 ends early, has blown up.
 
-The cause is told by three runs: with h, with h/2, and with h at a higher precision. What the higher
+Three runs show the cause: with h, with h/2, and with h at a higher precision. What the higher
 precision removes was round-off. What is left belongs to the method: parasitism where the values
 beyond the solution outgrow it, a drift otherwise, whose order in h the run with h/2 shows.
 """

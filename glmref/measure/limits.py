@@ -22,11 +22,11 @@ from .stability import bounded, interval
 
 #: Method, numbers of steps and states kept of the run along which Jacobians are taken.
 _GUIDE, _STEPS, _SAMPLES = "radau-iia-3", (64, 512, 4096, 32_768, 262_144), 1024
-#: Angles that are told apart; of eigenvalues in one sector the largest counts.
+#: Angles that are distinguished; of eigenvalues in one sector the largest counts.
 _SECTORS = 36
 #: Components of the largest Jacobian whose eigenvalues are computed.
 MOST_COMPONENTS = 100
-#: |z| looked at one by one, and beyond that by factors: what is bounded there, is bounded for ever.
+#: |z| looked at one by one, and beyond that by factors: what is bounded there stays bounded.
 _NEAR, _FAR = 64.0, np.geomspace(64.0, 1e12, 60)
 
 

@@ -4,7 +4,7 @@ A G-symplectic method carries every quadratic invariant Q of the equations exact
 ``sum g_ij Q(y_i, y_j)`` of *all* the values; the invariant of the solution y_1 alone, and the
 Hamiltonian, only stay near. So the three are watched apart.
 
-The law by which a deviation grows is told from its root mean square over longer and longer
+The law by which a deviation grows is found from its root mean square over longer and longer
 stretches: an exponent near 0 is bounded, 1/2 a random walk of round-off, 1 a drift, 2 a quadratic
 one.
 """

@@ -16,7 +16,7 @@ from ..system.shown import Shown, above
 
 
 class Array(Protocol):
-    """An array of numpy, or of whoever gives nested lists by ``tolist``."""
+    """An array of numpy, or of any library that gives nested lists by ``tolist``."""
 
     def tolist(self) -> Any:
         """Nested lists of Python numbers."""

@@ -75,7 +75,7 @@ def as_matrix(rows: Rows, name: str) -> Matrix:
 
 
 def check_shape(name: str, value: Matrix, rows: int, columns: int, meaning: str) -> None:
-    """Refuse a matrix that has not the shape its method asks for."""
+    """Refuse a matrix that does not have the shape its method requires."""
     if (len(value), len(value[0])) != (rows, columns):
         raise DataError(
             f"`{name}` must have shape {meaning} = ({rows}, {columns}), "
@@ -89,7 +89,7 @@ def as_rows(record: Any, name: str, rows: int | None = None, columns: int | None
     Raises
     ------
     DataError
-        For what is no matrix, or has not the rows and columns asked for.
+        For what is no matrix, or does not have the required rows and columns.
     """
     given = as_list(getattr(record, name))
     if isinstance(given, str) or not isinstance(given, Sequence):

@@ -2,7 +2,7 @@
 
 Each problem is built by a function of the module named in the table below, or by a table of
 ``named.toml``; the function's arguments are the problem's parameters. Nothing is imported before it
-is asked for.
+is requested.
 """
 
 from __future__ import annotations

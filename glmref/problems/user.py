@@ -1,6 +1,6 @@
 """Python functions that users give: called on copies, and what they return is looked at.
 
-A right-hand side may compute in place, hand out the same array every time, return 32-bit numbers,
+A right-hand side may compute in place, return the same array every time, return 32-bit numbers,
 raise, or return what is no state. A :class:`UserFunction` keeps the arguments of the caller, gives
 every caller numbers of its own, and turns what cannot be used into one sentence.
 """

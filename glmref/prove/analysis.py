@@ -50,7 +50,7 @@ from .facts import Facts, facts_of
 from .finders import proposal_for
 from .kernel import SMALL, Kernel
 from .ranges import Range
-from .verifier import budget_of, facts_for, nobody
+from .verifier import budget_of, facts_for, ignored
 from .wrong_entry import suspected
 
 if TYPE_CHECKING:
@@ -306,7 +306,7 @@ class _Questions:
         facts: Facts,
         budget: float | None,
         answered: Sequence[tuple[Any, str]] = (),
-        say: Say = nobody,
+        say: Say = ignored,
     ) -> None:
         self.facts = facts
         self.share = None if budget is None else budget / SHARES

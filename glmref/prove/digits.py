@@ -37,7 +37,7 @@ ONE_BRANCH = 100
 LISTED = 8
 #: Larger residuals are no roundings; where an order has more than so many trees, the second.
 LARGE, ROUNDING, MANY = Fraction(1, 1000), Fraction(1, 10**9), 1500
-#: The exponent of the smallest residuals that are told from 0 where none is declared.
+#: The exponent of the smallest residuals that are distinguished from 0 where none is declared.
 SMALLEST = 120
 
 

@@ -19,7 +19,7 @@ what follows:
 6. *Explicit stages*: their diagonal entry is an equation of the file. Pairs are explicit.
 7. *Start and finish*: :mod:`glmref.prove.starting`.
 
-Redundant to all this, and evaluated where it is asked for, every one of the residuals up to the
+Redundant to all this, and evaluated on request, every one of the residuals up to the
 order is a ball around zero, of width below :data:`WIDTH`, over the enclosure of the root.
 """
 

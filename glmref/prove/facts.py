@@ -225,7 +225,7 @@ class Facts:
 
     @property
     def linear(self) -> Any:
-        """The method that is meant where stability on linear systems is asked for."""
+        """The method that is meant for stability on linear systems."""
         return self.method.linear_form if self.method.rosenbrock else self.method
 
 

@@ -107,7 +107,7 @@ class RowRules:
 
     @property
     def row_claim(self) -> str:
-        """The order that the rows are asked for: of a pair that on second-order systems."""
+        """The order required of the rows: of a pair that on second-order systems."""
         if self.is_pair and not self.method.additive:
             return NYSTROM_ORDER.key
         return ORDER.key if self.method.is_one_step else ORDER_IDENTITY.key

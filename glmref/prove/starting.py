@@ -334,7 +334,7 @@ def prove_starting(block: Mapping[str, Any], target: Target, *, digits: int = 75
     Raises
     ------
     DataError
-        When the start has not the form described above.
+        When the start does not have the form described above.
     ExactnessError
         When the interval test does not succeed.
     """
@@ -418,7 +418,7 @@ def prove_finishing(
     Raises
     ------
     DataError
-        When the finish has not the form described above.
+        When the finish does not have the form described above.
     ExactnessError
         When the interval test does not succeed.
     """

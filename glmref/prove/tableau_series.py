@@ -16,7 +16,7 @@ _Row = list[tuple[int, Any]]
 
 
 class TableauSeries:
-    """Series of ``h f(Y_j)``, ``Y_i = S + h sum A_ij f(Y_j)``, tree by tree where it is asked for.
+    """Series of ``h f(Y_j)``, ``Y_i = S + h sum A_ij f(Y_j)``, tree by tree where it is requested.
 
     With *parity* stage 0 is even in h and h -> -h exchanges stages 1 and 2, 3 and 4, ..; series of
     one stage of each pair are enough then, as ``h f`` at the other is the same at trees of odd

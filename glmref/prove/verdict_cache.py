@@ -66,7 +66,7 @@ def question(name: str | Path, only: Sequence[str], budget: float | None) -> Que
     only : sequence of str
         Keys of the claims to check; all where it is empty.
     budget : float or None
-        Seconds of processor time, as it was asked for.
+        Seconds of processor time, as requested.
     """
     try:
         path = path_of(name)

@@ -42,8 +42,8 @@ from .wrong_entry import suspected
 Accepted = Callable[[Mapping[str, Any]], object]
 
 
-def nobody(*said: object) -> None:
-    """Hear of something, and do nothing."""
+def ignored(*said: object) -> None:
+    """Accept any arguments and do nothing."""
 
 
 def verify(
@@ -51,7 +51,7 @@ def verify(
     *,
     only: Collection[str] = (),
     budget: float | None = None,
-    tell: Callable[[Finding], None] = nobody,
+    tell: Callable[[Finding], None] = ignored,
 ) -> list[Finding]:
     """Check every claim the method carries.
 
@@ -89,7 +89,7 @@ def verify(
     if isinstance(method, str | Path):
         return ShownList(verify_file(method, only=only, budget=budget, tell=tell))
     own = _with_own_document(method_of(method))
-    return _verified(own, only=only, budget=budget, tell=tell, accepted=nobody)
+    return _verified(own, only=only, budget=budget, tell=tell, accepted=ignored)
 
 
 def _with_own_document(method: Any) -> Any:
@@ -280,7 +280,7 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
     return facts.judge(claim, declared)
 
 
-def _check(facts: Facts, claim: str, declared: object, accepted: Accepted = nobody) -> Finding:
+def _check(facts: Facts, claim: str, declared: object, accepted: Accepted = ignored) -> Finding:
     judgement = _judged(facts, claim, declared)
     if isinstance(judgement.certificate, Mapping):
         accepted(judgement.certificate)
@@ -292,8 +292,8 @@ def verify_file(
     *,
     only: Collection[str] = (),
     budget: float | None = None,
-    tell: Callable[[Finding], None] = nobody,
-    accepted: Accepted = nobody,
+    tell: Callable[[Finding], None] = ignored,
+    accepted: Accepted = ignored,
 ) -> list[Finding]:
     """Check a data file; for one of ``broken/`` the finding is that the named claim fails.
 
@@ -350,7 +350,7 @@ def budget_of(path: Path, budget: float | None = None) -> float | None:
     return budget if budget is not None or is_shipped(path) else PROVING
 
 
-def _refute(method: Method, broken: Mapping[str, Any], accepted: Accepted = nobody) -> Finding:
+def _refute(method: Method, broken: Mapping[str, Any], accepted: Accepted = ignored) -> Finding:
     """Turn the failure of the named claim into a finding that the refutation holds.
 
     A file may say in ``broken.found`` which witness the refutation must give, word for word.

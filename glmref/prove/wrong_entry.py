@@ -154,7 +154,7 @@ class Trial:
             self.coarse = max(self.coarse, len(self.b[0]) * 10.0**-places)
 
     def scheme(self, weights: Sequence[Sequence[Scalar]] | None = None) -> Scheme:
-        """Return the scheme whose order is asked for, with other weights where they are given."""
+        """Return the scheme whose order is requested, with other weights where they are given."""
         A = [tuple(map(tuple, M)) for M in self.A]
         b = [tuple(x) for x in (self.b if weights is None else weights)]
         if self.kind == "additive":

@@ -22,7 +22,7 @@ from .searching import search_page
 from .side_pages import audits_page, errata_page, history_page, measured_page
 from .store import MARK, Results
 
-_SAID = "Pages of `glmref report`. This folder is written anew; keep nothing else in it.\n"
+_SAID = "Pages of `glmref report`. This folder is rewritten; keep nothing else in it.\n"
 
 
 def pages_of(
@@ -122,7 +122,7 @@ def _clear(output: Path) -> None:
                 inner.unlink()
     except OSError as error:
         raise UsageError(
-            f"the folder {printable(output)} cannot be written anew ({reason(error)}); name another"
+            f"the folder {printable(output)} cannot be rewritten ({reason(error)}); name another"
         ) from None
     make_folder(output / "data")
     write_text(output / MARK, _SAID)

@@ -145,7 +145,7 @@ def _group(id_: str, what: str, rows: Sequence[Record]) -> list[Part]:
     keys = list(dict.fromkeys(k for row in rows for k in row))
     names = [k for k in _NAMES if any(isinstance(row.get(k), str) for row in rows)]
     parts, curved = _curves(id_, what, rows, keys, names)
-    # one name is told by its own column, several together by one more
+    # one name is shown by its own column, several together by one more
     together = len(names) > 1
     shown = [k for k in keys if k not in curved]
     columns = [Column(_LINE, "line")] if together else []

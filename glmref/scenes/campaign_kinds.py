@@ -44,7 +44,7 @@ class CampaignKind:
     function: Function  #: Carries out one of them.
     #: From the fixed values to the number of tasks of a combination.
     each: Callable[[Values], int] = lambda fixed: 1
-    #: From the fixed values: whether run times are what is asked for.
+    #: From the fixed values: whether run times are requested.
     timed: Callable[[Values], bool] = lambda fixed: False
     in_fixed: tuple[str, ...] = ()  #: Keys that are the same for all tasks.
 

@@ -106,7 +106,7 @@ class Candidate:
     works : tuple of Work
         All runs, coarsest first.
     renew : int
-        Steps after which these runs made the values anew, 0 for never: see :func:`glmref.solve`.
+        Steps after which these runs renewed the values, 0 for never: see :func:`glmref.solve`.
     """
 
     method: str

@@ -98,7 +98,7 @@ class Scene:
     repeats: int = 3  #: Runs to time, where the answer is about time.
     budget: float = 10.0  #: Seconds after which a run is cancelled.
     start: str | None = None  #: ``"zero"``, ``"enhanced"`` or ``None`` for the method's own.
-    renew: int = 0  #: Steps after which methods with several values make them anew, 0 for never.
+    renew: int = 0  #: Steps after which methods with several values renew them, 0 for never.
     peers: tuple[str, ...] = ()  #: Other integrators.
     tolerances: tuple[float, ...] = ()  #: Relative tolerances they run at.
     file: str = ""  #: Where it was read, for messages.

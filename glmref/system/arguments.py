@@ -51,7 +51,7 @@ def listed(
 ) -> Collection[Any]:
     """Return a list, or what has a length and is gone through as one; not a text, nor a mapping.
 
-    ``what`` says in the refusal what is asked for.
+    ``what`` says in the refusal what is required.
 
     Raises
     ------

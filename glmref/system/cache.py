@@ -28,7 +28,7 @@ def cache_folder() -> Path | None:
 
     Where that cannot be written (a read-only home, no home), a folder below the temporary
     directory; ``None`` where that cannot be written either, or where ``$GLMREF_CACHE`` cannot:
-    kernels are then compiled anew in each process.
+    kernels are then compiled again in each process.
     """
     named = os.environ.get(CACHE_VARIABLE)
     if named:
@@ -36,7 +36,7 @@ def cache_folder() -> Path | None:
     base = _user_cache()
     if base is not None and _writable(base / "glmref" / "kernels"):
         return base / "glmref" / "kernels"
-    # code is read from there and run: the folder must be this user's, and nobody else's
+    # code is read from there and run: the folder must be this user's only
     user = str(os.getuid()) if hasattr(os, "getuid") else os.environ.get("USERNAME") or "user"
     fallback = Path(tempfile.gettempdir()) / f"glmref-{user}"
     return fallback if _writable(fallback, private=True) else None
@@ -70,7 +70,7 @@ def _writable(folder: Path, *, private: bool = False) -> bool:
 
 
 def private_folder(name: str) -> Path | None:
-    """Folder of that name in :func:`cache_folder` that nobody else can write, or ``None``."""
+    """Folder of that name in :func:`cache_folder` that only this user can write, or ``None``."""
     base = cache_folder()
     return base / name if base is not None and _writable(base / name, private=True) else None
 

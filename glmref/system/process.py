@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 #: 128 and the number of SIGINT or SIGPIPE, as shells count.
 INTERRUPTED, PIPE_CLOSED = 130, 141
-#: Seconds in which a command that is told to end may end by itself. Machine code that is compiled
+#: Seconds in which a command that is asked to end may end by itself. Machine code that is compiled
 #: or runs hears nothing of a signal; records are on the disk, so that ending at once loses nothing.
 GRACE = 0.7
 
@@ -162,7 +162,7 @@ def open_streams() -> None:
 
 
 def silence() -> None:
-    """Point stdout and stderr at nothing where nobody reads them any more.
+    """Point stdout and stderr at nothing where they are no longer read.
 
     Otherwise what is left in their buffers fails once more, when the interpreter ends.
     """
@@ -282,7 +282,7 @@ def guarded(name: str, function: Callable[[], int], bad: int) -> int:
     Returns
     -------
     int
-        The exit code: 130 after Ctrl-C, 143 after SIGTERM, 141 where nobody reads stdout.
+        The exit code: 130 after Ctrl-C, 143 after SIGTERM, 141 where stdout is closed.
     """
     open_streams()
     _received.clear()

@@ -52,7 +52,7 @@ def _observed(m: GLM) -> Matrix:
 def reachable_values(m: GLM) -> list[Vector]:
     """Basis of the span of u and of the columns of B, V B, V^2 B, ..: what a start can ask for.
 
-    Values outside are zero for ever once the start leaves them zero.
+    Values outside stay zero once the start leaves them zero.
     """
     return list(_row_basis(reached_rows(m)))
 

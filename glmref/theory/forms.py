@@ -66,7 +66,7 @@ def invariant_matrices(V: Matrix, W: Matrix, *, hermitian: bool) -> list[Matrix]
     V : Matrix
         (r, r).
     W : Matrix
-        (q, q), equal to V where Hermitian G are asked for.
+        (q, q), equal to V where Hermitian G are requested.
 
     Raises
     ------

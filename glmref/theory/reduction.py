@@ -2,7 +2,7 @@
 
 A component is a linear machine with the slopes as inputs, the values as state and the stages as
 outputs: for q of a partitioned method, f(P), q (r values) and Q.
-Values outside the span of u and of the columns of B, V B, V^2 B, .. are zero for ever once the
+Values outside the span of u and of the columns of B, V B, V^2 B, .. stay zero once the
 start leaves them zero (*never reached*); values in the common kernel of U, U V, U V^2, .. never
 enter a stage (*never seen*). A machine all of whose values are reached and seen is minimal, and
 minimal machines with the same answers have equally many values (Kalman 1963). So a pair in which

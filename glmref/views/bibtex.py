@@ -117,7 +117,7 @@ def cite(*methods: GLM | PartitionedGLM | AdditiveGLM | str | Path) -> Text:
 
 
 def _checked(entry: str, name: str) -> str:
-    """Return an entry as it stands, if it is one and harmless: whoever sets it runs TeX on it."""
+    """Return an entry as it stands, if it is one and harmless, as TeX will be run on it."""
 
     def refused(why: str) -> DataError:
         return DataError(f"{one_line(name, limit=120)}: `source.bibtex` {why}; correct the entry")

@@ -1,6 +1,6 @@
 """Log-log charts without a plotting library: SVG for files, characters for a terminal.
 
-A series is told by marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
+A series has its marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
 margin beside its last point, with a thin leader; names never overlap. PNG and PDF are left to
 matplotlib, if it is installed (the extra ``plots``).
 """

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..system.files import write_bytes
 
-#: The notice where figures were asked for and cannot be drawn.
+#: The notice where requested figures cannot be drawn.
 NO_FIGURES = "no PNG and PDF: matplotlib is not installed; pip install 'glmref[plots]'"
 
 #: Characters that no font has.

@@ -166,7 +166,7 @@ class _Page:
         return self.entry(written or shown_number(x))
 
     def entry(self, text: str) -> str:
-        """Return an expression, or the name it goes by where it is long."""
+        """Return an expression, or its name where it is long."""
         text = one_line(re.sub(r"\s+", "", text), limit=4000)
         self.texts.add(text)
         if len(text) <= self.long:

@@ -110,7 +110,7 @@ def test_a_stage_is_read_from_iterates_that_have_settled() -> None:
     again = watch.again()
     for value, marker in enumerate((first, settled, settled)):
         again.see(0.0, np.array([float(value)]), marker)
-    assert again.arguments == [np.array([2.0])] and again.strangers == 0
+    assert again.arguments == [np.array([2.0])] and again.unexpected == 0
 
 
 @pytest.mark.slow

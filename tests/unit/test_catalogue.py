@@ -149,4 +149,4 @@ def test_the_nearest_problem_and_parameter_are_named() -> None:
     with pytest.raises(UsageError, match="did you mean kepler"):
         glmref.problem("keppler")
     with pytest.raises(UsageError, match="did you mean eccentricity"):
-        glmref.problem("kepler", excentricity="1/2")
+        glmref.problem("kepler", excentricity="1/2")  # codespell:ignore

@@ -196,7 +196,7 @@ def test_a_sprk_table_written_by_somebody_else_is_read() -> None:
 
 def test_wrong_arguments_are_named() -> None:
     with pytest.raises(UsageError, match="did you mean fortran"):
-        export("rk4", to="fortan")
+        export("rk4", to="fortan")  # codespell:ignore
     with pytest.raises(UsageError, match="from 1 to 150, got 0"):
         export("rk4", to="c", digits=0)
     with pytest.raises(UsageError, match="`method` must be a method"):

@@ -361,7 +361,7 @@ def test_a_velocity_that_is_p_and_a_constant_is_no_second_order_form(extra):
     [
         ("p**2/2 + Sin(q)", {}, "did you mean sin?"),
         ("p**2/2 + abs(q)", {}, r"write sqrt\(x\*\*2\)"),
-        ("p**2/2 + strenth*q", {"strength": 1}, "did you mean strength?"),
+        ("p**2/2 + strenth*q", {"strength": 1}, "did you mean strength?"),  # codespell:ignore
         ("p**2/2", {"lambda": 1}, "a word of Python"),
         ("p**2/2", {"k [N/m]": 1}, "letters, digits and _"),
         ("p**2/2", {"t": 1}, "has another meaning"),

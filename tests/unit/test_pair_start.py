@@ -52,7 +52,7 @@ def blocks(name, **changes):
 def test_every_pair_of_the_sweep_form_but_one_has_a_start():
     pairs = {x for x in names("methods") if shipped(x)["class"] == "pair-sweep"}
     assert set(QUICK) < set(STARTED)
-    # order 8 on all separable systems asks for more than its starts are worth: docs/pairs-theory.md
+    # order 8 on all separable systems asks for more than its starts are worth: docs/pairs-order.md
     assert pairs - set(STARTED) == {"pair-8-24"}
 
 

@@ -36,7 +36,7 @@ def test_public_face_resolves_problem():
         ("xyz", {}, "`glmref problems` lists them, and so does glmref.problems.names()"),
         ("mine.py", {}, 'write file = "FILE.py:FUNCTION" into a TOML file'),
         (3, {}, "no problem named 3"),
-        ("kepler", {"excentricity": 0}, "its parameters are eccentricity"),
+        ("kepler", {"excentricity": 0}, "its parameters are eccentricity"),  # codespell:ignore
         ("hires", {"k": 1}, "it has no parameters"),
         ("kepler", {"eccentricity": 1}, "0 <= eccentricity < 1, got 1"),
         ("kepler", {"eccentricity": -0.1}, "0 <= eccentricity < 1, got -0.1"),

@@ -352,7 +352,7 @@ def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
         Records(tmp_path / "records.sqlite")
     assert str(caught.value) == (
         "records.jsonl: line 1: its format is 'glmref-record-2', and this version reads "
-        "'glmref-record-1'; move the file away to measure anew"
+        "'glmref-record-1'; move the file away to measure again"
     )
 
 

@@ -66,7 +66,7 @@ def test_a_renewal_that_fails_ends_the_run_and_keeps_what_there_is(engine: str) 
     run = solve(ramp, "ab-4", h=0.1, steps=100, renew=29, every=1, engine=engine)
     assert run.outcome is Outcome.NOT_FINITE
     assert run.steps == 29
-    assert "in making the values anew" in run.message
+    assert "in renewing the values" in run.message
     assert np.allclose(run.y[:, 0], run.t)
 
 

@@ -210,7 +210,7 @@ def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
     [
         ('format = "glmref-scene-1"', 'format = "other"', "format", "must be 'glmref-scene-1'"),
         ('name = "small"', 'name = "Small Scene"', "name", "lower-case words"),
-        ("question =", "qestion =", "qestion", "did you mean 'question'"),
+        ("question =", "qestion =", "qestion", "did you mean 'question'"),  # codespell:ignore
         ('"heun-2"', '"heun-22"', "methods", "did you mean heun-2"),
         ('"heun-2"', '"rk4"', "methods", 'holds "rk4" twice'),
         ('"heun-2"', "3", "methods", "a method must be a text"),
@@ -234,7 +234,7 @@ def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
         ('kind = "fastest"', 'kind = "slowest"', "kind", "must be one of 'fastest'"),
         ('kind = "fastest"', 'kind = "lost"', "kind", "needs 'parasitic' in `ask`"),
         ("at = 1e-2", "at = 0", "at", "positive number"),
-        ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean 'error'"),
+        ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean 'error'"),  # codespell:ignore
         ("steps = [10]", "steps = [true]", "steps", "whole number"),
         ("steps = [10]", "name = 3", "name", "there is no key 'name' here"),
         ("repeats = 1", 'H = "p**2"', "H", "belongs to a problem, not to a scene"),

@@ -1,1 +1,1 @@
-"""Adapters that come with the package; each imports its library only when it is asked for."""
+"""Adapters that come with the package; each imports its library on first use."""

@@ -46,8 +46,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     Raises
     ------
     UsageError
-        For a c2 that is not rational or at a pole, a z off the unit circle, or a start that is
-        asked for and not on record.
+        For a c2 that is not rational or at a pole, a z off the unit circle, or a requested
+        start that is not on record.
     """
     if options["start"] not in ("auto", "yes", "no"):
         raise UsageError(f"`start` must be auto, yes or no, got {options['start']!r}")

@@ -126,7 +126,7 @@ class Derivation:
     statements : Sequence[Statement]
         What was proved on the way.
     refused : bool
-        Whether what was asked for does not exist.
+        Whether the requested method does not exist.
     """
 
     recipe: str
