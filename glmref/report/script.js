@@ -393,11 +393,12 @@
   });
 
   // the field of every page: it opens the page of the search
-  document.querySelectorAll("form.search").forEach((form) => {
-    form.hidden = false;
-    form.addEventListener("submit", (event) => {
-      event.preventDefault();
-      const words = form.elements.words.value, to = form.dataset.to;
+  document.querySelectorAll(".search").forEach((field) => {
+    field.hidden = false;
+    const own = field.querySelector("input"), to = field.dataset.to;
+    own.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter") return;
+      const words = own.value;
       if (!to.startsWith("#")) {
         location.href = `${to}?words=${encodeURIComponent(words)}`;
         return;
