@@ -139,7 +139,8 @@ def test_the_field_of_a_page_finds_what_holds_all_words(
     chromium: Any, site: Path, file: str
 ) -> None:
     visit(chromium, site.parent / file)
-    assert chromium.execute_script("return getComputedStyle(document.querySelector('.search')).display") != "none"
+    display = "return getComputedStyle(document.querySelector('.search')).display"
+    assert chromium.execute_script(display) != "none"
     chromium.execute_script(ASK)
     for _ in range(100):  # until the page of the search is there
         if "search" in chromium.current_url and (shown := chromium.execute_script(SHOWN)):
