@@ -29,7 +29,7 @@ _NIL = flint.acb(0)
 _new = object.__new__
 _RATIONAL = (int, Fraction)
 _FOREIGN = (Arithmetic, bool)  # numbers that take part by their own operators, or not at all
-LONG_RADICAND = 256  # bits
+LONG_RADICAND = 64  # bits; none of fewer than 122 was seen to keep flint
 
 
 @cache
@@ -484,6 +484,8 @@ class Exact(Arithmetic):
 
     def root(self, degree: int) -> Exact:
         """Return the positive root of a positive number."""
+        if self._q is not None and degree == 2:
+            return self.sqrt()
         part = flint.fmpq(1, degree)
         if self._q is not None:
             # by its minimal polynomial: the powers of a power are not reduced, and numbers grow

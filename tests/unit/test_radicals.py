@@ -164,20 +164,27 @@ def test_a_radicand_that_cannot_be_factored_is_a_generator() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("a", "b"), [(521, 607), (607, 1279), (341, 487)])
-def test_a_square_root_next_to_a_short_dyadic_number_is_enclosed(a: int, b: int) -> None:
+@pytest.mark.parametrize(
+    "N",
+    ["(2**521 - 1) * (2**607 - 1)", "(2**607 - 1) * (2**1279 - 1)", "(2**341 - 1) * (2**487 - 1)",
+     "2**122 + 1", "2**128 - 2", "2**254 - 1", "Fraction(2**126 + 1, 2**126)"],
+)  # fmt: skip
+def test_a_square_root_next_to_a_short_dyadic_number_is_enclosed(N: str) -> None:
     """In a child: flint refines its ball of some of these numbers without end."""
     code = (
         "import resource; resource.setrlimit(resource.RLIMIT_CPU, (9, 9))\n"
+        "from fractions import Fraction\n"
         "from glmref.exact import Exact\n"
-        f"N = (2**{a} - 1) * (2**{b} - 1)\n"
-        "x = Exact(N).sqrt()\n"
-        "print(x.ball(64).contains(x.ball(4096)), (1 + x).sign(), (x * x - N).is_zero())"
+        f"N = Exact({N})\n"
+        "x = N.sqrt()\n"
+        "y = N.root(2) + Exact(2).sqrt()\n"
+        "print(x.ball(64).contains(x.ball(4096)), (1 + x).sign(), (x * x - N).is_zero())\n"
+        "print(y.ball(64).contains(y.ball(4096)), (3 + x).sqrt().sign())"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=True
     )
-    assert done.stdout.split() == ["True", "1", "True"]
+    assert done.stdout.split() == ["True", "1", "True", "True", "1"]
 
 
 def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
