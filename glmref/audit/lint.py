@@ -17,7 +17,6 @@ from ..findings import Finding, Verdict
 from ..views.annotations import Level, Remark
 from .check import sentence
 from .lexer import ENDINGS
-from .recognising import may_hold
 from .sources import audit, read_source
 
 #: Files that hold one tableau each.
@@ -91,9 +90,7 @@ def lint(
             if path.suffix in _TABLEAUX and _is_tableau(path):
                 found.tables += 1
                 found.remarks += _of_file(path, _name(path, root), examine)
-        sources = [x for x in files if x.suffix in ENDINGS]
-        alone = len(sources) == 1
-        mine = [x for x in sources if alone or may_hold(read_source(x) or "", x.name)]
+        mine = [x for x in files if x.suffix in ENDINGS]
         if mine:
             _of_sources(place, mine, root, changed, found)
     unique = {(x.path, x.line, x.message): x for x in found.remarks}

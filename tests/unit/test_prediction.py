@@ -17,6 +17,7 @@ from glmref.engine.kept import stepper_of
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure import prediction
+from glmref.measure import saturation as saturating
 from glmref.measure.longtime import energy_deviation, follow
 from glmref.measure.parasitic import loss, modes, solution_direction
 from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURATES, Prediction
@@ -148,6 +149,10 @@ def test_no_saturation_where_a_condition_is_missing():
     for other in (-rate, 0.0, math.nan, 1e-9):
         assert saturation(s5, orbit, 0.1, start, part, other) is None
     assert saturation(s5, orbit, 0.1, start, 0 * part, rate) is None  # nothing is planted
+    assert saturation(s5, orbit, 0.1, start, part, 2.5 * rate) is None  # it has not stopped by then
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(saturating, "STOPPED", math.inf)
+        assert saturation(s5, orbit, 0.1, start, part, 2.5 * rate) is not None
     start = first(linear, n)
     assert saturation(n, linear, 0.1, start, np.ones_like(start), 0.01) is None  # nothing grows
     start = first(PENDULUM, n)
