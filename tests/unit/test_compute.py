@@ -323,8 +323,6 @@ def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
     distributed, yaml = pytest.importorskip("distributed"), pytest.importorskip("yaml")
     from click.testing import CliRunner
 
-    commands = import_module("distributed.cli")
-
     folder = Path(__file__).parents[2] / "docs" / "campaigns"
     slurm = yaml.safe_load((folder / "slurm.yaml").read_text(encoding="utf-8"))
     known = Path(distributed.__file__).with_name("distributed.yaml").read_text(encoding="utf-8")
@@ -338,8 +336,8 @@ def test_the_example_files_have_settings_and_options_that_dask_knows() -> None:
     assert set(given) <= set(dict(leaves(yaml.safe_load(known))))
     spec = yaml.safe_load((folder / "kubernetes.yaml").read_text(encoding="utf-8"))["spec"]
     for what, command in (
-        ("worker", commands.dask_worker.main),
-        ("scheduler", commands.dask_scheduler.main),
+        ("worker", import_module("distributed.cli.dask_worker").main),
+        ("scheduler", import_module("distributed.cli.dask_scheduler").main),
     ):
         program, word, *options = spec[what]["spec"]["containers"][0]["args"]
         assert (program, word) == ("dask", what)
