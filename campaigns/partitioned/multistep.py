@@ -278,7 +278,7 @@ def _cause(run: Mapping[str, Any]) -> str:
         return text
     new = run["restarted"][-1]
     cured = new is not None and new <= 10 * run["restarted"][-3]
-    return f"{text}; started anew every {RESTART:,} steps " + (
+    return f"{text}; started again every {RESTART:,} steps " + (
         f"{new:.1e}" if cured else "it grows too: the step is too long"
     )
 

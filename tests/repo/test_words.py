@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.repo.test_page_limits import read
+
 ROOT = Path(__file__).parents[2]
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
@@ -36,7 +38,7 @@ def found(text: str) -> list[str]:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda x: x.name)
 def test_the_usual_words_are_used(page: Path) -> None:
-    assert found(page.read_text(encoding="utf-8")) == [], USUAL
+    assert found(read(page)) == [], USUAL
 
 
 @pytest.mark.parametrize(

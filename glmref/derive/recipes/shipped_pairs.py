@@ -1,7 +1,7 @@
 """The shipped pairs: an ansatz with its free parameters fixed, and a start for the other unknowns.
 
-The numbers were found by searches (see docs/pairs-search.md); four digits of the free parameters
-were kept and everything else follows from the equations.
+The numbers were found by searches (see campaigns/partitioned/README.md); four digits of the free
+parameters were kept and everything else follows from the equations.
 """
 
 from __future__ import annotations
