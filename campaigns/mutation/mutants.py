@@ -14,6 +14,7 @@ _ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Add, ast.Div: ast.Mult,
     ast.FloorDiv: ast.Mult, ast.Mod: ast.FloorDiv, ast.Pow: ast.Mult,
 }  # fmt: skip
+_EACH = {"all": "any", "any": "all"}
 
 
 @dataclass(frozen=True)
@@ -25,8 +26,8 @@ class Mutant:
     line, column : int
         Where what is changed begins.
     kind : str
-        What was changed: ``comparison``, ``arithmetic``, ``connective``, ``negation``,
-        ``constant``, ``statement`` or ``return``.
+        What was changed: ``comparison``, ``arithmetic``, ``connective``, ``quantifier``,
+        ``negation``, ``constant``, ``statement`` or ``return``.
     before, after : str
         The text, and what stands in its place.
     source : str
@@ -139,6 +140,11 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, str]]:
     elif isinstance(node, ast.BoolOp):
         other = ast.And() if isinstance(node.op, ast.Or) else ast.Or()
         yield "connective", _text(ast.BoolOp(other, node.values))
+        for k in range(len(node.values)):  # one condition dropped
+            rest = [*node.values[:k], *node.values[k + 1 :]]
+            yield "connective", _text(rest[0] if len(rest) == 1 else ast.BoolOp(node.op, rest))
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _EACH:
+        yield "quantifier", _text(ast.Call(ast.Name(_EACH[node.func.id]), node.args, []))
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
         yield "negation", _text(node.operand)
     elif isinstance(node, ast.Constant):

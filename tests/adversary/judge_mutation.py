@@ -7,7 +7,6 @@ or negated), of one mutant in SHARE, and names those that nothing notices.
 
 from __future__ import annotations
 
-import ast
 import importlib
 import importlib.abc
 import importlib.util
@@ -23,11 +22,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from campaigns.mutation.mutants import mutants
 from glmref import judge
 from glmref.catalogue.lookup import document
 
 from .both_ways import written
-from .mutation import mutants
 from .test_both_ways import ROWS
 from .test_hypotheses import certificate_of
 
@@ -51,6 +50,8 @@ pair-idle-value radau-iia-2-symmetric rk4-abscissae-ones rodas3-sign ruth-3-sign
 symplectic-euler-b-symmetric ark-4-v-preconsistent gsymplectic-n-d-scaled cash-karp-5-4-abscissa
 matlode-bogacki-shampine-3-2 ssp3-4-3-3-digit explicit-2-step-order-3 thesis-adams-moulton-implicit thesis-start-3-6-printed trapezoidal-l-stable
 """
+#: Kinds of changes that are made.
+KINDS = ("comparison", "connective", "quantifier", "negation")
 CPU = 40  # seconds of processor time that a child may take
 Case = tuple[dict[str, Any], bool, tuple[str, str]]
 
@@ -70,10 +71,10 @@ def cases() -> list[Case]:
 
 
 class Mutated(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Import one module of the judge from a tree."""
+    """Import one module of the judge from a text."""
 
-    def __init__(self, name: str, tree: ast.Module) -> None:
-        self.name, self.code = name, compile(tree, name, "exec")
+    def __init__(self, name: str, text: str) -> None:
+        self.name, self.code = name, compile(text, name, "exec")
 
     def find_spec(self, fullname: str, path: Any, target: Any = None) -> ModuleSpec | None:
         return importlib.util.spec_from_loader(fullname, self) if fullname == self.name else None
@@ -82,12 +83,12 @@ class Mutated(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(self.code, module.__dict__)
 
 
-def imported(name: str, tree: ast.Module) -> ModuleType:
-    """Import the judge again, one module from a tree."""
+def imported(name: str, text: str) -> ModuleType:
+    """Import the judge again, one module from a text."""
     own = judge.__name__
     for key in [x for x in sys.modules if x == own or x.startswith(f"{own}.")]:
         del sys.modules[key]
-    sys.meta_path.insert(0, Mutated(f"{own}.{name}", tree))
+    sys.meta_path.insert(0, Mutated(f"{own}.{name}", text))
     return importlib.import_module(own)
 
 
@@ -164,9 +165,10 @@ def changes(modules: Sequence[str]) -> Iterator[tuple[str, str, Callable[[], obj
                     ),
                 )
     for name in modules:
-        tree = ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8"))
-        for label, mutant in mutants(tree):
-            yield name, label, lambda name=name, mutant=mutant: imported(name, mutant)
+        for x in mutants((FOLDER / f"{name}.py").read_text(encoding="utf-8")):
+            if x.kind in KINDS:
+                label = f"line {x.line}: {x.before}  ->  {x.after}"
+                yield name, label, lambda name=name, text=x.source: imported(name, text)
 
 
 def negated(hypothesis: Callable[[Any], object]) -> Callable[[Any], bool]:

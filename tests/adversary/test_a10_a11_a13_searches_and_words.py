@@ -183,12 +183,3 @@ def test_exact_near_misses_fail(name: str, n: int, seed: int) -> None:
     d["b"][i] = f"{d['b'][i]}+1/1{'0' * n}"
     assert verdicts(d)["order"] is FAILS
     never_holds(d, "order")
-
-
-@pytest.mark.parametrize("name", ["collision", "no collision"])
-def test_a11_eigenvalues_that_meet_on_the_circle(name: str) -> None:
-    """At one irrational y the matrix M(iy) is a Jordan block: never called A-stable."""
-    from .corpus import documents
-
-    found = verdicts(dict(documents())[name])["a-stable"]
-    assert found is (HOLDS if name == "no collision" else OPEN)
