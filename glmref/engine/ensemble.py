@@ -180,9 +180,7 @@ def _many_starts(
     ]
     for node in (block.stages[0] for block in inner.blocks):
         whose, i = inner.nodes[node]
-        rows = [
-            parts[n] + h * np.tensordot(inner.components[n].A[i], slopes[n], axes=1) for n in whose
-        ]
+        rows = [parts[n] + h * _weighted(inner.components[n].A[i], slopes[n]) for n in whose]
         if inner.joint:
             found = slopes_at(problem, t0 + inner.c[node] * h, np.concatenate(rows, axis=1))
             for n in whose:
@@ -194,6 +192,12 @@ def _many_starts(
     values = np.zeros((len(y0), *engine.shape))
     for c, part, slope in zip(inner.components, parts, slopes, strict=True):
         made = c.V.dot(part[None].reshape(1, -1)).reshape(-1, *part.shape)
-        made = made + h * np.tensordot(c.B, slope, axes=1)
+        made = made + h * np.stack([_weighted(row, slope) for row in c.B])
         values[:, : len(made), c.columns] = np.moveaxis(made, 0, 1)
     return values, evaluations
+
+
+def _weighted(row: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Return the sum of slopes (m, N, d) by those weights (m,) that are not zero."""
+    used = np.flatnonzero(row)
+    return np.tensordot(row[used], slopes[used], axes=1)
