@@ -13,7 +13,7 @@ Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from functools import cache, partial
 from math import factorial
@@ -29,7 +29,6 @@ from .starting_series import tableau_series
 from .trees import (
     Tree,
     contractions,
-    coproduct,
     edge_cuts,
     pruned,
     single,
@@ -205,8 +204,7 @@ def _check_pair(first: Series, second: Series) -> int:
 def compose(first: Series, second: Series) -> Series:
     """Return the series of: apply ``first``, then ``second``.
 
-    ``(first second)(t) = second(empty) first(t) + sum second(kept) * product of first(removed)``
-    over all cuts of t that keep the root. ``second`` may be vector-valued.
+    It is ``exp(d_b) second``, b the field whose flow is ``first``; ``second`` may be vector-valued.
 
     Raises
     ------
@@ -217,22 +215,8 @@ def compose(first: Series, second: Series) -> Series:
     ----------
     Butcher (2016), section 383; Hairer, Lubich, Wanner (2006), theorem III.1.10.
     """
-    order = _check_pair(first, second)
-    values: dict[Tree, Coefficient] = {}
-    for t in trees_up_to(order, first.palette):
-        total = times(first[t], second.empty(t.colour))
-        for kept, removed, multiplicity in coproduct(t):
-            factor = _product(first, removed, multiplicity)
-            total = plus(total, times(factor, second[kept]))
-        values[t] = total
-    return Series(values, second._empty, order, first.palette)
-
-
-def _product(series: Series, removed: Iterable[Tree], start: int) -> Any:
-    result: Any = start
-    for t in removed:
-        result = times(result, series[t])
-    return result
+    _check_pair(first, second)
+    return exponential(_logarithm(first), second)
 
 
 def inverse(series: Series) -> Series:
@@ -243,16 +227,7 @@ def inverse(series: Series) -> Series:
     UsageError
         When ``series`` is not scalar with empty coefficient 1.
     """
-    order = _check_pair(series, series)
-    values: dict[Tree, Any] = {}
-    for t in trees_up_to(order, series.palette):
-        total = series[t]
-        for kept, removed, multiplicity in coproduct(t):
-            if removed:
-                factor = _product(series, removed, multiplicity)
-                total = plus(total, times(factor, values[kept]))
-        values[t] = times(-1, total)
-    return Series(values, 1, order, series.palette)
+    return exponential(_logarithm(series).map(partial(times, -1)))
 
 
 def shift(series: Series, time: Any = 1) -> Series:
@@ -368,61 +343,64 @@ def conjugated(field: Series, along: Series) -> Series:
     return total
 
 
-class Iterates:
-    """Iterated derivatives along a field, found with the field tree by tree.
+class AfterFlow:
+    """The series ``exp(d_b) a``: a after the flow of a field b for h, found tree by tree.
 
     Parameters
     ----------
     empty : Mapping[str, Coefficient]
-        Coefficient of the empty tree of the series that is differentiated, by colour.
+        Coefficient of the empty tree of a, by colour.
 
     Attributes
     ----------
     field : dict[Tree, Any]
         The field as far as it is known; zeros are left out.
 
-    ``exp(d_b) a`` is a after the flow of b for h (Hairer, Lubich, Wanner 2006, lemma III.5.1), so
-    that no other cuts than those of single edges are needed.
+    No other cuts than those of single edges are needed (Hairer, Lubich, Wanner 2006, lemma
+    III.5.1), and no iterated derivatives: with ``phi_m = sum of d_b^j a / (j + m)!``
+
+        phi_m(t) = a(t)/m! + b(t) a(empty)/(m + 1)! + sum of b(part cut off) phi_(m+1)(rest)
+
+    phi_0 at the trees of order n asks for phi_m at those of order n - m only. So most trees, which
+    have the last order, cost one sum over their edges.
     """
 
     def __init__(self, empty: Mapping[str, Coefficient]) -> None:
         self.empty, self.field = empty, dict[Tree, Any]()
-        self._of: dict[Tree, list[Coefficient]] = {}  # j-th entry: (d_b^j a)(t)
+        self._series: dict[Tree, Coefficient] = {}
+        self._phi: list[dict[Tree, Coefficient]] = []
 
-    def beyond(self, t: Tree) -> list[Coefficient]:
-        """Return ``(d_b^j a)(t)``, j = 1, 2, .., the first without ``a(empty) b(t)``."""
-        terms: list[list[tuple[Any, Coefficient]]] = []
+    def beyond(self, t: Tree, m: int = 0) -> Coefficient:
+        """Return the sum over the edges of t: of ``phi_0(t)`` what lower orders give."""
+        if m + 1 >= len(self._phi):
+            self._phi += [{} for _ in range(m + 2 - len(self._phi))]
+        known, terms = self._phi[m + 1], []
         for (part, rest), ways in edge_cuts(t).items():
             factor = self.field.get(part)
             if factor is None:
                 continue
-            factor = times(ways, factor)
-            for j, value in enumerate(self._of[rest]):
-                if j == len(terms):
-                    terms.append([])
-                if type(value) is not int or value != 0:
-                    terms[j].append((factor, value))
-        return [combination(found) if found else 0 for found in terms]
-
-    @staticmethod
-    def total(beyond: list[Coefficient]) -> Coefficient:
-        """Return the sum of what :meth:`beyond` returned, each divided by j!."""
-        terms = [
-            (_inverse_factorial(j), x)
-            for j, x in enumerate(beyond, 1)
-            if type(x) is not int or x != 0
-        ]
+            value = known.get(rest)
+            if value is None:
+                value = known[rest] = self._weighted(rest, m + 1)
+            if type(value) is not int or value != 0:
+                terms.append((times(ways, factor), value))
         return combination(terms) if terms else 0
 
-    def settle(self, t: Tree, value: Coefficient, slope: Any, beyond: list[Coefficient]) -> None:
-        """Take in a(t), b(t) and what :meth:`beyond` returned for t."""
+    def _weighted(self, t: Tree, m: int) -> Coefficient:
+        """Return phi_m(t)."""
+        terms = [(_inverse_factorial(m), self._series[t]), (Exact(1), self.beyond(t, m))]
+        if t in self.field:
+            slope = times(_inverse_factorial(m + 1), self.field[t])
+            terms.append((slope, self.empty[t.colour]))
+        terms = [(x, y) for x, y in terms if type(y) is not int or y != 0]
+        value = combination(terms) if terms else 0
+        return 0 if is_zero(value) is True else value
+
+    def settle(self, t: Tree, value: Coefficient, slope: Any) -> None:
+        """Take in a(t) and b(t)."""
         if is_zero(slope) is not True:
             self.field[t] = slope
-            first = times(slope, self.empty[t.colour])
-            if beyond and (type(beyond[0]) is not int or beyond[0] != 0):
-                first = plus(beyond[0], first)
-            beyond = [first, *beyond[1:]]
-        self._of[t] = [0 if is_zero(x) is True else x for x in (value, *beyond)]
+        self._series[t] = 0 if is_zero(value) is True else value
 
 
 @cache
@@ -442,14 +420,13 @@ def exponential(field: Series, series: Series | None = None) -> Series:
     """
     series = identity(field.order, field.palette) if series is None else series
     order, values = _check_palettes(field, series), {}
-    iterates = Iterates(series._empty)
+    after = AfterFlow(series._empty)
     for t in trees_up_to(order, series.palette):
-        beyond = iterates.beyond(t)
         values[t] = plus(series[t], times(field[t], series.empty(t.colour)))
-        total = iterates.total(beyond)
-        if type(total) is not int or total != 0:
-            values[t] = plus(values[t], total)
-        iterates.settle(t, series[t], field[t], beyond)
+        beyond = after.beyond(t)
+        if type(beyond) is not int or beyond != 0:
+            values[t] = plus(values[t], beyond)
+        after.settle(t, series[t], field[t])
     return Series(values, series._empty, order, series.palette)
 
 
@@ -498,9 +475,8 @@ def modified_equation(series: Series, of: Series | None = None) -> Series:
 
 def _logarithm(series: Series) -> Series:
     order = _check_pair(series, series)
-    iterates, values = Iterates(series._empty), {}
+    after, values = AfterFlow(series._empty), {}
     for t in trees_up_to(order, series.palette):
-        beyond = iterates.beyond(t)
-        values[t] = _minus(series[t], iterates.total(beyond))
-        iterates.settle(t, 0, values[t], beyond)
+        values[t] = _minus(series[t], after.beyond(t))
+        after.settle(t, 0, values[t])
     return Series(values, 0, order, series.palette)

@@ -425,31 +425,6 @@ def _insert(rest: Tree, child: Tree) -> Tree:
     return tree((*rest.children, child), rest.colour)
 
 
-@cache
-def coproduct(t: Tree) -> tuple[tuple[Tree, tuple[Tree, ...], int], ...]:
-    """Cut ``t`` in all ways that keep its root: triples (kept, removed, multiplicity).
-
-    The removed trees are sorted. The first triple is ``(t, (), 1)``; the term in which nothing is
-    kept is not among them.
-
-    References
-    ----------
-    Hairer, Lubich, Wanner (2006), section III.1.4; Butcher (2016), section 383.
-    """
-    if not t.children:
-        return ((t, (), 1),)
-    last = t.children[-1]
-    rest = tree(t.children[:-1], t.colour)
-    found: dict[tuple[Tree, tuple[Tree, ...]], int] = {}
-    for kept_rest, removed_rest, ways in coproduct(rest):
-        for kept_last, removed_last, more in ((None, (last,), 1), *coproduct(last)):
-            kept = tree((*kept_rest.children, kept_last), t.colour) if kept_last else kept_rest
-            removed = tuple(sorted((*removed_rest, *removed_last), key=lambda x: x.key))
-            found[kept, removed] = found.get((kept, removed), 0) + ways * more
-    ranked = sorted(found.items(), key=lambda item: (-item[0][0].order, item[0][0].key))
-    return tuple((kept, removed, ways) for (kept, removed), ways in ranked)
-
-
 #: A way to contract a tree: what is left of it with each part as one vertex, the part with the
 #: root, the other parts in ascending order.
 Contraction = tuple[Tree, Tree, tuple[Tree, ...]]

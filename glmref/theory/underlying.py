@@ -43,7 +43,7 @@ from ..method.component import GENERAL, SEPARABLE, Palette
 from ..method.model import Method
 from ..system.budget import spend
 from .coefficients import apply, plus, scalars, tidy, times, weighted
-from .series import Iterates, Series
+from .series import AfterFlow, Series
 from .starting_series import Prepared, StartingSeries, component, read
 from .symplectic import quadratic_value
 from .trees import FreeTree, Tree, free_trees, halves
@@ -76,7 +76,7 @@ class UnderlyingMethod(StartingSeries):
         self.form: Matrix | None = form
         self.is_real: bool = is_real
         self.phi: dict[Tree, Any] = {}
-        self._iterates = Iterates({x: (*c.u, 1) for x, c in components.items()})
+        self._after = AfterFlow({x: (*c.u, 1) for x, c in components.items()})
 
     @classmethod
     def of_method(cls, method: Method, *, form: Matrix | None = None) -> UnderlyingMethod:
@@ -124,19 +124,18 @@ class UnderlyingMethod(StartingSeries):
         for t in self._waiting:
             spend()
             c = self.components[t.colour]
-            beyond = self._iterates.beyond(t)
             right: Any = self.output(t)
-            total: Any = self._iterates.total(beyond)
-            if type(total) is tuple:
-                right = plus(right, times(-1, total[:-1]))
+            beyond: Any = self._after.beyond(t)
+            if type(beyond) is tuple:
+                right = plus(right, times(-1, beyond[:-1]))
             (slope,) = apply(c.W, right)
             value = tidy(apply(c.lift, plus(right, times(times(-1, slope), c.u))))
             if t in gauge:
                 (seen,) = apply(c.W, value)
                 value = tidy(plus(value, times(plus(gauge[t], times(-1, seen)), c.u)))
             self._set(t, value)
-            self.phi[t] = plus(slope, total[-1]) if type(total) is tuple else slope
-            self._iterates.settle(t, (*value, 0), slope, beyond)
+            self.phi[t] = plus(slope, beyond[-1]) if type(beyond) is tuple else slope
+            self._after.settle(t, (*value, 0), slope)
         self._waiting = []
 
     def _symplectic_gauge(self, order: int) -> dict[Tree, Any]:
@@ -186,7 +185,7 @@ class UnderlyingMethod(StartingSeries):
     @property
     def field(self) -> Series:
         """Its modified field b: ``h f~ = sum of b(t) h^|t| / sigma(t) F(t)``."""
-        return Series(self._iterates.field, 0, self.order, self.palette)
+        return Series(self._after.field, 0, self.order, self.palette)
 
     @property
     def reading(self) -> Series:

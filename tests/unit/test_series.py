@@ -61,6 +61,14 @@ def test_two_steps_as_one_tableau_are_the_composition():
     )
 
 
+def test_composition_is_the_sum_over_all_cuts():
+    a = Series({t: F(n + 2, 3) for n, t in enumerate(trees_up_to(4))}, 1, 4)
+    b = Series({t: F(5, n + 7) for n, t in enumerate(trees_up_to(4))}, 11, 4)
+    o, path, bush, t = map(Tree, ("o", "[o]", "[oo]", "[o[o]]"))
+    kept = b[t] + a[o] * (b[Tree("[[o]]")] + b[bush]) + (a[o] ** 2 + a[path]) * b[path]
+    assert compose(a, b)[t] == 11 * a[t] + kept + a[o] * a[path] * b[o]
+
+
 def test_inverse_on_both_sides():
     a = elementary_weights(*RK4, 6)
     assert compose(a, inverse(a)) == identity(6)

@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-from math import factorial, prod
+from math import factorial
 
 import pytest
 
@@ -11,7 +11,6 @@ from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.trees import (
     MAX_ORDER,
     Tree,
-    coproduct,
     parse_tree,
     pruned,
     single,
@@ -124,32 +123,6 @@ def test_copies_are_the_same_object():
 def test_orders_without_a_listing_are_refused(order):
     with pytest.raises(UsageError, match="order"):
         trees(order)
-
-
-def test_cuts_of_a_small_tree():
-    t = parse_tree("[o[o]]")
-    cuts = {(str(kept), tuple(map(str, removed))): m for kept, removed, m in coproduct(t)}
-    assert cuts == {
-        ("[o[o]]", ()): 1,
-        ("[[o]]", ("o",)): 1,
-        ("[oo]", ("o",)): 1,
-        ("[o]", ("o", "o")): 1,
-        ("[o]", ("[o]",)): 1,
-        ("o", ("o", "[o]")): 1,
-    }
-
-
-@pytest.mark.parametrize("palette", PALETTES)
-def test_growth_counts_are_cuts_with_an_order_of_removal(palette):
-    for t in trees_up_to(5, palette):
-        expected: dict[Tree, int] = {}
-        for kept, removed, times in coproduct(t):
-            # interleave the orders of the removed trees: a multinomial coefficient
-            ways = factorial(t.order - kept.order)
-            ways //= prod(factorial(s.order) for s in removed)
-            ways *= prod(s.extensions for s in removed)
-            expected[kept] = expected.get(kept, 0) + times * ways
-        assert dict(pruned(t)) == expected
 
 
 def test_growth_from_the_root_counts_linear_extensions():
