@@ -102,7 +102,7 @@ def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) ->
     return right
 
 
-def _odd_part(p: Polynomial) -> Polynomial:
+def odd_part(p: Polynomial) -> Polynomial:
     """Return the product of the factors of odd multiplicity (Yun's algorithm)."""
     result: Polynomial = (_ONE,)
     common = gcd(p, derivative(p))
@@ -133,8 +133,8 @@ def is_nonnegative(p: Polynomial) -> bool:
         return False
     p = p[low:]
     if all(a.is_zero() is True for a in p[1::2]):  # even: half the degree in x^2, on x^2 > 0
-        return real_roots(_odd_part(p[::2]), low=_ZERO) == 0
-    return real_roots(_odd_part(p)) == 0
+        return real_roots(odd_part(p[::2]), low=_ZERO) == 0
+    return real_roots(odd_part(p)) == 0
 
 
 def _end_sizes(p: Polynomial) -> int:

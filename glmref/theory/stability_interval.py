@@ -22,7 +22,7 @@ from ..exact import Exact
 from ..method import GLM
 from . import polynomials as poly
 from .polynomials import Polynomial
-from .root_location import first_root, in_closed_disc
+from .root_location import first_root, in_closed_disc, odd_part
 from .stability import (
     Bivariate,
     on_imaginary_axis,
@@ -105,9 +105,4 @@ def _turns_negative(p: Polynomial) -> Fraction | None:
     p = p[low:]  # a power of x, which is positive
     if p[0].sign() < 0:
         return Fraction(0)
-    found: Fraction | None = Fraction(0)
-    while (found := first_root(p, found, FARTHEST, WIDTH)) is not None:
-        # the sign is taken a little beyond, since the root may be hit exactly
-        if poly.evaluate(p, found + WIDTH * max(1, found)).sign() < 0:
-            return found
-    return None  # it touches zero at most
+    return first_root(odd_part(p), Fraction(0), FARTHEST, WIDTH)  # at others it touches zero

@@ -10,6 +10,7 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.measure.stability import bounded
+from glmref.theory import polynomials as poly
 from glmref.theory import stability_interval
 from glmref.theory.stability_interval import Interval, imaginary_interval, real_interval
 
@@ -83,6 +84,15 @@ def test_the_interval_ends_at_the_least_of_all_ends() -> None:
     half = exact(Fraction(1, 2))
     q = ((exact(0), exact(1)), (-half, exact(-2)), (exact(1),))
     assert stability_interval._end(q) == Interval(0.5, "an eigenvalue leaves the closed unit disc")
+
+
+def test_an_eigenvalue_that_comes_back_at_once_has_left() -> None:
+    # w = 1 - x (1 - x) (1 + 1e-30 - x) (3 - x) / 10 is above 1 between 1 and 1 + 1e-30
+    w = (exact(0), exact(Fraction(-1, 10)))
+    for root in (1, 1 + Fraction(1, 10**30), 3):
+        w = poly.mul(w, (exact(root), exact(-1)))
+    q = (poly.sub((), poly.add(w, (exact(1),))), (exact(1),))
+    assert stability_interval._end(q).end == 1
 
 
 def test_irrational_coefficients_are_reduced_up_to_the_largest_degree(monkeypatch) -> None:
