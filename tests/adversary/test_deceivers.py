@@ -35,7 +35,9 @@ SHOWN = {"explicit": "explicit", "preconsistent": "preconsistent", "consistent":
 
 
 def plain(value: object) -> object:
-    return value if isinstance(value, bool | int) else None
+    """A truth, an order, or the orders of rows; what else there is has more than one text."""
+    orders = isinstance(value, dict) and all(isinstance(x, int) for x in value.values())
+    return value if orders or isinstance(value, bool | int) else None
 
 
 def found(document: dict[str, Any]) -> object:
@@ -53,7 +55,7 @@ def test_what_is_found_of_a_deceiver(name: str) -> None:
     assert found(DECEIVERS[name]["document"]) == DECEIVERS[name]["found"]
 
 
-@pytest.mark.sampled(4, whole=len(DECIDED))
+@pytest.mark.sampled(4, whole=150)
 @pytest.mark.parametrize("name", DECIDED)
 def test_analysis_and_certificates_say_the_same(name: str, tmp_path: Path) -> None:
     document = DECEIVERS[name]["document"]

@@ -164,109 +164,6 @@ def test_enclosed_methods_have_certificates_that_pass(
         assert x["statement"]["verdict"] == ("fails" if fails else "holds")
 
 
-ONE = {"U": [["1"]], "V": [["1"]]}
-TWO = {"A": [["1"]], "U": [["1", "0"]], "B": [["1"], ["0"]]}
-STABILITY: dict[str, tuple[dict[str, Any], list[Any], list[Any]]] = {
-    "backward Euler": ({**ONE, "A": [["1"]], "B": [["1"]]},
-                       ["bounded", "a-stable"], ["bounded", "a-stable", "l-limit"]),
-    "midpoint rule": ({**ONE, "A": [["1/2"]], "B": [["1"]]},
-                      ["bounded", "a-stable"], ["not-l-limit"]),
-    "grows at infinity": ({**ONE, "A": [["-1/2"]], "B": [["1"]]},
-                          [{"infinity": True}], ["not-l-limit"]),
-    "1/(1 + z)": ({**ONE, "A": [["-1"]], "B": [["-1"]]}, [{"pole": True}], [{"pole": True}]),
-    "grows by itself": ({**TWO, "V": [["1", "0"], ["0", "2"]]},
-                        ["unbounded", {"start": True}], ["not-l-limit"]),
-    "a Jordan block at 0": ({**TWO, "V": [["1", "1"], ["0", "1"]]},
-                            ["unbounded", {"start": True}], ["not-l-limit"]),
-    "a Jordan block at i": (
-        {"A": [["1/2", "0"], ["0", "1/2"]], "U": [["1", "0"], ["0", "1"]],
-         "B": [["1", "0"], ["1", "1"]], "V": [["1", "0"], ["0", "1"]]},
-        [{"y": "1"}], ["not-l-limit"],
-    ),
-    "three steps": (
-        {**shipped("bdf-3")}, [{"y": "1"}], [{"y": "1"}],
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", STABILITY)
-def test_each_way_of_losing_stability_has_its_certificate(name: str, tmp_path: Path) -> None:
-    d, *wanted = STABILITY[name]
-    head = {"format": "glmref-method-1", "class": "glm",
-            "source": SOURCE}  # fmt: skip
-    (tmp_path / "x.json").write_text(
-        json.dumps({**head, **d, "name": "x", "claims": {"a-stable": True, "l-stable": True}})
-    )
-    _, missing = write_certificates([str(tmp_path / "x.json")], tmp_path / "c")
-    assert not missing
-    for claim, steps in zip(("a-stable", "l-stable"), wanted, strict=True):
-        (path,) = (tmp_path / "c").glob(f"*{claim}*")
-        found = json.loads(path.read_text(encoding="utf-8"))
-        said = [x["witness"] if x["rule"] == "not-a-stable" else x["rule"] for x in found["parts"]]
-        assert said == steps
-        holds = "a-stable" in said and (claim == "a-stable" or "l-limit" in said)
-        assert found["statement"]["verdict"] == ("holds" if holds else "fails")
-        assert judge.verdict(found)[0]
-
-
-def changed(name: str, claim: str, place: tuple[Any, ...], value: Any) -> dict[str, Any]:
-    d = shipped(name)
-    *inner, last = place
-    at = d
-    for key in inner:
-        at = at[key]
-    at[last] = value
-    return {**d, "claims": {claim: True}}
-
-
-@pytest.mark.parametrize(
-    ("document", "rule"),
-    [
-        (changed("fehlberg-2-1", "row-sums", ("c", 1), "1/3"), "no-row-sums"),
-        (changed("bogacki-shampine-3-2", "dense-end", ("dense", 3, 2), "2"), "no-dense-end"),
-        (changed("g4123", "g-symplectic", ("G", 1, 1), "5"), "given-form-fails"),
-        (changed("gsymplectic-n-pair", "g-symplectic", ("G", 1, 1), "5"), "given-form-fails"),
-    ],
-    ids=["row sums", "dense output", "form", "form of a pair"],
-)
-def test_what_a_changed_entry_breaks_has_its_certificate(
-    document: dict[str, Any], rule: str, tmp_path: Path
-) -> None:
-    (tmp_path / "x.json").write_text(json.dumps({**document, "name": "x"}), encoding="utf-8")
-    _, missing = write_certificates([str(tmp_path / "x.json")], tmp_path / "c")
-    (claim,) = document["claims"]
-    (path,) = (tmp_path / "c").glob(f"*{claim}*")
-    found = json.loads(path.read_text(encoding="utf-8"))
-    assert not missing and judge.verdict(found)[0]
-    assert found["statement"]["verdict"] == "fails"
-    assert rule in [x["rule"] for x in found["parts"]]
-
-
-@pytest.mark.parametrize(
-    ("below", "U", "B"),
-    [
-        ("1/3", [["1", "1/3"], ["1", "1"]], [["1/2", "1/2"], ["0", "0"]]),
-        ("1/3", [["1", "-1"], ["1/2", "-1"]], [["1", "-1"], ["-1", "0"]]),
-        ("0", [["1/2", "1/2"], ["-1", "1"]], [["1/2", "0"], ["1/2", "1"]]),
-    ],
-)
-@pytest.mark.parametrize("order", [1, 2])
-def test_order_2_is_refuted_where_values_may_be_exchanged(
-    below: str, U: Any, B: Any, order: int, tmp_path: Path
-) -> None:
-    """Two values that V keeps both: the series has an unknown more, which no number removes."""
-    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "claims": {"order": order},
-         "A": [["0", "0"], [below, "0"]], "U": U, "B": B, "V": [["1", "0"], ["0", "1"]],
-         "source": SOURCE}  # fmt: skip
-    (tmp_path / "x.json").write_text(json.dumps(d), encoding="utf-8")
-    _, missing = write_certificates([str(tmp_path / "x.json")], tmp_path / "c")
-    (path,) = (tmp_path / "c").iterdir()
-    found = json.loads(path.read_text(encoding="utf-8"))
-    accepted, why = judge.verdict(found)
-    assert accepted and not missing, why
-    assert found["statement"]["verdict"] == ("holds" if order == 1 else "fails")
-
-
 def certified(d: dict[str, Any], claim: str, facts: Any = None) -> dict[str, Any]:
     """The certificate of a claim, which the checker accepts."""
     facts = facts or facts_for(load_document(d))
@@ -441,30 +338,6 @@ def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) 
     assert certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None) == {}
 
 
-@pytest.mark.parametrize(
-    ("first", "V"),
-    [
-        (["1.000000", "1.000000", "0.500000"], ["1", "1/2"]),
-        (["1.000000", "0.500000", "1.000000"], ["1", "1/2"]),
-        (["0.500000", "1.000000", "1.000000"], ["1", "-1"]),
-        (["1.000000", "1.000000", "1.000000"], ["1/2", "-1"]),
-    ],
-)
-def test_two_stages_in_decimals_that_differ_refute_preconsistency(
-    first: list[str], V: list[str]
-) -> None:
-    """V keeps one vector, and U u has two values; or V keeps none."""
-    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "digits": 6,
-         "A": [["0"] * 3] * 3, "U": [[x, "0"] for x in first], "B": [["1", "0", "0"]] * 2,
-         "V": [[V[0], "0"], ["0", V[1]]], "claims": {"preconsistent": False},
-         "source": SOURCE}  # fmt: skip
-    found = certified(d, "preconsistent")
-    assert found["parts"] == [{"rule": "not-preconsistent", "witness": {"colour": "o"}}]
-    found["document"]["V"][0][0] = "1"
-    found["document"]["U"] = [["1.000000", "0"]] * 3
-    assert not judge.verdict(found)[0]
-
-
 @pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2")])
 def test_growth_at_a_multiple_eigenvalue_1_is_shown_without_the_principal_value(
     mu: tuple[str, str],
@@ -481,16 +354,6 @@ def test_growth_at_a_multiple_eigenvalue_1_is_shown_without_the_principal_value(
     assert shown.verdict is Verdict.HOLDS
     assert numbers == pytest.approx(sorted(float(Fraction(x)) for x in mu), abs=1e-9)
     assert certified(d, "growth")["statement"]["verdict"] == "holds"
-
-
-@pytest.mark.parametrize(("b", "q"), [("1", 1), ("1/2", 0)])
-def test_the_start_of_a_method_of_order_one_or_none_is_certified(b: str, q: int) -> None:
-    start = {"A": [["0"]], "u": ["1"], "B": [["0"]], "order": q}
-    d = {**shipped("euler"), "b": [b], "starting": start, "claims": {"starting-order": q}}
-    found = certified(d, "starting-order")
-    assert found["statement"]["verdict"] == "holds"
-    rules = [x["rule"] for x in found["parts"]]
-    assert ("no-order-1" in rules) == (q == 0)
 
 
 @pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("2", "2")])

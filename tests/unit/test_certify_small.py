@@ -292,20 +292,6 @@ def test_an_order_of_an_enclosed_start_that_is_not_the_right_one() -> None:
     assert proved(shipped("s3-w3"), "starting-order", 7)[0] is False
 
 
-@pytest.mark.parametrize("claim", ["symmetric", "symmetric-reduced"])
-def test_an_exchange_of_stages_without_one_of_values_is_no_symmetry(claim: str) -> None:
-    """Gauss's stages are exchanged, and a value that is doubled would have to be halved."""
-    gauss = shipped("gauss-2")
-    d = {"class": "glm", "A": gauss["A"], "U": [["1", "0"]] * 2,
-         "B": [gauss["b"], ["0", "0"]], "V": [["1", "0"], ["0", "2"]]}  # fmt: skip
-    holds, parts = proved(d, claim, True)
-    assert holds == (claim == "symmetric-reduced")
-    if not holds:
-        assert parts == [{"rule": "not-symmetric", "witness": {}}]
-    euler = {**d, "A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]]}
-    assert proved(euler, claim, False)[0]
-
-
 @pytest.mark.parametrize("root", ["sqrt(2)", "sqrt(2+sqrt(2))", "root(2,3)"])
 def test_radicals_beside_decimals_stand_in_the_field(root: str) -> None:
     d = {"class": "glm", "A": [["0.50000000"]], "U": [["1", root]], "B": [["1"], [root]],
@@ -367,25 +353,6 @@ def test_what_stands_in_a_certificate_for_readers() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("other", "rules"), [("1/3", {"bounded", "unshared"}),
-                                              ("1/2", {"eigen", "growth"})])  # fmt: skip
-def test_halves_that_share_an_eigenvalue_inside_the_circle_do_not_grow(
-    other: str, rules: set[str]
-) -> None:
-    """Only the principal values of both halves feed each other; that at -1 stands in one half."""
-
-    def diagonal(*values: str) -> list[list[str]]:
-        return [[x if i == j else "0" for j in range(len(values))] for i, x in enumerate(values)]
-
-    q = {"A": [["0"]], "U": [["1"] * 2], "B": [["1"]] * 2, "V": diagonal("1", other)}
-    p = {"A": [["1"]], "U": [["1"] * 3], "B": [["1"]] * 3, "V": diagonal("1", "1/2", "-1")}
-    d = {"class": "partitioned", "separable": True, "q": q, "p": p}
-    for claim, declared in (("parasitism-free", True), ("growth", [])):
-        holds, parts = proved(d, claim, declared)
-        assert holds and {x["rule"] for x in parts} == rules
-    assert not proved(d, "growth", ["0"])[0]
-
-
 def test_the_field_of_a_growth_equation_holds_its_eigenvalue() -> None:
     """Numbers that stand in the names of equations alone are in the field of the certificate."""
     texts = ["order [oo]", "growth i", "growth q sqrt(3)/2+i/2", "growth p -1", "abscissa 1 = 2/3"]
@@ -429,16 +396,6 @@ def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(
             {"rule": "start-at-least", "witness": {"q": 3}},
             {"rule": "start-at-most", "witness": {"q": 3, "tree": failing}},
         ]
-
-
-def test_a_start_that_is_wrong_at_one_tree_without_branches_fails() -> None:
-    """What its stages are at trees with branches need not be known."""
-    d = shipped("multistep-rkn-8")
-    d["starting"]["A"][1][0] += "+1/10000000000000007"
-    holds, parts = proved(d, "nystrom-starting-order", 8)
-    assert not holds
-    tree = "k[f[k[f[k[f[k[f]]]]]]]"
-    assert parts[2:] == [{"rule": "start-at-most", "witness": {"q": 7, "tree": tree}}]
 
 
 @pytest.mark.parametrize("letters", ["A", "B", "AB"])
@@ -489,146 +446,6 @@ def test_orders_of_pairs_on_all_systems_and_on_those_of_second_order(name: str) 
     for claim in ("order", "nystrom-order", "order-identity"):
         for declared in range(claims[claim] - 1, claims[claim] + 2):
             assert proved(d, claim, declared)[0] == (declared == claims[claim]), claim
-
-
-def enclosed(A: list[list[str]], b: list[str], equation: str, **more: Any) -> dict[str, Any]:
-    """A Runge-Kutta method with one unknown x = 1/2, which an equation determines."""
-    return {"format": "glmref-method-2", "class": "rk", "digits": 75, "A": A, "b": b,
-            "unknowns": {"x": f"0.5{'0' * 74}"}, "claims": {"order": 2},
-            "enclosure": {"equations": [equation], "radius": "1e-60"}, **more}  # fmt: skip
-
-
-ROW = [{"name": "e", "b": ["1-x", "x"]}]
-ENCLOSED = {
-    "midpoint rule": enclosed([["x"]], ["1"], "order [o]"),
-    "trapezium rule": enclosed([["0", "0"], ["1-x", "x"]], ["1-x", "x"], "order [o]", embedded=ROW),
-    "a row of the trapezium rule": enclosed(
-        [["0", "0"], ["1/2", "1/2"]], ["1/2", "1/2"], "embedded e [o]", embedded=ROW
-    ),
-    "Euler's method": enclosed(
-        [["0", "0"], ["2*x", "0"]], ["1", "0"], "embedded e [o]",
-        embedded=[{"name": "e", "b": ["1/2", "1/2"]}],
-    ),
-    "a row of Radau IIA": enclosed(
-        [["5/12", "-1/12"], ["3/4", "1/4"]], ["3/4", "1/4"], "embedded e [o]",
-        embedded=[{"name": "e", "b": ["3/2-3/2*x", "3/2*x-1/2"]}],
-    ),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("name", "claim", "right", "undecided"),
-    [
-        ("Euler's method", "order", 1, ()),
-        ("Euler's method", "stage-order", 1, ()),
-        ("midpoint rule", "order", 2, ()),
-        ("midpoint rule", "stage-order", 1, ()),
-        ("trapezium rule", "order", 2, ()),
-        ("trapezium rule", "stage-order", 2, (1, 2)),
-        ("trapezium rule", "embedded-order", 2, (1, 2)),
-        ("a row of the trapezium rule", "stage-order", 2, ()),
-        ("a row of the trapezium rule", "embedded-order", 2, ()),
-        ("a row of Radau IIA", "stage-order", 2, ()),
-        ("a row of Radau IIA", "embedded-order", 3, (2, 3)),
-    ],
-)
-def test_every_order_of_an_enclosed_method_that_is_decided_is_certified(
-    name: str, claim: str, right: int, undecided: tuple[int, ...]
-) -> None:
-    """What was written for orders too low was refused where one bound alone was known."""
-    for order in range(1 if claim == "order" else 0, 5):
-        declared = {"e": order} if claim == "embedded-order" else order
-        expected = None if order in undecided else order == right
-        assert answer(ENCLOSED[name], claim, declared) is expected, order
-
-
-@pytest.mark.parametrize("claim", ["order", "order-identity", "stage-order", "effective-order"])
-@pytest.mark.parametrize(("U", "V"), [(["1"], "2"), (["1", "2"], "1")])
-def test_order_0_in_decimals_without_a_vector_is_certified(
-    U: list[str], V: str, claim: str
-) -> None:
-    """That no u = V u has U u = 1 shows that the order is 0; such a claim was a KeyError."""
-    s = len(U)
-    d = {"class": "glm", "digits": 8, "A": [["0.50000000"] * s] * s, "U": [[x] for x in U],
-         "B": [["1", "0"][:s]], "V": [[V]]}  # fmt: skip
-    for declared in (0, 1, 2):
-        holds, (part,) = proved(d, claim, declared)
-        assert (holds, part["rule"]) == (declared == 0, "no-order-1")
-
-
-@pytest.mark.parametrize("claim", ["starting-order", "finishing-order"])
-@pytest.mark.parametrize("q", [0, 1])
-def test_starts_and_finishes_as_good_as_their_method(claim: str, q: int) -> None:
-    """Euler's method with a value that is lost: beyond order 1 nothing refutes, below a tree."""
-    d = {"class": "glm", "A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["0"]],
-         "V": [["1", "0"], ["0", "0"]]}  # fmt: skip
-    wrong = "0" if q else "1"
-    d["starting"] = {"kind": "runge-kutta", "name": "s", "A": [["0"]], "u": ["1", "0"],
-                     "B": [["0"], [wrong if claim == "starting-order" else "0"]]}  # fmt: skip
-    d["finishing"] = {"name": "f", "A": [["0"]], "b": [wrong]}
-    for declared in range(4):
-        holds, parts = proved(d, claim, declared)
-        assert holds == (declared == q)
-        assert parts[-1]["witness"] == ({"q": 1} if q else {"q": 0, "tree": "o"})
-
-
-@pytest.mark.parametrize("claim", ["starting-order", "finishing-order"])
-@pytest.mark.parametrize("half", ["1/2", "0.50000000"])
-@pytest.mark.parametrize(("U", "V"), [(["1"], "2"), (["1", "2"], "1")])
-def test_a_start_and_a_finish_of_a_method_without_a_vector_have_order_0(
-    U: list[str], V: str, half: str, claim: str
-) -> None:
-    """No u = V u has U u = 1; the claim about a finish was a KeyError."""
-    s = len(U)
-    d = {"class": "glm", "A": [[half] * s] * s, "U": [[x] for x in U], "B": [["1", "0"][:s]],
-         "V": [[V]], "starting": {"kind": "runge-kutta", "name": "s", "A": [["0"]], "u": ["1"],
-                                  "B": [["0"]]},
-         "finishing": {"name": "f", "A": [["0"]], "b": ["0"]}}  # fmt: skip
-    for declared in (0, 1):
-        holds, (part,) = proved(d | ({"digits": 8} if "." in half else {}), claim, declared)
-        assert (holds, part["rule"]) == (declared == 0, "no-order-1")
-
-
-@pytest.mark.parametrize("claim", ["order", "order-identity", "stage-order", "effective-order"])
-def test_order_0_is_shown_by_two_stages_that_differ(claim: str) -> None:
-    """U u may be 1 at either stage, as B 1 is known to a tenth, but is not so at both."""
-    d = {"class": "glm", "digits": 1, "A": [["0.5", "0.5"]] * 2, "U": [["1"], ["1.3"]],
-         "B": [["0.9", "0"]], "V": [["1"]]}  # fmt: skip
-    for declared in (0, 1):
-        holds, (part,) = proved(d, claim, declared)
-        assert (holds, part["rule"]) == (declared == 0, "not-preconsistent")
-
-
-@pytest.mark.parametrize("k", [0, 1])
-def test_what_refutes_a_start_at_the_last_order_is_no_principal_part(k: int) -> None:
-    """The first value, whose principal part is free, differs at one tree, a lost one at the other."""
-    rows = [["1", "-2", "1", "0"], ["0", "-1", "0", "1"]]  # b c^2 = 2, and b A c = 1, the rest 0
-    d = {"class": "glm", "A": [["0", "0", "0"], ["1/2", "0", "0"], ["-1", "2", "0"]],
-         "U": [["1", "0"]] * 3, "B": [["1/6", "2/3", "1/6"], ["0"] * 3],
-         "V": [["1", "0"], ["0", "0"]],
-         "starting": {"kind": "runge-kutta", "name": "s", "u": ["1", "0"],
-                      "A": [["0"] * 4, ["1", "0", "0", "0"], ["2", "0", "0", "0"],
-                            ["0", "1", "0", "0"]],
-                      "B": [rows[k], rows[1 - k]]}}  # fmt: skip
-    for declared in (1, 2, 3):
-        holds, parts = proved(d, "starting-order", declared)
-        assert holds == (declared == 2)
-        assert parts[0]["witness"]["order"] == 3
-        assert parts[-1]["witness"] == {"q": 2, "tree": ["[[o]]", "[oo]"][k]}
-
-
-@pytest.mark.parametrize("halves", ["qp", "pq"])
-def test_what_refutes_a_stage_order_at_the_order_is_no_principal_part(halves: str) -> None:
-    """At [o] the one stage of a half is off as a free principal part is, the three of the other not."""
-    one = {"A": [["1/12", "1/3", "1/12"]], "U": [["1"]], "B": [["1/6", "2/3", "1/6"]], "V": [["1"]]}
-    three = {"A": [["0"], ["1/2"], ["1"]], "U": [["1", "0"]] * 3, "B": [["1"], ["0"]],
-             "V": [["1", "0"], ["0", "0"]]}  # fmt: skip
-    d = {"class": "partitioned", "separable": True, **dict(zip(halves, (one, three), strict=True))}
-    for declared in (1, 2):
-        holds, parts = proved(d, "stage-order", declared)
-        assert holds == (declared == 1)
-        assert parts[0]["witness"]["order"] == 2
-        assert parts[-1]["witness"] == {"q": 1, "tree": "k[f]" if halves == "qp" else "f[k]"}
 
 
 def test_the_trees_of_free_principal_parts_are_listed_by_order() -> None:

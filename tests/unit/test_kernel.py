@@ -12,8 +12,6 @@ from glmref.findings import Proof, Verdict
 from glmref.method import GLM, PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
-from glmref.prove.verifier import verify
-from tests.adversary.deceive import shipped
 from tests.build import SOURCE
 
 
@@ -459,38 +457,7 @@ def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them()
         Kernel(load("rk4")).range("w-order")
 
 
-def test_a_start_and_a_finish_of_a_method_in_time_are_not_judged() -> None:
-    """Its c is not A 1: the series are those of the method with the time among its components."""
-    d = shipped("rk4")
-    d["format"] = "glmref-method-2"
-    d["starting"] = {"A": [["1/2"]], "B": [["1/3"]], "u": ["1"], "order": 1}
-    d["finishing"] = {"A": [["0"]], "b": ["-1/3"], "order": 1}
-    for last, expected in (("1", Verdict.HOLDS), ("7/9", Verdict.OPEN)):
-        found = verify(load_document({**d, "c": ["0", "1/2", "1/2", last]}))
-        ends = {
-            x.claim: x.verdict for x in found if x.claim in ("starting-order", "finishing-order")
-        }
-        assert ends == {"starting-order": expected, "finishing-order": expected}
-
-
 def judged(claim: str, value: Any, **document: Any) -> Verdict:
     """The verdict about a claim of a file."""
     d = {"format": "glmref-method-2", "name": "judged", "source": SOURCE, **document}
     return facts_of(load_document({**d, "claims": {claim: value}})).judge(claim, value).verdict
-
-
-@pytest.mark.parametrize(
-    ("b", "expected"), [("1", Verdict.HOLDS), ("1.000", Verdict.OPEN), ("1.010", Verdict.FAILS)]
-)
-def test_abscissae_of_decimals_need_consistency(b: str, expected: Verdict) -> None:
-    rk: dict[str, Any] = {"class": "rk", "digits": 3, "A": [["0", "0"], ["1/2", "0"]]}
-    assert judged("abscissae", ["0", "1/2"], **rk, b=["0", b]) is expected
-
-
-def test_one_half_of_a_pair_ends_its_stage_order() -> None:
-    """Lobatto IIIB with IIIA: the stages of the first half alone have order 1."""
-    pair: dict[str, Any] = {"class": "partitioned-rk", "A": [["1/2", "0"], ["1/2", "0"]],
-                            "A_hat": [["0", "0"], ["1/2", "1/2"]], "b": ["1/2", "1/2"],
-                            "b_hat": ["1/2", "1/2"]}  # fmt: skip
-    assert judged("order", 2, **pair) is Verdict.HOLDS
-    assert judged("stage-order", 1, **pair) is Verdict.HOLDS
