@@ -42,6 +42,10 @@ PRIME = re.compile(r"<msup>(<mi>[^<]*</mi>)<mi>(&#x0203[2-4];)</mi></msup>")
 BRACKETS = re.compile(
     r"<mo>&#x00028;</mo><mtable>((?:(?!<mtable>).)*?</mtable>)<mo>&#x00029;</mo>", re.S
 )
+#: A bar behind a letter would be set as a relation, with spaces around it.
+BAR = re.compile(r"<mo(?: stretchy=\"false\")?>&#x0007C;</mo>")
+#: Browsers know no variants of a letter: the complex numbers are a character, bold is a style.
+COMPLEX = '<mi mathvariant="double-struck">C</mi>'
 
 
 def mathml(text: str, display: str = "inline") -> str:
@@ -49,6 +53,8 @@ def mathml(text: str, display: str = "inline") -> str:
     found = PRIME.sub(
         r'<mrow>\1<mo lspace="0" rspace="0">\2</mo></mrow>', convert(text, display=display)
     )
+    found = BAR.sub('<mo stretchy="false" lspace="0" rspace="0">&#x0007C;</mo>', found)
+    found = found.replace(COMPLEX, '<mi mathvariant="normal">&#x02102;</mi>')
     return BRACKETS.sub(r'<mtable class="matrix">\1', found)
 
 

@@ -200,3 +200,5 @@ def test_primes_and_brackets_do_not_depend_on_a_font_of_mathematics() -> None:
     assert matrix.count('<mtable class="matrix">') == 1 and "f" in table
     # brackets of functions stay: two inside of the matrix, two behind it
     assert matrix.count("&#x00028;") == matrix.count("&#x00029;") == 2
+    assert found(r"|\zeta| = 1").count('lspace="0" rspace="0">&#x0007C;') == 2
+    assert "&#x02102;" in found(r"\mathbb C^r") and "bold" in found(r"\mathbf 1")
