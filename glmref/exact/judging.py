@@ -9,6 +9,7 @@ arithmetic, something may be undecided in one of them only; neither accepts what
 from __future__ import annotations
 
 import importlib.util
+import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction as StandardFraction
@@ -154,6 +155,30 @@ def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.
         if a and b:
             found += a * b
     return found
+
+
+def spread(nums: Sequence[int], codes: Sequence[int]) -> flint.fmpz_poly:
+    """Return a polynomial in generators, one in a single variable with the codes as powers."""
+    found = [0] * (codes[len(nums) - 1] + 1)
+    for code, n in zip(codes, nums, strict=False):
+        found[code] = n
+    return flint.fmpz_poly(found)
+
+
+def sum_of_spread(
+    terms: Iterable[tuple[int, flint.fmpz_poly, flint.fmpz_poly]],
+) -> tuple[list[int], int]:
+    """Return the integers at codes, and the denominator, of a sum of p q / den."""
+    spend()
+    sums: dict[int, flint.fmpz_poly] = {}
+    for den, first, second in terms:
+        den = int(den)
+        sums[den] = sums[den] + first * second if den in sums else first * second
+    common = math.lcm(*sums)
+    whole = flint.fmpz_poly()
+    for den, found in sums.items():
+        whole += found if den == common else found * (common // den)
+    return [int(x) for x in whole.coeffs()], common
 
 
 def products_of_whole(

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import zip_longest
 from operator import itemgetter, mul
 from typing import TypeAlias
 
@@ -215,6 +216,29 @@ def dot_of_rationals(x: Sequence[Fraction], y: Sequence[Fraction]) -> Fraction:
                 top = top * (d // common) + n * (bottom // common)
                 bottom *= d // common
     return Fraction(top, bottom)
+
+
+def spread(nums: Sequence[int], codes: Sequence[int]) -> list[tuple[int, int]]:
+    """Return a polynomial in generators by the codes of its monomials, as pairs."""
+    return [(codes[k], n) for k, n in enumerate(nums) if n]
+
+
+def sum_of_spread(terms: Iterable[tuple[int, list, list]]) -> tuple[list[int], int]:
+    """Return the integers at codes, and the denominator, of a sum of p q / den.
+
+    The terms are (den, p, q), p and q not 0; codes add up where monomials are multiplied.
+    """
+    sums: dict[int, list[int]] = {}
+    for den, first, second in terms:
+        found = sums.setdefault(den, [])
+        found += [0] * (first[-1][0] + second[-1][0] + 1 - len(found))
+        for code, u in first:
+            for more, v in second:
+                found[code + more] += u * v
+    common = math.lcm(*sums)
+    scaled = [found if den == common else [common // den * u for u in found]
+              for den, found in sums.items()]  # fmt: skip
+    return [sum(column) for column in zip_longest(*scaled, fillvalue=0)], common
 
 
 def products_of_whole(vectors: list[list[int]], A: list[list[int]]) -> list[list[int]]:

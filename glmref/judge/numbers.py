@@ -6,7 +6,15 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeGuard
 
-from .arithmetic import Fraction, Interval, Number, Ring, rounded
+from .arithmetic import (
+    Fraction,
+    Interval,
+    Number,
+    Ring,
+    rounded,
+    spread,
+    sum_of_spread,
+)
 from .refusals import NotShown, Refused, Undecided, require
 
 if TYPE_CHECKING:
@@ -55,10 +63,16 @@ class Element(Ring):
     without zeros at the end and without a common factor.
     """
 
-    __slots__ = ("den", "nums", "tower")
+    __slots__ = ("den", "nums", "ready", "tower")
 
     def __init__(self, tower: Tower, nums: tuple[int, ...], den: int) -> None:
-        self.tower, self.nums, self.den = tower, nums, den
+        self.tower, self.nums, self.den, self.ready = tower, nums, den, None
+
+    def spread(self) -> list:
+        """Return the integers by the codes of their monomials, ready to be multiplied."""
+        if self.ready is None:
+            self.ready = spread(self.nums, self.tower.codes)
+        return self.ready
 
     def __add__(self, other: Number) -> Number:
         if isinstance(other, Element):
@@ -114,31 +128,16 @@ def dot_of_elements(x: list, y: list) -> Number:
     The products of monomials are summed before they are reduced, apart by denominators.
     """
     tower = next(a.tower for a in (*x, *y) if type(a) is Element)
-    codes, width = tower.codes, tower.width
-    sums = {}
-    for a, b in zip(x, y, strict=True):
-        first = a.nums if isinstance(a, Element) else (a.numerator,)
-        second = b.nums if isinstance(b, Element) else (b.numerator,)
-        if not (first[-1] and second[-1]):
-            continue  # a factor is 0
-        den = (a.den if isinstance(a, Element) else a.denominator) * (
-            b.den if isinstance(b, Element) else b.denominator)  # fmt: skip
-        found = sums.get(den)
-        if found is None:
-            found = sums[den] = [0] * width
-        for i, u in enumerate(first):
-            if u:
-                code = codes[i]
-                for j, v in enumerate(second):
-                    if v:
-                        found[code + codes[j]] += u * v
-    if len(sums) > 1:
-        den = math.lcm(*sums)
-        scaled = [[den // d * u for u in found] for d, found in sums.items()]
-        return tower.fold(list(map(sum, zip(*scaled, strict=True))), den)
-    for den, found in sums.items():
-        return tower.fold(found, den)
-    return Fraction(0)
+    terms = [
+        (
+            (a.den if isinstance(a, Element) else a.denominator)
+            * (b.den if isinstance(b, Element) else b.denominator),
+            a.spread() if isinstance(a, Element) else spread((a.numerator,), (0,)),
+            b.spread() if isinstance(b, Element) else spread((b.numerator,), (0,)),
+        )
+        for a, b in zip(x, y, strict=True) if live(a) and live(b)
+    ]  # fmt: skip
+    return tower.fold(*sum_of_spread(terms))
 
 
 def around(x: Number) -> Interval:

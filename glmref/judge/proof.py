@@ -272,6 +272,11 @@ class Proof:
         """Return the proof of a start or finish."""
         return as_object(self.blocks.get(name), f"the proof of the {name} block is missing")
 
+    def of_method(self, key: tuple, make: Callable[[], T]) -> T:
+        """Return what was made before, for any claim, of this same method: row, system, colours."""
+        about = (self.row, self.method.system, *self.method.parts, *self.all_shown(Replaced))
+        return self.record.known((*key, *about), make)
+
     def series(
         self, identity_mode: bool, nystrom: bool | str, order: int, filled: bool = False
     ) -> Solved:
@@ -279,9 +284,8 @@ class Proof:
         identity_mode = identity_mode or nystrom in PATHS
         fine = identity_mode and all(m.r == 1 for m in self.method.parts.values())
         require(fine or not self.method.system, "several values are carried")
-        found = self.record.known(("series", self.row, self.method.system, *self.method.parts,
-                                   identity_mode, nystrom),
-                                  lambda: Solved(self.method, identity_mode, nystrom))  # fmt: skip
+        found = self.of_method(("series", identity_mode, nystrom),
+                               lambda: Solved(self.method, identity_mode, nystrom))  # fmt: skip
         if found.order > order:
             return found
         found.advance(order)

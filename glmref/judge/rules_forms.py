@@ -279,7 +279,9 @@ class QuadraticCase(Case):
     def defects(self) -> list:
         """Return the defects, with transposes for conjugate transposes."""
         D = tuple(m.B[0] for m in self.method.parts.values())
-        return form_defects(self.method, [[Fraction(1)]], D, transpose).all
+        return self.proof.of_method(
+            ("quadratic",), lambda: form_defects(self.method, [[Fraction(1)]], D, transpose).all
+        )
 
 
 def the_solution_is_carried(case: QuadraticCase) -> bool:

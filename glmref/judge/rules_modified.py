@@ -59,7 +59,7 @@ class Underlying(Solved):
         """Return Phi(t)."""
         if tree not in self.phi:
             self.advance(size(tree))
-            self.residual(tree)
+            self.right(tree)
         return self.phi[tree]
 
     def conjugate(self, order: int) -> Map | None:
@@ -162,7 +162,7 @@ class UnderlyingCase(Case):
     def underlying(self, order: int) -> Underlying:
         """Return the series of the map, which is looked at through an order."""
         require(order <= LARGEST, "beyond the limits of this checker")
-        return self.proof.record.known(("underlying",), partial(Underlying, self.method))
+        return self.proof.of_method(("underlying",), partial(Underlying, self.method))
 
     def gaps(self, order: int) -> list[Number]:
         """Return what must vanish at an order."""

@@ -119,7 +119,7 @@ class Solved(Series):
         self.free, self.last, self.order, self.filled = not identity_mode, None, 0, 0
         self.loose = False  # whether principal parts of a lower order are not the only ones
         self.W, self.N, self.lift, self.eta, self.k, self.w, parts = {}, {}, {}, {}, {}, {}, {}
-        self.gaps = {}
+        self.gaps, self.rights = {}, {}
         super().__init__(parts.__getitem__, {}, self.cut_value)
         plain = as_reals if method.numbers.unknowns else lambda x: x
         for c, m in method.parts.items():
@@ -229,14 +229,22 @@ class Solved(Series):
         while self.filled < self.order:
             self.filled += 1
             for t in self.pool(self.filled):
-                c, right = t[0], self.residual(t)
+                c, right = t[0], self.right(t)
                 self.gaps[t] = apply(self.W[c], right)
                 self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
 
+    def right(self, t: Tree) -> list:
+        """Return R(t), kept through the order that was reached: eta moves no more below it."""
+        if size(t) > self.order:
+            return self.residual(t)
+        if t not in self.rights:
+            self.rights[t] = self.residual(t)
+        return self.rights[t]
+
     def condition(self, t: Tree) -> list:
         """Return W R(t)."""
-        return self.gaps[t] if t in self.gaps else apply(self.W[t[0]], self.residual(t))
+        return self.gaps[t] if t in self.gaps else apply(self.W[t[0]], self.right(t))
 
     def pool(self, order: int) -> list[Tree]:
         """Return the trees of an order that count."""
