@@ -188,31 +188,6 @@ def test_a_changed_digit_fails(
     assert witness in found.witness
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"format": "glmref-method-1"}, "the key 'c' belongs to the format 'glmref-method-2'"),
-        ({"embedded": []}, "`embedded` must be a list of rows"),
-        ({"embedded": [{"b": ["1"]}]}, "must be an object with the string `name`"),
-        ({"embedded": [{"name": "x", "b": ["1"], "error": ["1"]}]}, "`b` or `error`, and nothing"),
-        ({"embedded": [{"name": "x", "b": ["1"]}]}, "'x' must have s = 7 entries, got 1"),
-        ({"c": ["0"]}, "`c` must have s = 7 entries, got 1"),
-        ({"dense": [["1"]]}, "`dense` must have s = 7 entries, got 1"),
-        ({"claims": {"embedded-order": 4}}, "must be orders by name, got 4"),
-        ({"claims": {"embedded-order": {"hat": "4"}}}, "of 'hat' must be a whole number"),
-        ({"claims": {"w-order": 4}}, "has no meaning for one method"),
-    ],
-)  # fmt: skip
-def test_what_does_not_fit_is_refused_in_one_sentence(
-    change: dict[str, Any], sentence: str
-) -> None:
-    """Keys of the second format in a file of the first, and wrong shapes."""
-    with pytest.raises(DataError) as error:
-        load_document({**_dormand_prince(), **change})
-    assert sentence.replace("'hat'", '"hat"') in str(error.value).replace("'hat'", '"hat"')
-    assert "\n" not in str(error.value)
-
-
 def test_the_same_row_stands_twice() -> None:
     """Names tell rows apart."""
     doc = _dormand_prince()
