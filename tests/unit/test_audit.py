@@ -383,43 +383,7 @@ def test_methods_of_matlode() -> None:
 
 
 def test_python_classes_that_change_their_arrays() -> None:
-    found = judged(
-        """
-class Three:
-    order = 3
-    C = np.array([0, 1/2, 1])
-    A = np.array([[0, 0, 0], [0, 0, 0], [0, 2, 0]])
-    A[:, 0] = C - A.sum(axis=1)
-    B = np.array([1/6, 2/3, 1/6])
-    E = np.array([0, 1, 0, 0])
-    E[:-1] -= B
-class Loop:
-    A = [[0, 0], [1, 0]]
-    for i in range(2):
-        A[i][i] = 1
-    b = [1/2, 1/2]
-    c = [0, 1]
-@register
-class Heun:
-    A = [[0, 0], [1, 0]]
-    b = [1/2, 1/2]
-    c = [0, 1]
-    b2 = [1, 0]
-    @property
-    def order(self)->int: return 2
-class Nystrom:
-    order = 4
-    C = np.array([0, 1/2, 1])
-    A = np.array([[0, 0, 0], [1/8, 0, 0], [0, 1/2, 0]])
-    B = np.array([1/6, 1/3, 0])
-    Bp = np.array([1/6, 2/3, 1/6])
-class Low:
-    TABLEAU = ButcherTableau.from_lists(c=[0, 1], a=[[], [1]], b=[1/2, 1/2], b_low_order=[1, 0])
-    def convergence_order(self):
-        return 2
-""",
-        "python",
-    )
+    found = judged(source("classes.txt"), "python")
     assert found["Three"]["status"] == "right" and not found["Three"]["remarks"]
     assert found["Loop"]["status"] == "unread"
     assert found["Heun"]["status"] == "right" and found["Heun"]["declared"] == 2
@@ -445,15 +409,8 @@ def test_the_transformed_form_is_read_from_julia() -> None:
     assert [x.value.as_fraction() for x in table.b[0]] == [Fraction(7, 20), Fraction(1, 2)]
 
 
-IMKG = """
-function IMEXTableau(::IMKG232a)
-    IMKGTableau((1 / 2, 1 / 2, 1), (0, -1 / 2 + √2 / 2, 1), (1 - √2 / 2, 1 - √2 / 2))
-end
-"""
-
-
 def test_the_family_of_steyer_is_read_from_julia() -> None:
-    (table,) = read(IMKG, "julia")
+    (table,) = read(source("imkg.jl"), "julia")
     explicit, implicit = table.A
     known = document("imkg-232a")["parts"]
     for part, (*rows, weights) in zip(known, (explicit, implicit), strict=True):
@@ -540,18 +497,7 @@ def test_comprehensions_of_another_form_are_unread(text: str, said: str) -> None
 def test_a_splitting_that_lacks_a_step_is_compared_with_the_catalogue(monkeypatch: Any) -> None:
     """McLachlan's Nystrom splitting with five steps of the position, as though they summed so."""
     monkeypatch.setattr("glmref.audit.nearest_method.names", lambda: ["ruth-3", "mclachlan-rkn-4"])
-    text = """
-function Shortened4ConstantCache(T::Type, T2::Type)
-    a1 = convert(T, big"0.40518861839525227722")
-    a2 = convert(T, big"-0.28714404081652408900")
-    a3 = 1 - 2a1 - 2a2
-    b1 = convert(T, -3 // 73)
-    b2 = convert(T, 17 // 59)
-    b3 = 1 - 2b1 - 2b2
-    return SymplecticTableau((a1, a2, a3, a2, a1), (b1, b2, b3, b2, b1))
-end
-"""
-    (table,) = read(text, "julia")
+    (table,) = read(source("shortened.jl"), "julia")
     assert table.kind == "splitting"
     table, library = replace(table, order=4), Library()
     (said,) = judge(table, library)["remarks"]
@@ -632,38 +578,7 @@ def test_of_rounded_numbers_the_worst_tree_is_named() -> None:
     assert (found["status"], found["tree"], found["residual"]) == ("digits", "[o]", 5e-10)
 
 
-FREQUENCY = {
-    "tableaus.jl": '''
-struct Made2ConstantCache{T} <: Cache
-    a21::T
-end
-alg_order(alg::Made2) = 2
-function Made2ConstantCache(T, T2)
-    a21 = convert(T, 1 // 2)
-    b1 = convert(T, 0)
-    b2 = convert(T, 1)
-    c2 = convert(T2, 1 // 2)
-    return Made2ConstantCache(a21, b1, b2, c2)
-end
-''',
-    "steps.jl": '''
-@muladd function perform_step!(integrator, cache::Made2ConstantCache, repeat_step = false)
-    (; t, dt, uprev, u, f, p) = integrator
-    (; a21, b1, b2, c2) = cache
-    v = alg.w * dt
-    a21 += v^2
-    k1 = integrator.fsalfirst
-end
-
-function perform_step!(integrator, cache::Other2ConstantCache, repeat_step = false)
-    (; a21, c2) = cache
-    k2 = f(uprev + dt * a21 * k1, p, t + c2 * dt)
-    if a21 == c2
-        u = k2
-    end
-end
-''',
-}  # fmt: skip
+FREQUENCY = {x: source(f"frequency-{x}") for x in ("tableaus.jl", "steps.jl")}
 
 
 def test_a_table_that_a_step_completes_is_unread(tmp_path: Path) -> None:
