@@ -7,6 +7,7 @@ gone; no exception but those that have a name may leave the adapter.
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shlex
@@ -33,116 +34,12 @@ LIMIT = 4 * LONGEST + 6.0
 #: Outcome of a peer that was stopped before its first line ran.
 NOT_BEGUN = "(not begun in time)"
 
-PEER = """
-import json, os, signal, subprocess, sys, time
-def put(text):
-    sys.stdout.write(text); sys.stdout.flush()
-def ask(question):
-    put(json.dumps(question) + "\\n")
-    return json.loads(sys.stdin.readline())["values"]
-with open({pids!r}, "a") as note:
-    note.write(f"{{os.getpid()}}\\n")
-def spawn(code):
-    child = subprocess.Popen([sys.executable, "-c", code])
-    with open({pids!r}, "a") as note:
-        note.write(f"{{child.pid}}\\n")
-turn = 0
-for line in sys.stdin:
-    asked = json.loads(line)
-    if turn == {turn}:
-        {deed}
-        turn += 1
-        {then}
-    if asked["ask"] == "describe":
-        put(json.dumps({{"methods": ["euler"], "offers": ["step"]}}) + "\\n")
-    else:
-        y, h = asked["values"], asked["h"]
-        f = ask({{"ask": "f", "t": asked["t"], "y": y}})
-        put(json.dumps({{"values": [a + h * b for a, b in zip(y, f)]}}) + "\\n")
-    turn += 1
-"""
-
+_PEERS = json.loads(Path(__file__).with_name("peers.json").read_text(encoding="utf-8"))
+PEER: str = _PEERS["peer"]
 #: What a peer does, and words of which one must stand in the sentence ("" for none needed).
 DEEDS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "silent": ("time.sleep(60)", ("did not answer within",)),
-    "deaf": (
-        "signal.signal(signal.SIGTERM, signal.SIG_IGN); sys.stdin.close(); time.sleep(60)",
-        ("did not answer within",),
-    ),
-    "asks for ever": (
-        "while True: ask({'ask': 'f', 't': 0.0, 'y': asked.get('values', [1.0])})",
-        ("asked and did not answer", "may ask f", "silent"),
-    ),
-    "answers for ever": ("while True: put('{\"values\": [1.0]}\\n')", ("",)),
-    "a line without end": ("while True: put('1' * {size})", ("longer than",)),
-    "a long line": ("put('[' + '1,' * 1_500_000 + '1]\\n')", ("longer than", "not a JSON object")),
-    "nested": ("put('[' * {size} + '\\n'); time.sleep(60)", ("is not JSON",)),
-    "not JSON": ("put('values: 1\\n'); time.sleep(60)", ("is not JSON",)),
-    "not UTF-8": ("os.write(1, b'\\xff\\xfe{{\\n'); time.sleep(60)", ("is not JSON",)),
-    "zeros": ("os.write(1, bytes({size}) + b'\\n'); time.sleep(60)", ("is not JSON",)),
-    "no object": ("put('[1, 2]\\n')", ("is not a JSON object",)),
-    "empty object": ("put('{}\\n')", ("must have",)),
-    "infinite": ("put('{{\"values\": [1e999, NaN]}}\\n')", ("must have", "finite", "expected")),
-    "a huge whole number": (
-        "put('{{\"values\": [' + '9' * 4000 + ']}}\\n')",
-        ("must have", "list of numbers", "expected"),
-    ),
-    "texts": ("put('{{\"values\": [\"x\", []]}}\\n')", ("must have", "list of numbers")),
-    "bad offers": ("put('{\"methods\": [\"euler\"], \"offers\": 7}\\n')", ("offers", "values")),
-    "bad methods": (
-        "put('{\"methods\": {\"x\": 3}, \"offers\": [\"step\"]}\\n')", ("claims", "values"),
-    ),
-    "bad tolerance": (
-        "put('{\"methods\": [\"euler\"], \"offers\": [\"step\"], \"tolerance\": [1]}\\n')",
-        ("tolerance", "values"),
-    ),
-    "bad problems": (
-        "put('{\"methods\": [\"euler\"], \"offers\": [\"step\"], \"problems\": [[1], 7]}\\n')",
-        ("problems", "values"),
-    ),
-    "a long error": ("put(json.dumps({'error': 'x\\x1b]0;' * 100_000}) + '\\n')", ("x",)),
-    "cannot": ("put('{\"cannot\": 5}\\n')", ("5",)),
-    "a wrong question": ("ask({'ask': ['f']})", ("may ask",)),
-    "a question without shape": (
-        "ask({'ask': 'f', 't': 0, 'y': [[1.0], 2]})", ("cannot be served", "may ask"),
-    ),
-    "a question too short": ("ask({'ask': 'f', 't': 0, 'y': []})", ("served", "may ask")),
-    "a question of no number": ("ask({'ask': 'jacobian', 'y': None})", ("served", "may ask")),
-    "exits": ("sys.exit({code})", ("ended without an answer",)),
-    "exits in a line": ("put('{\"values\": [1'); sys.exit(0)", ("ended without an answer",)),
-    "dies": ("os.kill(os.getpid(), {signal})", ("killed by",)),
-    "closes its stdout": ("os.close(1); time.sleep(60)", ("closed its stdout",)),
-    "leaves a child": ("spawn('import time; time.sleep(60)'); os._exit(0)", ("ended without",)),
-    "forks": (
-        "for _ in range(2): spawn('import time; time.sleep(60)')\n        time.sleep(60)",
-        ("did not answer",),
-    ),
-    "floods stderr": (
-        "\n        while True: sys.stderr.write('x' * {size} + '\\x1b[2J\\n')", ("did not answer",),
-    ),
-    "floods stderr and answers": ("sys.stderr.write('x' * 1_000_000)", ()),
-    "drips": ("\n        while True: put(' '); time.sleep(0.1)", ("did not answer", "longer than")),
-    "stops itself": ("os.kill(os.getpid(), signal.SIGSTOP)", ("did not answer",)),
-    "a lone surrogate": ("put('{\"error\": \"\\\\ud800\"}\\n')", ("",)),
-    "the same key twice": (
-        "put('{\"values\": [1.0], \"values\": [2.0]}\\n')", ("gives a key of its answer twice",),
-    ),
-    "a session of its own": ("os.setsid() if os.getpid() != os.getpgrp() else None; time.sleep(60)", ("did not",)),
-    "two answers": ("put('{\"values\": [1.0]}\\n{\"values\": [1.0]}\\n')", ("",)),
-    "speaks first": ("put('{\"values\": [1.0, 0.0]}\\n' * 2)", ("without being asked", "must have")),
-    "texts of numbers": ("put('{\"values\": [\"1.0\", \"0\"]}\\n')", ("list of numbers", "must have")),
-    "truths": ("put('{\"values\": [true, false]}\\n')", ("list of numbers", "must have")),
-    "a question in texts": ("ask({'ask': 'f', 't': 0, 'y': ['1', '2']})", ("served", "may ask")),
-    "closes its stdin": (
-        "os.close(0); time.sleep(60)", ("did not answer within", "ended without", "runs on"),
-    ),
-    "answers late": ("time.sleep(0.7)", ()),
-    "a child that keeps stdout": (
-        "os.fork() == 0 and (time.sleep(60), os._exit(0)); os._exit(0)", ("ended without",),
-    ),
-    "ignores its end": ("signal.signal(signal.SIGTERM, signal.SIG_IGN)", ()),
-    "behaves": ("pass", ()),
-}  # fmt: skip
+    name: (deed, tuple(words)) for name, (deed, *words) in _PEERS["deeds"].items()
+}
 
 
 def peer(chance: random.Random, folder: Path, deed: str) -> str:
