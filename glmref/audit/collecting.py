@@ -145,6 +145,8 @@ class Collector:
         partner, holding = self._matched()
         toks, start, depth, k = self.tokens, 0, 0, 0
         by_line = self.language.name in ("go", "javascript")
+        group: list[Token] = []  # ``const`` before the bracket around several of Go
+        ends_group = -1
         while k < len(toks):
             x = toks[k]
             if x.kind == "line":
@@ -161,7 +163,7 @@ class Collector:
                     "/",
                 )
                 if by_line and depth == 0 and ends:
-                    self._statement(toks[start:k])
+                    self._statement([*group, *toks[start:k]])
                     start = k + 1
             elif x.kind == "mark":
                 if (
@@ -180,7 +182,13 @@ class Collector:
                     toks[k:end] = []
                     partner, holding = self._matched()
                     continue
-                if x.text in ("(", "["):
+                head = [t for t in toks[start:k] if t.kind != "line"] if x.text == "(" else []
+                if [t.text for t in head] in (["const"], ["var"]) and self.language.name == "go":
+                    group, ends_group, start = head, partner.get(k, -1), k + 1
+                elif k == ends_group:
+                    self._statement([*group, *toks[start:k]])
+                    group, start = [], k + 1
+                elif x.text in ("(", "["):
                     depth += 1
                 elif x.text in (")", "]"):
                     depth = max(0, depth - 1)
@@ -420,6 +428,8 @@ class Collector:
                     self._lose(found[0], "a DATA statement is not understood", target[0].line)
 
     def _assign(self, row: Sequence[Token], equal: int) -> None:
+        if self._several(row, equal):
+            return
         target = _target(row[:equal], self.language)
         if row[equal].text not in ("=", ":="):  # such as +=
             if target is not None:
@@ -465,6 +475,22 @@ class Collector:
                     self._assign(rest, more)
                 else:
                     self._assign(rest[1:], more)
+
+    def _several(self, row: Sequence[Token], equal: int) -> bool:
+        """Carry out ``a21, a31 = 1 / 5, 3 / 40``; return whether it is one."""
+        if self.language.name not in ("go", "python", "julia", "javascript"):
+            return False
+        word = [x for x in row[:1] if x.text in ("const", "var", "let")]
+        targets = _parts(row[len(word) : equal])
+        values = _parts([x for x in row[equal + 1 :] if x.kind != "line"])
+        if len(targets) < 2 or len(targets) != len(values):
+            return False
+        for target, value in zip(targets, values, strict=True):
+            if _equal([*target, *value]) is not None:  # let a = 1, b = 2
+                return False
+        for target, value in zip(targets, values, strict=True):
+            self._assign([*word, *target, row[equal], *value], len(word) + len(target))
+        return True
 
     def _folder(self, row: Sequence[Token]) -> Folder:
         return Folder(row, self.language, self._look(self.block))
@@ -801,7 +827,7 @@ def _parts(row: Sequence[Token]) -> list[list[Token]]:
     found: list[list[Token]] = [[]]
     depth = 0
     for x in row:
-        depth += (x.text in ("(", "[")) - (x.text in (")", "]"))
+        depth += (x.text in ("(", "[", "{")) - (x.text in (")", "]", "}"))
         if x.text == "," and depth == 0:
             found.append([])
         else:
@@ -816,6 +842,16 @@ def _partner(row: Sequence[Token], at: int) -> int:
         if depth == 0:
             return k
     return len(row)
+
+
+def _angle(row: Sequence[Token]) -> int:
+    """Return the index after the parameters of a template."""
+    depth = 0
+    for k, x in enumerate(row):
+        depth += x.text.count("<") - (x.text.count(">") if x.text != "->" else 0)
+        if depth == 0 and k:
+            return k + 1
+    return 0
 
 
 def _equal(row: Sequence[Token]) -> int | None:
@@ -840,6 +876,8 @@ def _is_definition(row: Sequence[Token], equal: int) -> bool:
 
 def _named(head: Sequence[Token]) -> str:
     """Return the name of the block that words before a brace begin."""
+    if head and head[0].text == "template":  # its parameters are classes, too
+        head = head[_angle(head) :]
     for word in ("class", "struct", "namespace", "enum", "union", "interface", "impl", "trait",
                  "mod",
                  "fn", "func", "function"):  # fmt: skip

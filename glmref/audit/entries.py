@@ -21,7 +21,10 @@ _WORDS = (
     "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
     "moulton nordsieck suzuki embedded solver"
 ).split()
-_PHRASES = re.compile(r"(?<![a-z])rk\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b")
+_PHRASES = re.compile(
+    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|dopri|dormand|fehlberg"
+    r"|cash.?karp|bogacki"
+)
 
 
 def of_subject(text: str) -> bool:
@@ -282,9 +285,10 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
     if len(doubles) >= 2 or (doubles and "21" in words):
         base = 0 if any(j == 0 for _, j in doubles) else 1
         s = max(i for i, _ in doubles)
+        nodes = all((i, 0) in doubles for i in range(2, s + 1)) and min(doubles)[0] > 1
         value: list[Any] = [
             [doubles[i, j].value if (i, j) in doubles else ZERO for j in range(base, s + 1)]
-            for i in range(base, s + 1)
+            for i in range(1 if nodes else base, s + 1)  # c20, c21: the node, and the row
         ]
         found.append(_together(stem, value, list(doubles.values())))
     if len(singles) >= 2 and max(singles) <= 40:

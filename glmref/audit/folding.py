@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from ..catalogue.keys import MAX_SIZE
 from ..errors import ExactnessError
 from ..exact import Exact
 from .lexer import Language, Token
@@ -439,10 +440,13 @@ class Folder:
             if t is None:
                 raise Unread("a bracket is not closed")
             label = self._label()
+            place = self._place()
             x = self._entry(("}",))
             if label:
                 record.fields[label] = x
             else:
+                found += [Number(Exact(0)) if isinstance(x, Number) else []
+                          for _ in range(len(found), place)]  # fmt: skip
                 found.append(x)
             if self.sees(",", ";"):
                 self.at += 1
@@ -460,6 +464,17 @@ class Folder:
             return bounded(found)
         record.values = [("", x) for x in found]
         return record
+
+    def _place(self) -> int:
+        """Pass ``2:`` before an entry of an array of Go, and return the place it names, or 0."""
+        t = self.peek()
+        follows = self.tokens[self.at + 1 : self.at + 2]
+        if self.language.name != "go" or t is None or t.kind != "number" or not follows:
+            return 0
+        if follows[0].text != ":" or not t.text.isdigit() or int(t.text) > MAX_SIZE:
+            return 0
+        self.at += 2
+        return int(t.text)
 
     def _label(self) -> str:
         """Pass ``name:``, ``"name":`` or ``.name =`` before a value and return the name."""

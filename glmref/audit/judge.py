@@ -146,7 +146,7 @@ def _meant(
     found = record["found"]
     if one_row_apart(method):
         for order in range(8, found, -1):
-            mended = at_row(method, order)
+            mended = at_row(method, order) or abscissa(method, order)
             if mended:
                 record["correction"] = mended
                 remarks.append(f"with this entry the order is {order}")

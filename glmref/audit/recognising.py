@@ -119,7 +119,7 @@ def _of_flat(value: list[Any]) -> Iterator[Reading]:
             yield Reading([value[i::s] for i in range(s)], cost=4)
     for diagonal in (0, 1):
         s = (isqrt(8 * n + 1) + 1) // 2 - diagonal
-        if s > 1 + diagonal and n == s * (s - 1) // 2 + diagonal * s:
+        if s > 1 and n == s * (s - 1) // 2 + diagonal * s:
             rows, at = [], 0
             for i in range(s):
                 rows.append([*value[at : at + i + diagonal], *([ZERO] * (s - i - diagonal))])
@@ -288,6 +288,8 @@ def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidat
     if row is None:
         return None
     score = 3 * match + order + (weight is not None and weight.role == "b") - 0.3 * reading.cost
+    if weight is not None:  # rows without a weight may be no stages
+        score -= (0.0, 0.2, 1.2)[min(2, max(0, s - len(weight.value)))]
     return Candidate(array, reading, node, weight, row, order, match, score)
 
 
@@ -304,6 +306,9 @@ def _weights(
         row = _fitted(x.value, s)
         if reading.c is not None and len(x.value) == s + 1 and size(x.value[0]) == 0:
             row = list(x.value[1:])  # 0 | b under c | A
+        if row is None and x.role == "b" and 2 < len(x.value) < s:  # of an array of s entries
+            row = [*x.value, *([ZERO] * (s - len(x.value)))]
+            row = row if order_in(reading, row) > 1 else None
         if row is None or x is node or x is array or x.role in ("error", "gamma", "diagonal"):
             continue
         if x.role == "c":
@@ -670,7 +675,7 @@ def _looks_like(array: Array, made: list[Array]) -> str:
         return ""
     lengths = [len(x) for x in array.value if isinstance(x, list)]
     n = len(array.value)
-    square = len(lengths) == n and (set(lengths) == {n} or lengths == list(range(1, n + 1)))
+    square = len(lengths) == n and n - 1 <= max(lengths) <= n
     lower = square and all(size(x) in (0.0,) or x is ZERO for i, row in enumerate(array.value)
                            for x in row[i + 1 :])  # fmt: skip
     broken = sum(0 < abs(size(x)) and size(x) != round(size(x)) for x in flattened(array.value))
@@ -778,8 +783,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
 
 
 def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
-    """Return whether rows sum to half of the squares of nodes."""
-    if x.match >= MOST_ROWS:
+    """Return whether rows, more than one, sum to half of the squares of nodes."""
+    if x.match >= MOST_ROWS or len(x.reading.A) < 3:
         return False
     return any(
         nodes_in(x.reading, times_of(y, x.reading), 2) >= MOST_ROWS
@@ -862,7 +867,12 @@ _SAID = re.compile(
     r"|\b(first|second|third|fourth|fifth|sixth|seventh|eighth|ninth|tenth)[- ]order\b",
     re.IGNORECASE,
 )
-_PRIMARY = re.compile(r"\b(?:primary|main) order[ :=]+(\d{1,2})\b", re.IGNORECASE)
+#: ``primary order 4``, and of a pair ``order 8(5, 3)``, ``Dormand-Prince 5(4)``.
+_PRIMARY = re.compile(
+    r"\b(?:primary|main) order[ :=]+(\d{1,2})\b"
+    r"|\b(?:order|prince|fehlberg|shampine|karp|verner)(?: of)?[ :=]+(\d{1,2}) ?\(\d",
+    re.IGNORECASE,
+)
 
 
 def _own_order(block: Block, *, above: bool = True) -> int | None:
@@ -929,7 +939,7 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
             low = max(last, min(low, first - 14))
             near = [x for x in remarks if low < x.last and x.line <= table.line]
             said = [m for x in near for m in _SAID.finditer(x.text)]
-            orders = {int(m[1]) for x in near for m in _PRIMARY.finditer(x.text)} or {
+            orders = {int(m[1] or m[2]) for x in near for m in _PRIMARY.finditer(x.text)} or {
                 int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said
             }
             if len(orders) == 1:

@@ -312,6 +312,33 @@ GAUSS = (
     "b(1) = 0.5\nb(2) = 0.5\nc(1) = 1.0/2 - sqrt(3.0)*{0}.0\nc(2) = 1.0/2 + sqrt(3.0)/6\n"
     "end subroutine\n"
 )
+#: Heun's method of order 3 in three forms of Go, and in C with comments, without an order.
+GO_NAMES = (
+    "// Runge-Kutta\nconst (\n\torder = 3\n\ta21 = 1.0 / 3\n\ta31 = 0\n\ta32 = {}\n\tb1 = 0.25\n"
+    "\tb2 = 0\n\tb3 = 0.75\n\tc2 = 1.0 / 3\n\tc3 = 2.0 / 3\n)\n"
+)
+GO_PAIRS = (
+    "// Runge-Kutta\nconst order = 3\nconst c20, c21 = 1. / 3., 1. / 3.\n"
+    "const c30, c31, c32 = 2. / 3., 0., 2. / 3.\nconst b1, b2, b3 = 0.25, 0., {}\n"
+)
+GO_PLACES = (
+    "// Runge-Kutta\nconst order = 3\nvar a = [3][2]float64{{1: {{0: 1. / 3.}}, {{1: {}}}}}\n"
+    "var b, c = [3]float64{{0.25, 2: 0.75}}, [3]float64{{0, 1. / 3., 2. / 3.}}\n"
+)
+HEUN = (
+    "// {}\ndouble a[3][3] = {{{{0}}, {{1./3}}, {{0, {}}}}}, b[3] = {{0.25, 0, 0.75}}, "
+    "c[3] = {{0, 1./3, {}}};"
+)
+#: Two stages by rows with their diagonal, which are not three without.
+PACKED = (
+    "struct Euler {{ int order = 2; double a[3] = {{0, {}, 0}}, b[2] = {{0.5, 0.5}}, "
+    "c[2] = {{0, 1}}; }}; // Runge-Kutta"
+)
+#: Weights of five stages, of which the last are 0 and not written, beside nodes under any name.
+FEWER = (
+    "// Runge-Kutta\nint order = 3; double a[5][5] = {{{{0}}, {{1./3}}, {{0, {}}}, {{0.5, 0.5}}, "
+    "{{0, 0, 0, 1}}}}, b[5] = {{0.25, 0, 0.75}}, t[5] = {{0, 1./3, 2./3, 1, 1}};"
+)
 #: What was accused though it is right, or not read, with its language and its status.
 READ = [
     (  # weights that a function returns, and not the last row of A
@@ -392,6 +419,20 @@ READ = [
     (ROSENBROCK.format(5), "c", "wrong"),
     (GAUSS.format("1/6"), "fortran", "right"),  # one array begins at 0, the others at 1
     (GAUSS.format("1/7"), "fortran", "wrong"),
+    (GO_NAMES.format("2.0 / 3"), "go", "right"),
+    (GO_NAMES.format("2.0 / 5"), "go", "wrong"),
+    (GO_PAIRS.format("0.75"), "go", "right"),
+    (GO_PAIRS.format("0.57"), "go", "wrong"),
+    (GO_PLACES.format("2. / 3."), "go", "right"),
+    (GO_PLACES.format("1. / 3."), "go", "wrong"),
+    (PACKED.format("1"), "c", "right"),
+    (PACKED.format("0.5"), "c", "wrong"),
+    (FEWER.format("2./3"), "c", "right"),
+    (FEWER.format("1./3"), "c", "unread"),
+    (HEUN.format("Heun, order 3(2), dense output of order 2", "2./3", "2./3"), "c", "right"),
+    (HEUN.format("Heun, order 3(2), dense output of order 2", "2./5", "2./3"), "c", "question"),
+    (HEUN.format("Runge-Kutta", "2./3", "2./3"), "c", "found"),
+    (HEUN.format("Runge-Kutta", "2./3", "0"), "c", "question"),  # the sum of the row gives order 3
     (  # the weights do not sum to 1, and nothing declares an order
         "// symplectic\ndouble a[2] = {0.5, 0.5}, b[2] = {0.25, 0.5};",
         "c",
@@ -404,6 +445,11 @@ READ = [
 def test_what_was_accused_or_missed_is_read(text: str, language: str, states: str) -> None:
     found = [judge(x)["status"] for x in tables(text, LANGUAGES[language], about=True)]
     assert found == states.split()
+
+
+def test_the_parameters_of_a_template_are_not_its_name() -> None:
+    text = "template <class T, int N = 2>\nstruct Heun { T A[2][2] = {{0, 0}, {1, 0}}, b[2] = {0.5, 0.5}; };"
+    assert [x.name for x in tables(text, LANGUAGES["c"], about=True)] == ["Heun"]
 
 
 def test_a_name_that_is_used_again_begins_another_table() -> None:
