@@ -145,7 +145,7 @@ def _meant(
         return status
     found = record["found"]
     if one_row_apart(method):
-        for order in range(8, found, -1):
+        for order in range(8, max(found, 2), -1):  # two rows and order 2 are no evidence
             mended = at_row(method, order) or abscissa(method, order)
             if mended:
                 record["correction"] = mended

@@ -762,19 +762,20 @@ def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
     table = Table(title, line, A=[A], b=[b], c=[None])
     if len(call.args) > 2:
         table.rows = [("bhat", vector(run.value(call.args[2])), None)]
-    table.order = _by_name(title, len(b), pair="Pair" in ast.unparse(call.func))
+    table.order = by_name(title, b, pair="Pair" in ast.unparse(call.func))
     table.doubt = "the order is read from the name"
     return table
 
 
-def _by_name(name: str, s: int, *, pair: bool) -> int | None:
-    """Return the order in names as SSP104, ten stages and order 4, and of pairs as BS5."""
+def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
+    """Return the order in names as SSP104, ten stages and order 4, as RK4, and of pairs as BS5."""
     digits = re.search(r"(\d+)$", name)
     if digits is None:
         return None
-    if len(digits[1]) > 1 and digits[1][:-1] == str(s):
-        return int(digits[1][-1])
-    return int(digits[1]) if pair and len(digits[1]) == 1 else None
+    if len(digits[1]) > 1 and digits[1][:-1] == str(len(b)):
+        return int(digits[1][-1]) or None
+    alone = pair or re.fullmatch(r"(?i)(?:runge_?kutta|e?rk)_?\d", name)
+    return int(digits[1]) or None if alone and len(digits[1]) == 1 else None
 
 
 def _shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:

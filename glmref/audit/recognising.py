@@ -21,7 +21,7 @@ from .entries import Array, arrays, of_subject, role_of, size
 from .folding import flattened
 from .kinds import others
 from .lexer import Language, Remark
-from .readers import ORDINALS
+from .readers import ORDINALS, by_name
 from .table import ZERO, Rows, Table
 from .values import Number, Unread
 
@@ -468,13 +468,17 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
     for table in found:
         if table.unread:
             continue
+        again = min((x.line for x in found if x.source == table.source and x.line > table.last),
+                    default=table.last + 26)  # fmt: skip
         for call in calls:
             names = {name for name, _ in call.arguments if name}
-            near = call.line <= table.line <= call.last or 0 <= call.line - table.last <= 25
+            near = table.last <= call.line < min(again, table.last + 26)
+            near = near or call.line <= table.line <= call.last
             if call.called and near and (table.source in names or call is table.block):
                 word = not call.label.isupper() or table.source in names
-                if call.label and word and table.name in (table.source, *path_of(table)):
-                    table.name = call.label
+                label = call.label or (call.name if call.name != call.called else "")
+                if label and word and table.name in (table.source, *path_of(table)):
+                    table.name = label
                 given.setdefault(call.called, []).append((table, call))
                 break
     for pairs in given.values():
@@ -942,7 +946,9 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
             orders = {int(m[1] or m[2]) for x in near for m in _PRIMARY.finditer(x.text)} or {
                 int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said
             }
-            if len(orders) == 1:
-                table.order, table.sure = orders.pop(), False
-                table.doubt = "the order is read from a comment"
+            name = by_name(table.name, table.b[0], pair=bool(table.rows or table.errors))
+            if len(orders) == 1 or name:
+                said_by = "a comment" if len(orders) == 1 else "the name"
+                table.order = orders.pop() if len(orders) == 1 else name
+                table.sure, table.doubt = False, f"the order is read from {said_by}"
         last = max(last, table.last)

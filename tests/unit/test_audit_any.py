@@ -339,6 +339,13 @@ FEWER = (
     "// Runge-Kutta\nint order = 3; double a[5][5] = {{{{0}}, {{1./3}}, {{0, {}}}, {{0.5, 0.5}}, "
     "{{0, 0, 0, 1}}}}, b[5] = {{0.25, 0, 0.75}}, t[5] = {{0, 1./3, 2./3, 1, 1}};"
 )
+#: Two methods under one name of a variable; their own names say stages and order, SSP33 and RK21.
+NAMED = (
+    "# Runge-Kutta\nA = [[0, 0, 0], [1, 0, 0], [1 / 4, 1 / 4, 0]]\nb = [1 / 6, {}, 2 / 3]\n"
+    "RK['SSP33'] = Method(A, b)\nA = [[0, 0, 0], [1 / 3, 0, 0], [0, 2 / 3, 0]]\n"
+    "b = [1 / 4, 0, 3 / 4]\nRK[f(3)] = Method(A, b)\nA = [[0, 0], [1, 0]]\nb = [1 / 2, 1 / 2]\n"
+    "RK['other'] = Method(A, b)\n"
+)
 #: What was accused though it is right, or not read, with its language and its status.
 READ = [
     (  # weights that a function returns, and not the last row of A
@@ -419,6 +426,13 @@ READ = [
     (ROSENBROCK.format(5), "c", "wrong"),
     (GAUSS.format("1/6"), "fortran", "right"),  # one array begins at 0, the others at 1
     (GAUSS.format("1/7"), "fortran", "wrong"),
+    (NAMED.format("1 / 6"), "python", "right found found"),
+    (NAMED.format("1 / 8"), "python", "question found found"),
+    (  # two rows, of which one is not its node: nothing says which method is meant
+        "# Runge-Kutta\nA = [[], [1], [0.5, 0.5]]\nb = [1 / 3, 1 / 3, 1 / 3]\nc = [0, 0.5, 1]\n",
+        "python",
+        "found",
+    ),
     (GO_NAMES.format("2.0 / 3"), "go", "right"),
     (GO_NAMES.format("2.0 / 5"), "go", "wrong"),
     (GO_PAIRS.format("0.75"), "go", "right"),
