@@ -91,7 +91,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         steps = [] if found else list(_splitting(vectors))
         if steps and _SPLITTING.search(text):
             found += steps
-        if not found:
+        if not found and (_SPLITTING.search(text) or _WEIGHTS.search(text)):
             found += _compositions(block, vectors)
     if not found:
         found += _multistep(block, made)
@@ -400,24 +400,40 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
 
 
 def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
-    """Yield weights of a composition that read the same backwards, or half of them."""
+    """Yield weights of a composition that read the same backwards, or half of them.
+
+    Half of them are known by their sum and that of their cubes, 1 and 0, which a list of other
+    numbers has not; with a word, or with the number of steps beside them, by one of the two.
+    """
+    steps = {_whole(x.value) for x in block.items if re.search("stage|step", x.name)}
     for x in vectors:
-        if not _WEIGHTS.search(" ".join([*block.path(), x.name])) or len(x.value) < 3:
-            continue
-        if len(x.value) % 2 == 0 or _letter(x) in ("b", "c", "d"):
-            continue
+        word = _WEIGHTS.search(" ".join([*block.path(), x.name])) is not None
         values = [size(y) for y in x.value]
         same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
-        if abs(sum(values) - 1) > LOOSE and not all(same):
-            continue
-        if sum(same) < len(same) - 2 or min(values) > 0:
+        full = len(values) > 2 and len(values) % 2 == 1 and _letter(x) not in ("b", "c", "d")
+        given: list[Any] = []
+        if word and full and sum(same) >= len(same) - 2 and min(values) <= 0:
+            given = x.value if abs(sum(values) - 1) <= LOOSE or all(same) else []
+        n = max((k for k, y in enumerate(values, 1) if y), default=0)
+        half = [*values[:n], *values[: max(0, n - 1)][::-1]]
+        if not given and n > 1 and min(half) < 0 < max(half):
+            gaps = abs(sum(half) - 1), abs(sum(y**3 for y in half))
+            known = word or 2 * n - 1 in steps
+            if max(gaps) < LOOSE or (known and min(gaps) < LOOSE):
+                given = [*x.value[:n], *x.value[: n - 1][::-1]]
+        if not given:
             continue
 
-        def make(table: Table, x: Array = x) -> None:
-            made = of_weights("", 0, x.value)
+        def make(table: Table, given: list[Any] = given) -> None:
+            made = of_weights("", 0, given)
             table.kind, table.b = made.kind, made.b
 
         yield from _guarded("", x.line, [x], make)
+
+
+def _whole(x: Any) -> int | None:
+    value = x.value.as_fraction() if isinstance(x, Number) else None
+    return value.numerator if value is not None and value.denominator == 1 else None
 
 
 _WEIGHTS = re.compile(r"suzuki|yoshida|composition|(?<![a-z])sy_", re.IGNORECASE)

@@ -11,6 +11,7 @@ import re
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import permutations
 from math import isqrt
 from typing import Any
 
@@ -333,6 +334,13 @@ def _weights(
 
 # --- tables ---------------------------------------------------------------------------------------
 
+#: Words of a text in which a matrix A is that of a method.
+_STRONG = re.compile(
+    r"runge|butcher|tableau|(?<![a-z])rk(?:f|ck|dp)?\d|dopri|dormand|fehlberg|cash.?karp",
+    re.IGNORECASE,
+)
+_PARTS = re.compile(r"explicit|implicit", re.IGNORECASE)
+
 
 def tables(
     text: str,
@@ -365,7 +373,7 @@ def tables(
             if isinstance(item.value, Block) and item.value.user is None:
                 item.value.user = block
     about = about or of_subject(text) or of_subject(where)
-    strong = re.search(r"runge|butcher|tableau", text, re.IGNORECASE) is not None
+    strong = _STRONG.search(text) is not None
     found: list[Table] = []
     for block in everything:
         made = arrays(block, language)
@@ -386,10 +394,29 @@ def tables(
                 break
     _used_by(found, everything, collector)
     declare(found, collector.remarks)
+    found += _in_two_tables(found)
     for table in found:
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
+
+
+def _in_two_tables(found: list[Table]) -> list[Table]:
+    """Return the additive methods whose parts are tables that differ in the word explicit."""
+    made = []
+    read = [x for x in found if not x.unread and x.kind == "rk" and _PARTS.search(x.name)]
+    for x, y in permutations(read, 2):
+        words = [_PARTS.findall(z.name)[0].lower() for z in (x, y)]
+        same = len({_PARTS.sub("", z.name) for z in (x, y)}) == 1 and len(x.b[0]) == len(y.b[0])
+        blocks = [z.block.parent if z.block.kind == "record" else z.block for z in (x, y)]
+        if words == ["explicit", "implicit"] and same and blocks[0] is blocks[1]:
+            table = Table(f"{x.name} with {y.name}", max(x.line, y.line), "additive",
+                          [x.A[0], y.A[0]], [x.b[0], y.b[0]], [x.c[0], y.c[0]],
+                          x.order if x.order is not None else y.order, general=True)  # fmt: skip
+            table.sure, table.last, table.block = x.sure and y.sure, max(x.last, y.last), x.block
+            table.doubt = x.doubt or y.doubt
+            made.append(table)
+    return made
 
 
 def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> None:
@@ -476,7 +503,8 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             near = near or call.line <= table.line <= call.last
             if call.called and near and (table.source in names or call is table.block):
                 word = not call.label.isupper() or table.source in names
-                label = call.label or (call.name if call.name != call.called else "")
+                own = call.name.rpartition(".")[2] != call.called
+                label = call.label or (call.name if own else "")  # what the call is assigned to
                 if label and word and table.name in (table.source, *path_of(table)):
                     table.name = label
                 given.setdefault(call.called, []).append((table, call))
@@ -494,10 +522,14 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
                 best = (good, k)
         if best[0] < 0.6:
             continue
+        others = sum(call.arguments[best[1]][1] != len(t.b[0]) for t, call in pairs
+                     if best[1] < len(call.arguments))  # fmt: skip
+        clear = best[0] > 0.9 and others > 2  # the column is not the number of stages
         for table, call in pairs:
             if best[1] < len(call.arguments) and table.order is None:
                 numbers = {n for _, n in call.arguments if n is not None and 1 <= n <= 14}
-                if call.arguments[best[1]][1] == len(table.b[0]) and len(numbers) > 1:
+                same = call.arguments[best[1]][1] == len(table.b[0])
+                if same and len(numbers) > 1 and not clear:
                     continue  # this may be the number of stages, and another one the order
                 table.order = call.arguments[best[1]][1]
                 table.sure = table.sure and len(pairs) > 2

@@ -329,6 +329,11 @@ HEUN = (
     "// {}\ndouble a[3][3] = {{{{0}}, {{1./3}}, {{0, {}}}}}, b[3] = {{0.25, 0, 0.75}}, "
     "c[3] = {{0, 1./3, {}}};"
 )
+#: Half of the weights of a composition (Suzuki 1990), and the number of all.
+HALF = (
+    "// symplectic\nstatic struct scheme s = {{ .order = 4, .gamma = {{ {}, "
+    "0.41449077179437573714, -0.65796308717750294857, 0, 0 }}, .stages = {} }};"
+)
 #: Two stages by rows with their diagonal, which are not three without.
 PACKED = (
     "struct Euler {{ int order = 2; double a[3] = {{0, {}, 0}}, b[2] = {{0.5, 0.5}}, "
@@ -433,6 +438,10 @@ READ = [
         "python",
         "found",
     ),
+    (HALF.format("0.41449077179437573714", 5), "c", "right"),
+    (HALF.format("0.41449077179437573714", 4), "c", "right"),  # sum and cubes say it, too
+    (HALF.format("0.41449977179437573714", 5), "c", "wrong"),
+    (HALF.format("0.44149077179437573714", 4), "c", ""),  # neither the sum nor the cubes
     (GO_NAMES.format("2.0 / 3"), "go", "right"),
     (GO_NAMES.format("2.0 / 5"), "go", "wrong"),
     (GO_PAIRS.format("0.75"), "go", "right"),
@@ -464,6 +473,16 @@ def test_what_was_accused_or_missed_is_read(text: str, language: str, states: st
 def test_the_parameters_of_a_template_are_not_its_name() -> None:
     text = "template <class T, int N = 2>\nstruct Heun { T A[2][2] = {{0, 0}, {1, 0}}, b[2] = {0.5, 0.5}; };"
     assert [x.name for x in tables(text, LANGUAGES["c"], about=True)] == ["Heun"]
+
+
+def test_tables_of_an_explicit_and_an_implicit_part_are_one_method() -> None:
+    text = (
+        "# Runge-Kutta\nmy_explicit_t = Table(A=[[0, 0], [{}, 0]], b=[1 / 2, 1 / 2], c=[0, 1])\n"
+        "my_implicit_t = Table(A=[[0, 0], [1 / 2, 1 / 2]], b=[1 / 2, 1 / 2], c=[0, 1])\n"
+    )
+    for entry, order in (("1", 2), ("1 / 2", 1)):
+        found = {x.name: x for x in tables(text.format(entry), LANGUAGES["python"])}
+        assert judge(found["my_explicit_t with my_implicit_t"])["found"] == order
 
 
 def test_a_name_that_is_used_again_begins_another_table() -> None:
