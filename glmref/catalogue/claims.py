@@ -365,6 +365,21 @@ GROWTH = ClaimSpec(
         "zeta^{-1} w^ B^ U^ v^ at each of V^"
     ),
 )
+SECOND_ORDER_GROWTH = ClaimSpec(
+    "second-order-growth",
+    list,
+    SINGLE,
+    "second_order_growth",
+    _NUMBERS,
+    (
+        "I1, I3 at each eigenvalue zeta of V of modulus 1 other than 1, by increasing argument in "
+        "[0, 2 pi), where 1 and zeta are simple, the growth parameters are 0 and the underlying "
+        "one-step method has order 2 or more: I3 is the coefficient of z^3 in log(lambda(z)/zeta), "
+        "lambda(z) the eigenvalue of M(z) of `a-stable` that begins in zeta, I1 = zeta^{-1} w B "
+        "diag(d) U v, w and v the eigenvectors, w v = 1, and d h^2 f' f the error of the stages "
+        "to second order (docs/modified.md)"
+    ),
+)
 A_STABLE = ClaimSpec(
     "a-stable",
     bool,
@@ -515,6 +530,7 @@ CLAIMS: Mapping[str, ClaimSpec] = {
         PARASITISM_FREE,
         REDUCIBLE,
         GROWTH,
+        SECOND_ORDER_GROWTH,
         A_STABLE,
         L_STABLE,
         FINISHING_ORDER,

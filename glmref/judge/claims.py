@@ -23,6 +23,7 @@ PROVES = {
                         "eigen* grows|unbounded|residues"),
     "growth": ("eigen* growth|bounded* unshared|residues",
                "eigen* grows|unbounded|bounded* unshared|residues"),
+    "second-order-growth": ("eigen* second-order", "eigen* other-second-order"),
     "abscissae": ("abscissae", "other-abscissae|no-order-1"),
     "error-constant": ("error-constant", "other-error-constant"),
     "embedded-difference": ("differences", "no-differences"),
@@ -41,7 +42,14 @@ MODIFIED = {  # orders of the underlying one-step method, on systems y' = f(y)
 SECOND = {"stage-order": "stage-order", "starting-order": "start",
           "nystrom-starting-order": "start", "finishing-order": "finish", **MODIFIED}  # fmt: skip
 
-VALUES = ("growth", "abscissae", "error-constant", "embedded-order", "order-to-digits")
+VALUES = (
+    "growth",
+    "second-order-growth",
+    "abscissae",
+    "error-constant",
+    "embedded-order",
+    "order-to-digits",
+)
 
 ABSENT = {  # claim: key of the document that it is about, the value where there is none
     "embedded-order": ("embedded", {}), "embedded-difference": ("embedded", False),
@@ -58,7 +66,7 @@ ADDITIVE = {  # claims of methods for a sum of right-hand sides
 OF_PAIRS = {"nystrom-order", "nystrom-starting-order", "reducible"}
 
 OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced",
-                 "conjugate-symplectic", *MODIFIED}  # fmt: skip
+                 "conjugate-symplectic", "second-order-growth", *MODIFIED}  # fmt: skip
 
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip

@@ -27,6 +27,7 @@ from .rules_modified import MODIFIED_RULES
 from .rules_orders import ORDER_RULES
 from .rules_residues import RESIDUE_RULES
 from .rules_rows import ROW_RULES, check_rows
+from .rules_second import SECOND_RULES
 from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
 from .rules_structure import STRUCTURE_RULES
@@ -38,7 +39,7 @@ RULES: dict[str, Rule] = {
     for family in (
         ORDER_RULES, START_RULES, GROWTH_RULES, RESIDUE_RULES, FORM_RULES, SYMMETRY_RULES,
         STRUCTURE_RULES, STABILITY_RULES, ROW_RULES, DIGIT_RULES, ENCLOSED_RULES,
-        MODIFIED_RULES,
+        MODIFIED_RULES, SECOND_RULES,
     )
     for rule in family
 }  # fmt: skip

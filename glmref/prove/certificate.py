@@ -760,6 +760,10 @@ class _Writer:
             return [*parts, {"rule": "growth", "witness": {}}]
         return [*parts, {"rule": "grows", "witness": {"part": self._growing(declared)}}]
 
+    def _second_order_growth(self) -> list[Part]:
+        rule = "second-order" if self.holds else "other-second-order"
+        return [*self._eigen()[0], {"rule": rule, "witness": {}}]
+
     def _growing(self, declared: list[Any]) -> int:
         """Return the part whose parameters are not those declared; -1 if their number differs."""
         groups = self.kernel._growth_matrices(self._witness())

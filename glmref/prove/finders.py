@@ -6,6 +6,7 @@ One function for each claim that needs a witness, and the sentences that explain
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from ..catalogue.claims import (
@@ -19,6 +20,7 @@ from ..catalogue.claims import (
     PARASITISM_FREE,
     PRECONSISTENT,
     REDUCIBLE,
+    SECOND_ORDER_GROWTH,
     SYMMETRIC,
     SYMMETRIC_REDUCED,
     SYMPLECTIC,
@@ -174,6 +176,13 @@ def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
     return shown
 
 
+def _second_order_growth(facts: Facts) -> Proposal:
+    shown = None
+    with suppress(ExactnessError):  # the kernel says why
+        shown = [shown_number(x) for x in facts.kernel.invariants]
+    return Proposal(lambda: facts.eigen, shown)
+
+
 def _abscissae(facts: Facts) -> Proposal:
     c = facts.abscissae
     return Proposal(value=None if c is None else [shown_number(x) for x in c])
@@ -203,6 +212,7 @@ _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
     SYMMETRIC_REDUCED.key: _symmetric_reduced,
     PARASITISM_FREE.key: _parasitism,
     GROWTH.key: _growth,
+    SECOND_ORDER_GROWTH.key: _second_order_growth,
     ABSCISSAE.key: _abscissae,
     ERROR_CONSTANT.key: _error_constant,
     REDUCIBLE.key: _reducible,

@@ -37,6 +37,7 @@ from ..catalogue.claims import (
     NYSTROM_ORDER,
     ORDER,
     ORDER_IDENTITY,
+    SECOND_ORDER_GROWTH,
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
@@ -95,6 +96,7 @@ _ZERO, _ONE = Exact(0), Exact(1)
 #: What the numbers of a claim are called in a sentence.
 _CALLED: Mapping[str, str] = {
     GROWTH.key: "growth parameters",
+    SECOND_ORDER_GROWTH.key: "invariants of second order",
     ABSCISSAE.key: "abscissae",
     ERROR_CONSTANT.key: "error constant",
 }

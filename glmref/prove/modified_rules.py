@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ..errors import ExactnessError, UsageError
+from ..exact import Scalar
 from ..exact.linalg import Matrix
 from ..theory.backward import (
     LARGEST_CONJUGATE,
@@ -16,10 +17,12 @@ from ..theory.backward import (
     hamiltonian_reach,
 )
 from ..theory.coefficients import is_zero
+from ..theory.second_order import second_order
 from ..theory.series import Series
 from ..theory.starting_series import NotPreconsistent
 from ..theory.trees import single
 from ..theory.underlying import UnderlyingMethod
+from .algebra import compared
 from .ranges import Known, Range
 
 #: Orders through which trees are taken, one after another until a condition fails.
@@ -82,3 +85,16 @@ class ModifiedRules:
             return Known(True)
         found = self._conjugate_symplectic_order
         return Known(None if found.upper is None else False, reason=found.sentence)
+
+    @cached_property
+    def invariants(self) -> tuple[Scalar, ...]:
+        """I1 and I3 at one eigenvalue of V of modulus 1 other than 1 after the other."""
+        found = second_order(self.method, self._underlying)
+        return tuple(y for x in found for y in (x.I1, x.I3))
+
+    def _second_order_growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
+        """Judge whether the declared numbers are the invariants of second order."""
+        found = self.invariants
+        if len(found) != len(declared):
+            return Known(False, True, f"{len(found)} invariants found, {len(declared)} declared")
+        return compared(found, declared, exact=True)

@@ -21,14 +21,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..method import Component, Method
-from .coefficients import scalars
+from .coefficients import is_zero, plus, scalars
 from .parasitism import growth
 from .spectrum import eigenvectors
-from .trees import Tree
+from .trees import Tree, single
 from .underlying import UnderlyingMethod
 
 
@@ -52,7 +53,7 @@ class SecondOrder:
     I3: Scalar
 
 
-def second_order(m: Method) -> tuple[SecondOrder, ...]:
+def second_order(m: Method, series: UnderlyingMethod | None = None) -> tuple[SecondOrder, ...]:
     """Return the invariants of second order at the parasitic eigenvalues, by argument.
 
     On marked trees, x a leaf that stands for phi, tau with w tau = 0 of the parasitic starting map,
@@ -62,12 +63,16 @@ def second_order(m: Method) -> tuple[SecondOrder, ...]:
     Parameters
     ----------
     m : Method
-        Of one component, order 3 or more, with exact V, and simple eigenvalues of modulus one.
+        Of one component, with exact V, and simple eigenvalues of modulus one.
+    series : UnderlyingMethod or None
+        Its series in the output gauge, where it is known.
 
     Raises
     ------
     ExactnessError
-        Where a growth parameter is not zero, or that or the eigenvalues are open.
+        Where a growth parameter is not zero, or that or the eigenvalues are open, or where the
+        underlying one-step method is not shown to have order 2: then f'' along the solution is no
+        total derivative.
     """
     found = growth(m)
     if found.free is not True and (found.free is False or not found.growths):
@@ -76,8 +81,10 @@ def second_order(m: Method) -> tuple[SecondOrder, ...]:
         )
     if any(g.multiplicity > 1 for g in found.growths):
         raise ExactnessError("growth of second order needs simple eigenvalues of modulus one")
-    start = UnderlyingMethod.of_method(m).through(2)
+    start = (series or UnderlyingMethod.of_method(m)).through(2)
     t = Tree("[o]")
+    if any(is_zero(plus(start.phi[x], Fraction(-1, x.order))) is False for x in (single(), t)):
+        raise ExactnessError("growth of second order needs a method of order 2 or more")
     bend = scalars(start.defect(t, start.abscissae("o"), start.value(t)))
     return tuple(_second_order_at(m.components[0], g.eigenvalue, bend) for g in found.growths)
 

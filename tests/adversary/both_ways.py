@@ -70,6 +70,7 @@ VALUES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("eigen * growth", "bounded * unshared", "implied"),
         ("eigen * grows ~", "unbounded ?", "bounded * unshared", "implied"),
     ),
+    "second-order-growth": (("eigen * second-order", "implied"), ("eigen * other-second-order",)),
     "abscissae": (("abscissae", "implied"), ("other-abscissae", "no-order-1 ?")),
     "error-constant": (("error-constant",), ("other-error-constant",)),
 }

@@ -652,6 +652,33 @@ class Oracle:
                     return False
         return True
 
+    def _second_order_growth(self, declared: list[str]) -> bool:
+        m, solve = self.method.parts["o"], self.margin.solve
+        (u, *_), groups = ones_of(self.method, self.margin, "o"), self._groups()
+        if any(len(M) > 1 or not (one or self.loosely(flat(M))) for _, M, one in groups):
+            raise Undecided("eigenvalues are multiple, or a growth parameter is not 0")
+        shift = plus(eye(m.r), m.V, -1)
+        v = u and solve(shift, [sum(x) - y for x, y in zip(m.B, u, strict=True)])
+        if v is None:
+            raise Undecided("the method is not consistent")
+        c = [sum(x) + y for x, y in zip(m.A, at(m.U, v), strict=True)]
+        x = solve(shift, [a - b / 2 - d for a, b, d in zip(at(m.B, c), u, v, strict=True)])
+        if x is None:
+            raise Undecided("the order is below 2")
+        bend = [a + b - d * d / 2 for a, b, d in zip(at(m.A, c), at(m.U, x), c, strict=True)]
+        found, step = [], mp.mpf(10) ** -15
+        for z in sorted(
+            (z for z, _, one in groups if not one), key=lambda z: mp.arg(z) % (2 * mp.pi)
+        ):
+            (w,), (n,) = self._null(transposed(m.V), z), self._null(m.V, z)
+            moved = [a * b for a, b in zip(at(m.U, n), bend, strict=True)]
+            logs = [mp.log(min(mp.eig(mp.matrix(self.at(h)), left=False, right=False),
+                               key=lambda y: abs(y - z)) / z) for h in (step, -step)]  # fmt: skip
+            found += [dot(w, at(m.B, moved)) / dot(w, n) / z, (logs[0] - logs[1]) / (2 * step**3)]
+        given = [Reader({})(x) for x in declared]
+        close = [abs(x - y) for x, y in zip(found, given, strict=False)]
+        return len(found) == len(given) and max(close, default=0) < mp.mpf(10) ** -20
+
     def at(self, z: Number) -> Matrix:
         """Return M(z)."""
         m = self.file.linear()

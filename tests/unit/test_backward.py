@@ -16,10 +16,15 @@ from hypothesis import strategies as st
 
 import glmref
 from glmref import Tree, from_rk, load, modified
-from glmref.catalogue.claims import CONJUGATE_SYMPLECTIC, ENERGY_ORDER, HAMILTONIAN_TO_ORDER
+from glmref.catalogue.claims import (
+    CONJUGATE_SYMPLECTIC,
+    ENERGY_ORDER,
+    HAMILTONIAN_TO_ORDER,
+    SECOND_ORDER_GROWTH,
+)
 from glmref.engine.reference import stepper
 from glmref.errors import ExactnessError, UsageError
-from glmref.exact import linalg
+from glmref.exact import exact, linalg
 from glmref.exact.expression import parse
 from glmref.findings import Verdict
 from glmref.judge import rules_modified
@@ -593,6 +598,68 @@ def test_the_trace_rule_needs_its_hypotheses():
     cubes = [linalg.matmul(x, x, x) for x in (A, other)]
     traces = [sum(x[i][i] for i in range(len(A))) for x in cubes]
     assert (traces[0] + traces[1]).is_zero() is False
+
+
+def _floquet(method, steps, digits=40):
+    """Return the rate per h^2 and unit of time of the part at -1, predicted and of the whole method.
+
+    On the orbit of the pendulum through (1.2, 0), for as many steps as its period has.
+    """
+    (found,) = second_order(method)
+    engine = stepper(method, glmref.problem("pendulum"), digits=digits)
+    with mpmath.workdps(digits):
+        q, small = mpmath.mpf(6) / 5, mpmath.mpf(10) ** -20
+        period = 4 * mpmath.ellipk(mpmath.sin(q / 2) ** 2)
+        h = period / steps
+        start = modified(method, 4).start_at(glmref.problem("pendulum"), [q, 0], h, digits=digits)
+        runs, angles = [start, *(start + small * x.reshape(2, 2) for x in np.eye(4, dtype=int))], []
+        for _ in range(steps):
+            angles.append(engine.solution(runs[0])[0])
+            runs = [engine.step(0, x, h).values for x in runs]
+        whole = mpmath.matrix([list(((x - runs[0]) / small).reshape(4)) for x in runs[1:]])
+        parts = mpmath.eig(whole, left=False, right=False)
+        one = next(x for x in parts if x.real < 0)
+        (V2, V22, bent) = (sum(map(f, angles)) / steps for f in (
+            mpmath.cos, lambda x: mpmath.cos(x) ** 2, lambda x: mpmath.sin(x) ** 2))  # fmt: skip
+        I1, I3 = (found.I1.to_mpf(), found.I3.to_mpf())
+        predicted = mpmath.sqrt(I3 * V2 * (I3 * V22 - I1 * bent) * -1)
+        return abs(predicted), abs(mpmath.log(-one)) / (h * h * period)
+
+
+@pytest.mark.slow
+def test_a_parasitic_part_turns_as_the_invariants_say():
+    coarse, fine = (seen / told for told, seen in (_floquet(load("g4123"), n) for n in (41, 81)))
+    limit = fine + (fine - coarse) / ((81 / 41) ** 2 - 1)  # the error is of order h^2
+    assert float(limit) == pytest.approx(1, abs=1e-3)
+
+
+def test_invariants_are_proved_and_near_misses_refuted():
+    def verdict(value, method):
+        claims = {SECOND_ORDER_GROWTH.key: value}
+        (finding,) = verify(replace(method, claims=claims), only=list(claims))
+        return finding.verdict
+
+    method = load("s4-symmetric")
+    stated = method.claims[SECOND_ORDER_GROWTH.key]
+    assert verdict(stated, method) is Verdict.HOLDS
+    for other in (
+        stated[:2],
+        [*stated[:3], "1/97"],
+        [stated[0] + "+1/1000000000", *stated[1:]],
+        [],
+    ):
+        assert verdict(other, method) is Verdict.FAILS
+    # an entry of A that is wrong by 1/1000 leaves no growth parameter at 0, and order 1
+    assert verdict(stated, _twin(method)) is Verdict.OPEN
+    # another root: of x^2 + x + 1 in V that of x^2 + 1
+    turned = ((F(0), F(-1)), (F(1), F(0)))
+    V = tuple(
+        tuple(exact(turned[i - 1][j - 1]) if i and j else x for j, x in enumerate(row))
+        for i, row in enumerate(method.V)
+    )
+    assert verdict(stated, replace(method, V=V, document=None)) is not Verdict.HOLDS
+    assert verdict(["0", "0"], load("leapfrog")) is Verdict.OPEN  # its growth parameter is not 0
+    assert verdict([], load("rk4")) is Verdict.HOLDS
 
 
 @pytest.mark.parametrize("module", [modified_module])

@@ -12,14 +12,16 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from ...catalogue.claims import SECOND_ORDER_GROWTH
 from ...catalogue.reader import load_document
 from ...catalogue.writer import SYMMETRIC
 from ...errors import ExactnessError, UsageError
 from ...exact import Exact
-from ...exact.expression import parse
+from ...exact.expression import parse, to_text
 from ...findings import Proof
 from ...prove.starting import target_of
 from ...prove.verifier import verify
+from ...theory.second_order import second_order
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, least_growth, solve_forms
 from .record import (
@@ -60,6 +62,9 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     if forms is None:
         return _refusal(member, candidates)
     document = _document(member, forms, options["z"].replace(" ", ""), z)
+    invariants = second_order(load_document(document, where=document["name"]))
+    found = [to_text(y) for x in invariants for y in (x.I1, x.I3)]
+    document["claims"][SECOND_ORDER_GROWTH.key] = found
     progress("proof", 2, 3)
     statements = [_prove(document)]
     on_record = document["name"] in rough_starts()

@@ -1,0 +1,103 @@
+"""Rules for the growth of second order in h of parasitic components (section 5)."""
+
+from __future__ import annotations
+
+from functools import cached_property, partial
+
+from .arithmetic import Fraction
+from .linalg import apply, combine, diagonal, dot, inverse_matrix, less, minus, placewise, times
+from .numbers import apart, conj, vanishes
+from .rule import NoWitness, Rule, Space
+from .rules_growth import GrowthCase
+from .rules_modified import Underlying
+from .trees import LEAF, Tree
+
+PATH: Tree = ("o", (LEAF,))
+SOURCE = "Hairer, Lubich, Wanner (2006), XIV.3; docs/modified.md; docs/certificates.md, section 5"
+
+
+class SecondCase(GrowthCase):
+    """A part about I1 and I3 of the parasitic components of one method."""
+
+    @cached_property
+    def underlying(self) -> Underlying:
+        """Return the series of the underlying one-step method."""
+        return self.proof.record.known(("underlying",), partial(Underlying, self.method))
+
+    @cached_property
+    def bend(self) -> list:
+        """Return xi([o]) - xi(o)^2/2 at the stages."""
+        self.underlying.advance(3)  # eta([o]) belongs to the conditions of order 3
+        c = self.underlying.stages(LEAF)
+        return less(self.underlying.stages(PATH), [x * x * Fraction(1, 2) for x in c])
+
+    @cached_property
+    def invariants(self) -> list:
+        """Return I1 and I3 of one eigenvalue other than 1 after the other."""
+        return [y for x in self.others("o") for y in self.of_simple(x)]
+
+    def of_simple(self, x: Space) -> list:
+        """Return I1 and I3 of a simple eigenvalue: z^3 in lambda(z)/zeta, where z has 0."""
+        m, (W,), N = self.method.single(), x.W, [row[0] for row in x.N]
+        slopes, moved = [apply(m.U, N)], []
+        I1 = dot(W, apply(m.B, placewise(len(m.A), [slopes[0], self.bend])))
+        onto = times(x.N, x.W)
+        shift = minus(diagonal([x.zeta] * m.r), m.V)
+        reduced = minus(inverse_matrix(combine(shift, onto)), onto)  # of zeta - V, 0 at N
+        for _ in range(2):  # A (I - zA)^-1 U and the eigenvector, by powers of z
+            moved.append(apply(reduced, apply(m.B, slopes[-1])))
+            inner, outer = apply(m.A, slopes[-1]), apply(m.U, moved[-1])
+            slopes.append([a + b for a, b in zip(inner, outer, strict=True)])
+        return [conj(x.zeta) * I1, conj(x.zeta) * dot(W, apply(m.B, slopes[-1]))]
+
+    @cached_property
+    def gap(self) -> list:
+        """Return the invariants less those declared."""
+        return less(self.invariants, self.claimed)
+
+
+def one_map_of_order_2_underlies_the_method(case: SecondCase) -> bool:
+    """1 is a simple eigenvalue of V, and the map Phi is y + h f + h^2 f' f / 2 + .."""
+    u, _ = case.method.vectors_to_one("o", consistent=True)
+    if u is None or sum(len(x.W) for x in case.spectra["o"] if not bool(x.zeta - 1)) != 1:
+        return False
+    return vanishes(case.underlying.map(PATH) - Fraction(1, 2))
+
+
+def eigenvalues_are_simple(case: SecondCase) -> bool:
+    """Every eigenvalue of V of modulus 1 is simple."""
+    return all(len(x.W) == 1 for x in case.others("o"))
+
+
+def growth_parameters_are_0(case: SecondCase) -> bool:
+    """Every growth parameter is 0."""
+    return all(vanishes(x.matrices) for x in case.parasitic.values())
+
+
+def invariants_are_those_declared(case: SecondCase) -> bool:
+    """I1 and I3 of each eigenvalue other than 1 are declared, and no other numbers."""
+    return len(case.claimed) == len(case.invariants) and vanishes(case.gap)
+
+
+def another_number_is_declared(case: SecondCase) -> bool:
+    """More or fewer numbers than I1 and I3 of each eigenvalue are declared, or another one."""
+    return len(case.claimed) != len(case.invariants) or any(map(apart, case.gap))
+
+
+_SUPPOSED = (one_map_of_order_2_underlies_the_method, eigenvalues_are_simple,
+             growth_parameters_are_0)  # fmt: skip
+_THEOREM = (
+    "where the growth parameters are 0, a parasitic component obeys phi' = h^2 (I3 f' f' f' phi + "
+    "I1 f''(f' f, phi)), but for rotations, commutators and total derivatives along the solution"
+)
+
+SECOND_RULES = (
+    Rule(
+        "second-order", "second-order-growth", "holds", _THEOREM, SOURCE, NoWitness, SecondCase,
+        (*_SUPPOSED, invariants_are_those_declared),
+    ),
+    Rule(
+        "other-second-order", "second-order-growth", "fails", _THEOREM, SOURCE, NoWitness,
+        SecondCase, (*_SUPPOSED, another_number_is_declared),
+    ),
+)  # fmt: skip
