@@ -8,7 +8,7 @@ import time
 
 
 def seconds(code: str, repeat: int = 5) -> float:
-    """Best of a few fresh interpreters, less the time of an empty one."""
+    """Return the best of a few fresh interpreters, less the time of an empty one."""
 
     def best(text: str) -> float:
         times = []

@@ -36,7 +36,7 @@ def counts() -> str:
 
 
 def source(record: Mapping[str, Any]) -> str:
-    """Commit, date and licence of a code."""
+    """Return the commit, date and licence of a code."""
     x = record["source"]
     return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) of {x['date']}, {x['licence']}"
 

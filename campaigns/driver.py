@@ -155,7 +155,7 @@ def _one(task: Mapping[str, Any]) -> Any:
 
 @cache
 def _sources() -> str:
-    """Hash of what a row depends on besides its case: this package, what it uses, campaigns."""
+    """Return a hash of what a row depends on besides its case: this package and what it uses."""
     digest = hashlib.sha256(json.dumps(identity(), sort_keys=True).encode())
     for path in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(path.read_bytes())
@@ -163,7 +163,7 @@ def _sources() -> str:
 
 
 def fingerprint(name: str) -> str:
-    """Hash of the coefficients of a method and of the orders it claims."""
+    """Return a hash of the coefficients of a method and of the orders it claims."""
     doc = document(name)
     parts: dict[str, Any] = {key: x for key, x in doc.items() if key not in _WORDS}
     parts["claims"] = {kind: doc["claims"].get(kind) for kind in ORDERS}

@@ -135,7 +135,7 @@ def followed(name: str, on: str, h: float, steps: int, renewed: int) -> dict[str
 
 
 def verdict(run: Mapping[str, Any]) -> str:
-    """``bounded``, ``grows`` or ``lost``; ``too coarse`` or ``not run`` where there is none."""
+    """Return ``bounded``, ``grows`` or ``lost``; else ``too coarse`` or ``not run``."""
     if run["outcome"] == "not run":
         return "not run"
     energy = [math.inf if x is None else x for x in run["energy"]]

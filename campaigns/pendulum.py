@@ -100,7 +100,7 @@ def _rest(method: Any, run: Any) -> np.ndarray:
 
 
 def _doublings(t: np.ndarray, deviation: np.ndarray, rest: np.ndarray) -> list[dict[str, float]]:
-    """Size of the deviation and of the values beyond the solution over T/2 .. T, T = t_end/2^k."""
+    """Return deviation and size of the values beyond the solution over T/2 .. T, T = t_end/2^k."""
     rows, end = [], float(t[-1])
     while end >= float(t[-1]) / 2**20:
         inside = (t > end / 2) & (t <= end)

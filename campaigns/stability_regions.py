@@ -233,7 +233,7 @@ def simplified(points: list[Point], near: float) -> list[Point]:
 
 
 def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
-    """Moduli up to 2 of the eigenvalues, by size, along h omega."""
+    """Return the moduli up to 2 of the eigenvalues, by size, along h omega."""
     marks = np.linspace(0, reach, _SAMPLES + 1)
     matrices = amplification(whole, marks)
     finite = np.all(np.isfinite(matrices), axis=(1, 2))
@@ -253,7 +253,7 @@ def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
 
 
 def names_with_region() -> list[str]:
-    """Methods whose stability depends on one number z: a method of k parts has z_1, ..., z_k."""
+    """Return methods whose stability depends on one z: one of k parts has z_1, ..., z_k."""
     return [name for name in names("methods") if document(name)["class"] not in WITHOUT]
 
 

@@ -20,7 +20,7 @@ TEXT = PAGE.read_text(encoding="utf-8")
 
 
 def changed(record, name):
-    """The record with one thing in it another."""
+    """Return the record with one thing in it another."""
     found = copy.deepcopy(record)
     if name == "held-out-digits":  # the method that needs least at 1e-12 needs more
         least = cheapest("second order", shares("second order", "1e-12")[0])

@@ -61,7 +61,7 @@ def energy_error(checkpoint):
 
 
 def phase_drift(checkpoint, h):
-    """(phase - t)/t of a state: with k = sin(q_0/2), sin(q/2) = k sn(t + K), p = 2 k cn(t + K)."""
+    """Return (phase - t)/t: with k = sin(q_0/2), sin(q/2) = k sn(t + K), p = 2 k cn(t + K)."""
     (q, p), t, m = checkpoint["values"][0], checkpoint["steps"] * h, math.sin(1.15) ** 2
     quarter = ellipk(m)
     late = ellipkinc(math.atan2(math.sin(q / 2), p / 2), m) - quarter - t
@@ -96,7 +96,7 @@ def test_a_state_one_step_off_or_of_a_lost_run_is_not_on_the_orbit():
 
 
 def slope(rows):
-    """Exponent of the root mean square over the last five doublings of time."""
+    """Return the exponent of the root mean square over the last five doublings of time."""
     t, rms = np.log([[row["t"], row["rms"]] for row in rows[-5:]]).T
     return float(np.polyfit(t, rms, 1)[0])
 

@@ -95,7 +95,7 @@ SAMPLE = ("euler", "rk4", "bdf-3", "gsymplectic-n", "dimsim-2-type-1", "stormer-
 
 
 def numbers(found):
-    """All numbers of a row, in order."""
+    """Return all numbers of a row, in order."""
     texts = [x for value in found.values() if isinstance(value, list) for x in value]
     flat = [value for text in texts for point in points(text) for value in point]
     return [*flat, *(x for x in found.values() if isinstance(x, float))]

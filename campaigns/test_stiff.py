@@ -17,7 +17,7 @@ DIAGONALLY_IMPLICIT = (
 
 
 def distinct_diagonals(method):
-    """Diagonal entries of A that differ, zero left out: decided exactly."""
+    """Return the diagonal entries of A that differ, zero left out, decided exactly."""
     found = []
     for i in range(method.s):
         x = method.A[i][i]

@@ -166,12 +166,12 @@ def _best(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def winners(document: Mapping[str, Any]) -> dict[str, int]:
-    """In how many cases each is the fastest."""
+    """Count in how many cases each is the fastest."""
     return dict(Counter(_best(entry["methods"])["method"] for entry in document["cases"]))
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """Milliseconds, in brackets evaluations, in Markdown; the fastest of a case is bold."""
+    """Tabulate milliseconds, in brackets evaluations; the fastest of a case is bold."""
     names = [*METHODS, *PEERS]
     rows = []
     for entry in document["cases"]:

@@ -135,7 +135,7 @@ class _Collocation:
             return None
 
     def _estimate(self, h: Any, slopes: np.ndarray, scale: np.ndarray) -> Any:
-        """Size of the highest Legendre coefficient of h f over the step, relative to y."""
+        """Return the size of the highest Legendre coefficient of h f in a step, relative to y."""
         return max(abs(x) for x in h * (self.highest @ slopes) / scale)
 
 

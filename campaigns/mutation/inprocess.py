@@ -53,7 +53,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def _numbered(code: CodeType) -> dict[tuple[str, int], CodeType]:
-    """Qualified name, and number among those of the same name -> code."""
+    """Return qualified name, and number among those of the same name -> code."""
     found: dict[tuple[str, int], CodeType] = {}
     for inner in codes(code):
         number = 0
@@ -142,7 +142,7 @@ def _rebind(module: ModuleType, code: CodeType) -> None:
 
 @cache
 def _every(kind: type) -> list[Any]:
-    """Functions, or caches of functions, that there are; found once, before children are made."""
+    """Return all functions, or caches of functions; found once, before children are made."""
     gc.unfreeze()  # what is frozen is not listed
     # a proxy of something that is gone cannot be asked by isinstance
     return [x for x in gc.get_objects() if issubclass(type(x), kind)]
@@ -256,7 +256,7 @@ class Bench:
         return chosen
 
     def _on_import(self, module: Path, function: str) -> bool:
-        """Whether no test calls it: what is in no function, and functions called on import."""
+        """Return whether no test calls it: what is in no function or is called on import."""
         return all(function not in x["calls"].get(str(module), ()) for x in self.calls.values())
 
     def judged(self, module: Path, mutant: Mutant) -> tuple[str, str, float]:
@@ -304,7 +304,7 @@ class Bench:
 def child(
     work: Callable[[], Any], seconds: float, folder: Path, *, kernels_too: bool = False
 ) -> tuple[int, float]:
-    """Work in a child within so much processor time; its status, and the time that it took."""
+    """Work in a child within so much processor time; return its status and the time it took."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     sys.stdout.flush()
     number = os.fork()

@@ -78,7 +78,7 @@ def mutants(source: str) -> Iterator[Mutant]:
 
 
 def _functions(tree: ast.Module) -> dict[int, str]:
-    """Qualified names of the outermost functions in whose bodies nodes are."""
+    """Return the qualified names of the outermost functions in whose bodies nodes are."""
     found: dict[int, str] = {}
 
     def look(node: ast.AST, prefix: str) -> None:

@@ -69,7 +69,7 @@ def bound(found: Mapping[str, Any], stages: int, unit: Mapping[str, Any]) -> flo
 
 
 def table(document: Mapping[str, Any]) -> str:
-    """Time in units of :data:`UNIT`, evaluations of a stage in a step, and the bound; Markdown."""
+    """Tabulate time in units of :data:`UNIT`, evaluations of a stage in a step, and the bound."""
     cases = [x["case"] for x in document["cases"]]
     rows = []
     for name in METHODS:

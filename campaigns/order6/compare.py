@@ -196,7 +196,7 @@ def bracket(runs: Sequence[Run], target: float) -> tuple[Run, ...]:
 
 
 def at_error(runs: Sequence[Run], target: float) -> dict[str, float | None] | None:
-    """Seconds, evaluations and steps at an error, interpolated; ``None`` where not met."""
+    """Return seconds, evaluations and steps at an error, interpolated; ``None`` where not met."""
     found = bracket(runs, target)
     if not found:
         return None

@@ -191,7 +191,7 @@ def scan_rate(case: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _looks(rows: int) -> list[int]:
-    """Row numbers at which to form the parasitic part: spread as the samples are, in stretches."""
+    """Return row numbers at which to form the parasitic part: spread as samples, in stretches."""
     step = max(1, rows // (14 * LOOKS))
     return sorted({*range(0, rows, step), rows - 1})
 

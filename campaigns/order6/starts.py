@@ -68,7 +68,7 @@ def kinds(name: str) -> list[str]:
 
 
 def amplitudes(name: str, kind: str) -> dict[str, Any]:
-    """Parasitic part that a start leaves on Kepler's problem, and the power of h with which."""
+    """Return the parasitic part a start leaves on Kepler's problem, and its power of h."""
     method = load(name)
     assert isinstance(method, GLM)
     engine = stepper(method, problem("kepler", **KEPLER), digits=DIGITS)
@@ -101,7 +101,7 @@ def final_errors(name: str, kind: str) -> dict[str, Any]:
 
 
 def loss_times(name: str, kind: str, *, h: float = 0.1, steps: int = 100_000) -> float | None:
-    """Time at which a method with growth is lost on the pendulum from 2.3 radians."""
+    """Return the time at which a method with growth is lost on the pendulum from 2.3 radians."""
     method, subject = load(name), problem("pendulum", q0="23/10")
     assert isinstance(method, GLM)
     values, _ = begin(kind, stepper(method, subject), np.array(subject.y0, dtype=float), h)
@@ -121,7 +121,7 @@ def start_row(case: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def loss_row(case: Mapping[str, Any]) -> dict[str, Any]:
-    """When a method is lost that began with a start."""
+    """Return when a method is lost that began with a start."""
     return {**case, "lost": loss_times(case["method"], case["start"])}
 
 

@@ -43,7 +43,7 @@ POINTS = tuple(k / 100 for k in range(1, 9))
 
 
 def methods() -> list[str]:
-    """Real general linear methods of order 6 and 8 with several values, in order of the name."""
+    """Return real general linear methods of order 6 and 8 with several values, by name."""
     found = []
     for name in names("methods"):
         doc = document(name)
@@ -54,7 +54,7 @@ def methods() -> list[str]:
 
 
 def frequencies(method: GLM) -> list[dict[str, float]]:
-    """c2 and c3 of each parasitic eigenvalue, by increasing argument in (0, pi]."""
+    """Return c2 and c3 of each parasitic eigenvalue, by increasing argument in (0, pi]."""
     four_digits = method.to_float()
     A, U, B, V = four_digits.A, four_digits.U, four_digits.B, four_digits.V
     found = []
@@ -88,7 +88,7 @@ def _largest(matrix: Sequence[Sequence[Any]]) -> float:
 
 
 def record(name: str) -> dict[str, Any]:
-    """Everything about one method."""
+    """Return everything about one method."""
     method = load(name)
     assert isinstance(method, GLM)
     doc, order = document(name), method.claims["order"]

@@ -26,7 +26,7 @@ def number(value: float | None, digits: int = 2) -> str:
 
 
 def frequency(x: Mapping[str, float]) -> str:
-    """c2 and c3 of a complex eigenvalue, c3 of -1."""
+    """Return c2 and c3 of a complex eigenvalue, c3 of -1."""
     return f"{number(x['c2'])}, {number(x['c3'])}" if x["argument"] < 3.1 else number(x["c3"])
 
 
@@ -67,7 +67,7 @@ def fastest(case: Mapping[str, Any], target: str, solver: str) -> dict[str, Mapp
 
 
 def comparison(solver: str, *cases: str) -> str:
-    """Time at equal error in units of Gauss-3, with evaluations in brackets."""
+    """Return the time at equal error in units of Gauss-3, with evaluations in brackets."""
     shown = [c for c in measured("order6")["cases"] if c["case"] in cases]
     columns = [(c, t, fastest(c, t, solver)) for c in shown for t in TARGETS]
     names = list(dict.fromkeys(t["method"] for c in shown for t in c["tracks"]))
@@ -93,7 +93,7 @@ def verdict(run: Mapping[str, Any]) -> str:
 
 
 def long_runs() -> str:
-    """Ten million steps."""
+    """Tabulate ten million steps."""
     rows = []
     for run in measured("long-runs")["runs"]:
         low = "none" if run["bounded"] else "saturated"
@@ -120,7 +120,7 @@ def rate_scan() -> str:
 
 
 def kepler() -> str:
-    """Ten million steps of Kepler's problem."""
+    """Tabulate ten million steps of Kepler's problem."""
     names = [r["method"] for r in measured("long-runs")["runs"]]
     shown = [*dict.fromkeys(names), BASE]
     return kepler_table(measured("kepler-long")["runs"], shown)
@@ -141,7 +141,7 @@ def starts() -> str:
 
 
 def losses() -> str:
-    """When methods with growth are lost."""
+    """Tabulate when methods with growth are lost."""
     rows = [
         (f"`{x['method']}`", x["start"], "-" if x["lost"] is None else f"{x['lost']:g}")
         for x in measured("starts")["losses"]["runs"]
@@ -198,7 +198,7 @@ SELECTED = (
 
 
 def shipped(names: Collection[str] = ()) -> str:
-    """Methods of order 6 and 8, all by default: stages, error, time beside Gauss, long runs."""
+    """Tabulate methods of order 6 and 8, all by default: stages, error, time, long runs."""
     constants = {m["name"]: m for m in measured("order6-methods")["methods"]}
     cases = {case["case"]: case for case in measured("order6")["cases"]}
     columns = [

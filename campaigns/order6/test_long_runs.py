@@ -34,7 +34,7 @@ def recorded(name: str, run: str) -> Record:
 
 
 def recommended(record: Sequence[Record]) -> list[str]:
-    """Methods without growth by three in any run, whose rate is not seen in any."""
+    """Return methods without growth by three in any run, whose rate is not seen in any."""
     safe: dict[str, bool] = {}
     for x in record:
         calm = x["bounded"] and x["parasitic"] <= 3 * x["parasitic_early"] and x["rate"] < SEEN
@@ -43,7 +43,7 @@ def recommended(record: Sequence[Record]) -> list[str]:
 
 
 def steady(record: Sequence[Record]) -> list[str]:
-    """Methods of order 6 that stay within 15 per cent on the pendulum and grow when nudged."""
+    """Return methods of order 6 that stay within 15 per cent and grow when nudged."""
     return [
         x["method"]
         for x in record
@@ -55,7 +55,7 @@ def steady(record: Sequence[Record]) -> list[str]:
 
 
 def named(before: str, after: str) -> list[str]:
-    """Methods between two phrases of the page, in order."""
+    """Return the methods between two phrases of the page, in order."""
     found = re.search(rf"{before}(.*?){after}", PAGE, re.DOTALL)
     assert found is not None, f"the page lacks a sentence between {before!r} and {after!r}"
     return re.findall(r"`([^`]+)`", found[1])

@@ -25,7 +25,7 @@ from glmref.prove.system import SweepSystem
 
 
 def runs(order: int) -> list[Run]:
-    """Runs of a method of some order whose time is proportional to its steps."""
+    """Return the runs of a method of some order whose time is proportional to its steps."""
     steps = [100, 200, 400, 800]
     return [Run(n, (n / 1000) ** -order * 1e-8, 7 * n, 0, [n * 1e-6] * 3) for n in steps]
 
@@ -137,7 +137,7 @@ def test_a_better_start_is_lost_later() -> None:
 
 
 def grown(runs: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
-    """(method, run) -> how much the parasitic part grew, where it did."""
+    """Return (method, run) -> how much the parasitic part grew, where it did."""
     return {
         (x["method"], x["run"]): "threefold" if x["bounded"] else "thirtyfold"
         for x in runs
@@ -146,7 +146,7 @@ def grown(runs: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
 
 
 def labelled() -> dict[tuple[str, str], str]:
-    """(method, run) -> what the notes of the files say."""
+    """Return (method, run) -> what the notes of the files say."""
     texts = {GROWS.format(word): word for word in ("threefold", "thirtyfold")}
     found = {}
     for name in names("methods"):

@@ -23,7 +23,7 @@ def text(page: Path) -> str:
 
 
 def other(found: Any) -> Any:
-    """The record with every number that is not whole a tenth larger."""
+    """Return the record with every number that is not whole a tenth larger."""
     if isinstance(found, dict):
         return {key: other(x) for key, x in found.items()}
     if isinstance(found, list):
@@ -72,7 +72,7 @@ def test_a_measurement_says_how_it_is_made_again(name: str) -> None:
 
 
 def gains(case: str) -> list[float]:
-    """How many times faster the two methods with small matrices are than Gauss, all by Newton's method."""
+    """Return how many times faster two methods with small matrices are than Gauss, by Newton."""
     (found,) = (x for x in measured("order6")["cases"] if x["case"] == case)
     best = [fastest(found, target, "newton") for target in tables.TARGETS]
     return sorted(x[BASE]["seconds"] / x[name]["seconds"] for x in best for name in SMALL_MATRICES)

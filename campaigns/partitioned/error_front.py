@@ -73,7 +73,7 @@ def least(pairs: int) -> Fraction:
 
 
 def _polynomials(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """P, and P G to one power more: coefficients of 1, w, w^2, .. ."""
+    """Return P, and P G to one power more: coefficients of 1, w, w^2, .. ."""
     P = np.ones(1)
     for theta in angles:
         P = np.convolve(P, [1.0, 1 / (2 - 2 * math.cos(theta))])
@@ -82,12 +82,12 @@ def _polynomials(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def error_constant(angles: np.ndarray) -> float:
-    """C of the method with these angles, in radians."""
+    """Return C of the method with these angles, in radians."""
     return float(_polynomials(angles)[1][-1])
 
 
 def end(angles: np.ndarray, most: float = 2.0) -> float:
-    """End of the periodicity interval on a grid of h omega, not proved; ``most`` is enough."""
+    """Return the end of the periodicity interval on a grid, not proved; ``most`` is enough."""
     P, product = _polynomials(angles)
     wP, S = np.append(0.0, P)[::-1], np.append(product[:-1], 0.0)[::-1]
     for k in range(1, math.ceil(most / GRID) + 1):

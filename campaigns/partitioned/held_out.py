@@ -110,7 +110,7 @@ def methods_for(case: str) -> list[str]:
 
 
 def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict[str, float]:
-    """Time of so many steps of each method: all in turn, round after round, the least of each."""
+    """Time so many steps of each method: all in turn, round after round, the least of each."""
     target, least = case.built(), dict.fromkeys(steps, math.inf)
     for _ in range(rounds):
         for name, count in steps.items():
@@ -176,7 +176,7 @@ def best(
 
 
 def ratio(entry: Mapping[str, Any], other: str, tolerance: str, what: str = "needed") -> float:
-    """Best new method over the best of another group; NaN where one of both has none."""
+    """Return the best new method over the best of another group; NaN where one of both has none."""
     mine, theirs = (best(entry, x, tolerance, what)[1] for x in ("new", other))
     return mine / theirs if math.isfinite(mine) and math.isfinite(theirs) else math.nan
 
@@ -198,7 +198,7 @@ def _horizon(document: Mapping[str, Any], measure: str, *, second: bool) -> list
 
 
 def summary(document: Mapping[str, Any]) -> str:
-    """Geometric means of the best new method over the best of each group, in Markdown.
+    """Return the geometric means of the best new method over the best of each group, in Markdown.
 
     In brackets in how many cases the new one needs less.
     """
@@ -223,7 +223,7 @@ def summary(document: Mapping[str, Any]) -> str:
 
 
 def singles(document: Mapping[str, Any]) -> str:
-    """One method for all problems with quadratic T: evaluations over the best published multistep.
+    """Tabulate one method for all problems with quadratic T over the best published multistep.
 
     Of each case, geometric means, with the number of cases in which the method reaches the
     tolerance; in Markdown.
@@ -247,7 +247,7 @@ def singles(document: Mapping[str, Any]) -> str:
 
 
 def table(document: Mapping[str, Any], measure: str) -> str:
-    """All cases of a horizon, in Markdown: evaluations at 1e-9 by group, ratios, the fastest."""
+    """Tabulate all cases of a horizon: evaluations at 1e-9 by group, ratios, the fastest."""
     heads = (
         "problem, best splitting, best pair, Nyström, best published multistep, best new, "
         "new / multistep, new / splitting, the same at $10^{-6}$, fastest"

@@ -227,7 +227,7 @@ def _followed(
 
 
 def _beyond(method: Method, target: Problem, part: Solution, h: float) -> np.ndarray:
-    """Size of the values beyond the solution at each sample, (m,); 0 where it is not formed."""
+    """Return the size of the values beyond the solution at each sample, (m,); 0 if not formed."""
     history = np.asarray(part.history)
     if isinstance(method, PartitionedGLM) or method.is_one_step:
         return np.abs(history[:, 1:]).max(axis=(1, 2), initial=0.0)

@@ -61,7 +61,7 @@ COUNTED = tuple(x for x in CASES if x.name not in LEFT_OUT)
 
 
 def rows() -> dict[str, list[str]]:
-    """:data:`ROWS` as far as the catalogue has them."""
+    """Return :data:`ROWS` as far as the catalogue has them."""
     known = set(names("methods"))
     return {group: [x for x in methods if x in known] for group, methods in ROWS.items()}
 
@@ -125,7 +125,7 @@ def cosines(name: str) -> list[Fraction]:
 
 
 def seconds_per_step(name: str, target: Problem, h: float, steps: int = 4_000) -> float | None:
-    """Time of a step, the least of five runs of so many; ``None`` where they are lost at once.
+    """Time a step, the least of five runs of so many; ``None`` where they are lost at once.
 
     Short runs and the least of them: what else the machine does falls between them.
     """
@@ -136,7 +136,7 @@ def seconds_per_step(name: str, target: Problem, h: float, steps: int = 4_000) -
 
 
 def run_seconds(task: Mapping[str, Any]) -> float | None:
-    """Time of a run of a method on a case with so many steps, its start not counted."""
+    """Return the time of a run of a method on a case with so many steps, its start not counted."""
     case, (name,), steps = work.case_of(task), task["methods"], task["steps"]
     each = seconds_per_step(name, case.built(), case.t_end / steps)
     return None if each is None else three_digits(steps * each)
@@ -231,7 +231,7 @@ def long_row(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def nanoseconds(task: Mapping[str, Any]) -> float | None:
-    """Time of a step of a method on a case in JSON."""
+    """Return the time of a step of a method on a case in JSON."""
     case = case_of(task)
     target = problem(case.problem, **dict(case.parameters))
     each = seconds_per_step(task["method"], target, step_of(task["method"], case))

@@ -137,7 +137,7 @@ CASES = _cases()
 
 
 def coefficients(q: Sequence[Fraction], p: Sequence[Fraction]) -> tuple[np.ndarray, np.ndarray]:
-    """Weights a of the velocities and b of the forces, the halves of a method multiplied out."""
+    """Return weights a of velocities and b of forces, the halves of a method multiplied out."""
     a, b = np.array([1.0, -1.0]), np.array([1.0])
     for cosines in (q, p):
         if cosines:

@@ -113,7 +113,7 @@ def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """:func:`drifts`, and what they leave of each power of x, (s, LENGTH), about their middles."""
+    """Return :func:`drifts` and what they leave of each power of x, (s, LENGTH), centred."""
     s, m, theta = stages.s, len(stages.angles), stages.angles
     forces = [_shifted(exponential(c), 2) for c in stages.abscissae]  # x^2 exp(x c)
     step = times(exponential(1.0))
@@ -239,7 +239,7 @@ def _on_oscillator(stages: Stages) -> Callable[[float], np.ndarray]:
 
 
 def interval(stages: Stages, count: int = 200) -> float:
-    """End of the periodicity interval for one evaluation, to 1/count of 1, not proved."""
+    """Return the end of the periodicity interval for one evaluation, to 1/count, not proved."""
     matrix = _on_oscillator(stages)
     for k in range(1, count + 1):
         if np.abs(np.abs(np.linalg.eigvals(matrix(k / count))) - 1).max() > 1e-6:
@@ -248,7 +248,7 @@ def interval(stages: Stages, count: int = 200) -> float:
 
 
 def reach(stages: Stages, tolerance: float = 1e-10) -> float:
-    """Largest h omega for one evaluation up to which the relative error of the phase is smaller."""
+    """Return the largest h omega an evaluation up to which the relative phase error is smaller."""
     matrix, found = _on_oscillator(stages), 0.0
     for y in np.geomspace(0.04, 1, 100).tolist():
         exact = np.exp(1j * stages.s * y)
@@ -271,7 +271,7 @@ class _Compiled:
     abscissae: np.ndarray
 
     def run(self, case: Training, h: float, steps: int) -> tuple[float, np.ndarray]:
-        """Growth of the roughness, and the positions at the end, after steps of length h."""
+        """Return growth of the roughness and positions at the end, after steps of length h."""
         q, p = (np.array(x, dtype=float) for x in (case.q0, case.p0))
         end, pointer = np.zeros(len(q)), one._pointer
         run = one._library().stages

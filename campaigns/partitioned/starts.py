@@ -179,7 +179,7 @@ def starts_table(document: Mapping[str, Any]) -> str:
 
 
 def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
-    """Ten million steps from both starts: energy error and carried values, in Markdown."""
+    """Tabulate ten million steps from both starts: energy error and carried values."""
     rows = []
     known = {(x["method"], x["problem"]): x for x in zero["runs"]}
     for own in document["runs"]:

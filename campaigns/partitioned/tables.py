@@ -97,7 +97,7 @@ def time_table(document: Mapping[str, Any], tolerance: str) -> str:
 
 
 def ratios(document: Mapping[str, Any], name: str, tolerance: str) -> dict[str, float]:
-    """Case -> evaluations of a method over those of the best other, where both reach it."""
+    """Return case -> evaluations of a method over those of the best other, where both reach it."""
     others = [one for group in GROUPS.values() for one in group]
     found = {}
     for case in document["cases"]:
@@ -133,7 +133,7 @@ def start_table(document: Mapping[str, Any], cases: Sequence[str], tolerance: st
 
 
 def long_table(document: Mapping[str, Any]) -> str:
-    """Ten million steps: energy errors and carried values at 10^5 and at the end."""
+    """Tabulate ten million steps: energy errors and carried values at 10^5 and at the end."""
     heads = ("pair", "problem", "h", "energy, $10^5$", "$10^7$", "carried, $10^5$", "$10^7$")
     rows = []
     for run in document["runs"]:
@@ -171,7 +171,7 @@ def _growth(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
 
 def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
-    """Every pair of the catalogue: order, cost against the best splitting, and where it grows.
+    """Tabulate every pair: order, cost against the best splitting, and where it grows.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def growth_table() -> str:
-    """Parasitic growth of second order on the oscillator: its sign and the periodicity interval."""
+    """Tabulate parasitic growth of second order on the oscillator: sign, periodicity interval."""
     head = "pair, order, stages Q, $\\kappa$, periodic to $y$, order of zero start, remark"
     rows = []
     for name in PAIRS:

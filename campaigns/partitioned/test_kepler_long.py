@@ -41,7 +41,7 @@ LIMIT = "100,000 steps"
 
 
 def changed(method, eccentricity, key="runs", **values):
-    """The record with one run changed."""
+    """Return the record with one run changed."""
     other = measured("kepler-long")
     found = [x for x in other[key] if (x["method"], x["eccentricity"]) == (method, eccentricity)]
     assert len(found) == 1
@@ -50,7 +50,7 @@ def changed(method, eccentricity, key="runs", **values):
 
 
 def bounded(runs):
-    """Methods all of whose runs are bounded."""
+    """Return the methods all of whose runs are bounded."""
     return [x for x in dict.fromkeys(r["method"] for r in runs) if x not in grown(runs)]
 
 
@@ -104,26 +104,26 @@ def test_a_label_that_differs_from_the_data_is_seen(method, eccentricity, values
 
 
 def words(path):
-    """The text of a page, wherever its lines break."""
+    """Return the text of a page, wherever its lines break."""
     return " ".join(path.read_text(encoding="utf-8").split())
 
 
 def named(path, before, after):
-    """Methods between two phrases of a page, in order."""
+    """Return the methods between two phrases of a page, in order."""
     found = re.search(rf"{before}(.*?){after}", words(path))
     assert found is not None, f"{path.name} lacks a sentence between {before!r} and {after!r}"
     return re.findall(r"`([^`]+)`", found[1])
 
 
 def recommended(stored):
-    """Methods with one value whose runs, the longer ones too, are all bounded."""
+    """Return the methods with one value whose runs, the longer ones too, are all bounded."""
     safe = bounded(stored["runs"])
     longer = {x["method"] for x in stored["further"]} - set(bounded(stored["further"]))
     return sorted(x for x in safe if load(x).r == 1 and x not in longer)
 
 
 def steady_pairs(stored):
-    """Pairs bounded on Kepler's problem; of these, those bounded in every other long run, too."""
+    """Return pairs bounded on Kepler's problem; of these, those bounded in all long runs."""
     pairs = [x for x in bounded(stored["runs"]) if x in pair_names()]
     starts = measured("pairs-starts")
     others = measured("pairs-long")["runs"] + starts["runs"] + starts["further"]

@@ -27,7 +27,7 @@ def text(page):
 
 
 def changed(found, name):
-    """The record with every number of one method a tenth larger, and its verdicts the opposite."""
+    """Return the record with every number of a method a tenth larger, its verdicts opposite."""
     if isinstance(found, dict):
         found = {key: changed(x, name) for key, x in found.items()}
         return _other(found) if found.get("method") == name else found
@@ -69,7 +69,7 @@ def test_the_recommended_pairs_are_those_of_the_page_of_choice():
 
 
 def counted(records):
-    """What the short page says in numbers: pairs that grow on Kepler's problem, and renewed ones."""
+    """Return the numbers of the short page: pairs that grow on Kepler's problem, renewed ones."""
     kepler = records["kepler-long"]
     pairs = {x["method"] for x in records["pairs-long"]["runs"]}
     grow = {x["method"] for x in kepler["runs"] if not x["bounded"]} & pairs

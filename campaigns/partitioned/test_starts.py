@@ -16,7 +16,7 @@ CLOSE = 0.1
 
 
 def expected(name):
-    """Orders of (carried from zero, carried from the start, first from zero, first from it)."""
+    """Return the orders of (carried from zero, from the start, first from zero, from it)."""
     doc = document(name)
     claims, equations = doc["claims"], doc["enclosure"]["equations"]
     both = {"start f[k] 2", "start k[f] 2"} <= set(equations)
@@ -77,7 +77,7 @@ def test_a_file_says_so_exactly_where_its_start_stops_the_growth():
 
 
 def later(record):
-    """Pair -> problems on which a run of a hundred million steps is not bounded."""
+    """Return pair -> problems on which a run of a hundred million steps is not bounded."""
     found = {}
     for x in record["further"]:
         if not x["bounded"]:

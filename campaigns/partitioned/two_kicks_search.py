@@ -89,7 +89,7 @@ class Weights:
     def run(
         self, case: Training, h: float, steps: int, every: int = 0
     ) -> tuple[float, float, np.ndarray]:
-        """Growth of the roughness, largest error of the energy in the samples, last positions."""
+        """Return growth of roughness, largest energy error in the samples, last positions."""
         q, p = (np.array(x, dtype=float) for x in (case.q0, case.p0))
         end, energy, pointer = np.zeros(len(q)), np.zeros(1), one._pointer
         run = one._library().two_kicks
@@ -186,7 +186,7 @@ def _counts(made: Weights, case: Training) -> list[list[float]]:
 
 
 def growth(made: Weights, needed: np.ndarray, bound: float = math.inf) -> float:
-    """Decades by which the roughness grows beyond a factor five, near the step sizes needed."""
+    """Return decades by which the roughness grows beyond a factor five, near needed step sizes."""
     total = 0.0
     for case, row in zip(CASES, needed, strict=True):
         for n in row[0]:
@@ -279,7 +279,7 @@ def unknowns(given: TwoKicks) -> Unknowns:
 
 
 def interval(given: Unknowns, count: int = 1000) -> float:
-    """End of the periodicity interval for one evaluation, to 1/count of 1, not proved."""
+    """Return the end of the periodicity interval for one evaluation, to 1/count, not proved."""
     made = weights(given)
     r = made.functionals.shape[1]
     turn = np.eye(r + 1)

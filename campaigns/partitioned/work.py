@@ -210,7 +210,7 @@ def needed(
 
 
 def mean(values: Sequence[float]) -> float:
-    """Geometric mean of those that are numbers; NaN where none is."""
+    """Return the geometric mean of those that are numbers; NaN where none is."""
     logs = [math.log(x) for x in values if math.isfinite(x)]
     return math.exp(math.fsum(logs) / len(logs)) if logs else math.nan
 
@@ -258,7 +258,7 @@ def _need(
 
 
 def _settled(curve: Sequence[tuple[int, float]], sharpest: float = min(TOLERANCES)) -> bool:
-    """Whether the error has stayed below half the sharpest tolerance for an octave of step sizes.
+    """Return whether the error stays below half the sharpest tolerance for an octave of steps.
 
     Smaller steps are not taken then. On the curves of ``data/measurements/pairs.json``, which go
     on to the smallest step, no crossing lies behind that point.

@@ -124,7 +124,7 @@ def assert_tableau(A: Any, b: Any = None, c: Any = None, **said: Any) -> None:
 
 
 def _document(A: Any, b: Any, c: Any, **said: Any) -> dict[str, Any]:
-    """Everything under its key, from any of the ways to call."""
+    """Return everything under its key, from any of the ways to call."""
     given: dict[str, Any] = {}
     if isinstance(A, Mapping):
         given = dict(A)

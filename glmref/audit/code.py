@@ -220,7 +220,7 @@ def _c(text: str) -> Iterator[Statement]:
 
 
 def _declarations(text: str) -> list[str]:
-    """``double a[2] = {..}, b[2] = {..}`` as two statements; others as they are."""
+    """Write ``double a[2] = {..}, b[2] = {..}`` as two statements, others as they are."""
     text = " ".join(text.split())
     kind = _DECLARED.match(text)
     if kind is None:
@@ -345,7 +345,7 @@ def _from_julia(text: str) -> str:
 
 
 def _keywords(m: re.Match[str]) -> str:
-    """``; x, y = 1`` in a call gives x its own value."""
+    """Give x its own value where ``; x, y = 1`` stands in a call."""
     words = [x.strip() for x in m[1].split(",") if x.strip()]
     if not words or not all(re.fullmatch(r"\w+(?:\s*=.*)?", x, re.DOTALL) for x in words):
         return m[0]

@@ -240,7 +240,7 @@ class Collector:
             self._members(head[close + 2 :])
 
     def _members(self, rest: Sequence[Token]) -> None:
-        """``: a({1, 2}), b{3}`` of a constructor."""
+        """Read ``: a({1, 2}), b{3}`` of a constructor."""
         k = 0
         while k + 1 < len(rest):
             if rest[k].kind == "name" and rest[k + 1].text in ("(", "{"):

@@ -328,7 +328,7 @@ def _stages(x: Array) -> Rows | None:
 
 
 def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
-    """alpha and beta whose rows of alpha sum to 1."""
+    """Return alpha and beta whose rows of alpha sum to 1."""
     for x in matrices:
         if _letter(x) != "alpha":
             continue
@@ -440,7 +440,7 @@ _WEIGHTS = re.compile(r"suzuki|yoshida|composition|(?<![a-z])sy_", re.IGNORECASE
 
 
 def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
-    """alpha and beta of linear multistep methods, and rows of Adams methods."""
+    """Return alpha and beta of linear multistep methods, and rows of Adams methods."""
     about = " ".join([*block.path(), block.called])
     named = {_letter(x): x for x in made if x.flat}
     if {"alpha", "beta"} <= named.keys():

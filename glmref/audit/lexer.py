@@ -136,7 +136,7 @@ def language_of(path: Path) -> Language | None:
 
 
 def _fixed_form(text: str) -> str:
-    """Fortran 77 as free form: comments by their first column, the sixth continues a line."""
+    """Turn Fortran 77 into free form: comments by the first column, the sixth continues a line."""
     rows: list[str] = []
     for row in text.split("\n"):
         if row[:1] in "cC*dD" and row:

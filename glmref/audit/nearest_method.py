@@ -61,7 +61,7 @@ class Library:
         return ""
 
     def nearest(self, table: Table, order: int = 0) -> dict[str, Any]:
-        """Name of the nearest method of an order, and the entries that differ; or nothing."""
+        """Return the name of the nearest method of an order and the entries that differ, if any."""
         best: tuple[int, str, list[dict[str, str]], int] | None = None
         for name, entries, reached in self._compared(table, order):
             if best is None or len(entries) < best[0]:

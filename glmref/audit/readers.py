@@ -27,7 +27,7 @@ from .values import Number, Scope, Sparse, Unread, assign, evaluate
 
 
 def _square(value: Any, s: int, *, base: int = 0) -> Rows:
-    """Matrix (s, s) from rows, possibly of growing length, from a flat list or single entries."""
+    """Return a matrix (s, s) from rows, also of growing length, a flat list or single entries."""
     if isinstance(value, Sparse):
         if any(len(k) != 2 or not all(base <= x < s + base for x in k) for k in value.entries):
             raise Unread("entries are given of an array whose size is not known")
@@ -189,7 +189,7 @@ def _need(value: Any) -> Any:
 
 
 def _petsc_rk(name: str, line: int, v: list[Any]) -> Table:
-    """TSRKRegister and TSDIRKRegister: name, order, s, A, b, c, embedded b."""
+    """Read TSRKRegister and TSDIRKRegister: name, order, s, A, b, c, embedded b."""
     s = _whole(v[2]) or 0
     A = _square(_need(v[3]), s)
     b = A[-1] if _need(v[4]) is None else vector(v[4])
@@ -510,7 +510,7 @@ def _wide(value: Any, s: int) -> Rows:
 
 
 def _imkg(name: str, line: int, given: list[list[Number]], order: int | None) -> Table:
-    """Tables of Steyer et al. (2019): a, a^ below the diagonal, d^ on it, b in the first column."""
+    """Read tables of Steyer et al. (2019): a, a^ below the diagonal, d^ on it, b in column 1."""
     below, hat, diagonal = given[:3]
     s = len(hat) + 1
     first = given[3] if len(given) == 4 else [ZERO] * (s - 2)
@@ -561,7 +561,7 @@ def _stages(number: int) -> int:
 
 
 def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
-    """Coefficients under names of their own: a21, a0201 or, from 0, a0100, b1, c2, btilde1."""
+    """Read coefficients with names of their own: a21, a0201 or, from 0, a0100, b1, c2, btilde1."""
     if any(re.fullmatch(r"bbar_?\d+", key) for key in run.scope):
         raise Unread("weights `bbar` of a method of two steps are not read")
     found: dict[str, dict[str, Number]] = {}
@@ -623,7 +623,7 @@ def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
 
 
 def _python(text: str) -> Iterator[Table]:
-    """numpy, torch and jax modules: classes with arrays, and calls that take them."""
+    """Read numpy, torch and jax modules: classes with arrays, and calls that take them."""
     run = _Run(text, "python")
     first: dict[str, int] = {}
     last_class = ""
@@ -880,7 +880,7 @@ def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
 
 
 def _rklib(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """Fortran steps: stages ``call me%f(t+c*h, x+h*(..), f2)``, weights from ``xf``."""
+    """Read Fortran steps: stages ``call me%f(t+c*h, x+h*(..), f2)``, weights from ``xf``."""
     for name, line, found in procedures(text):
         if isinstance(found, Unread):
             yield _unread(name, line, found)
@@ -892,7 +892,7 @@ def _rklib(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Tab
 
 
 def _kpp(text: str) -> Iterator[Table]:
-    """Rosenbrock methods of KPP, whose A, C and m stand for alpha, gamma and b.
+    """Read Rosenbrock methods of KPP, whose A, C and m stand for alpha, gamma and b.
 
     ``C = diag(1 / gamma_ii) - Gamma^-1``, ``A = alpha Gamma^-1``, ``m = b Gamma^-1`` (Hairer and
     Wanner 1996, IV.7, (7.25)); entries are stored by rows below the diagonal.

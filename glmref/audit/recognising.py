@@ -574,7 +574,7 @@ def _windows(array: Array, made: list[Array]) -> list[Array]:
 
 
 def _latest(made: list[Array], at: int) -> list[Array]:
-    """Of arrays with one name, keep the one that stands nearest."""
+    """Keep of arrays with one name the one that stands nearest."""
     best: dict[tuple[str, str, bool], Array] = {}
     for x in made:
         key = (x.name or str(id(x)), x.role, x.flat)

@@ -56,7 +56,7 @@ ZERO = Number(Exact(0))
 
 
 def vector(value: Any, s: int = 0) -> list[Number]:
-    """Flat list of numbers, with zeros to the length s."""
+    """Return a flat list of numbers, with zeros to the length s."""
     if isinstance(value, Sparse):
         return [value.entries.get((k,), ZERO) for k in range(s)]
     flat: list[Number] = []

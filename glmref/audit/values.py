@@ -119,7 +119,7 @@ class _Evaluator:
         return self.of(node.body)
 
     def _listcomp(self, node: ast.ListComp) -> list[Any]:
-        """``[x[k] for k in span(1, s)]``: what Julia writes with ``1:s``."""
+        """Evaluate ``[x[k] for k in span(1, s)]``, which Julia writes with ``1:s``."""
         loop, *more = node.generators
         call, name = loop.iter, loop.target
         if more or loop.ifs or not isinstance(name, ast.Name):

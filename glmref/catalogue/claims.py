@@ -568,7 +568,7 @@ def meant_order(claims: Mapping[str, Any]) -> int | None:
 
 
 def stated_orders(claims: Mapping[str, Any]) -> dict[str, int]:
-    """Orders that a file states, exactly or of rounded coefficients, by the names of the weights.
+    """Return the orders that a file states, exactly or of rounded coefficients, by name of weights.
 
     Returns
     -------

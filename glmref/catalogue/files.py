@@ -20,7 +20,7 @@ FOLDERS = ("methods", "broken")
 
 @cache
 def data_root() -> Path:
-    """Folder that holds methods/, broken/, schema/ ...: beside the package or inside a wheel.
+    """Return the folder that holds methods/, broken/, schema/ ...: in a clone or in a wheel.
 
     Raises
     ------

@@ -78,7 +78,7 @@ SOURCE: Mapping[str, tuple[type, ...]] = {
 
 
 def bare(doc: Mapping[str, Any]) -> bool:
-    """Whether a method document makes no claim, so that it need not say who made the method."""
+    """Return whether a document makes no claim, so that it need not say who made the method."""
     return doc.get("claims", {}) == {} and "broken" not in doc
 
 

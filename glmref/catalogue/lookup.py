@@ -105,6 +105,6 @@ def _slow(path: Path, error: Exception) -> DataError:
 
 
 def unread(path: Path, said: Said) -> Exception:
-    """Why a file was not read in a process of its own, which was ended."""
+    """Return why a file was not read in a process of its own, which was ended."""
     error = said.error(READING)
     return _slow(path, error) if isinstance(error, BudgetError) else error

@@ -55,7 +55,7 @@ _Found = tuple[str, Mapping[str, Any] | str]
 
 
 def _certificates(name: str) -> list[_Found]:
-    """Certificates of a file. Those of one with a budget are made apart, and lost if it is ended.
+    """Return certificates of a file; those with a budget are made apart and lost if that is ended.
 
     Raises
     ------

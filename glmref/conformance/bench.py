@@ -123,7 +123,7 @@ class Bench:
         return self.engines[key]
 
     def values(self, task: TestProblem) -> list[list[Fraction]]:
-        """Values that hide nothing: no component is zero, none is what a start would give."""
+        """Return values that hide nothing: no component is 0, none is what a start would give."""
         y0 = [Fraction(x) for x in task.y0]
         u = [1] * self.r
         if not self.pair and self.r > 1:
@@ -146,7 +146,7 @@ class Bench:
     def rounding(
         self, method: Method, task: TestProblem, t: Any, values: Any, h: Any, stages: Any
     ) -> str:
-        """Largest error, in units of the round-off, that rounding makes in stages and output."""
+        """Return the largest error, in units of round-off, of rounding in stages and output."""
         context = self.engine(task).arithmetic.context
         field = error_field(task.expressions, context)
         rows = error_bound(method, field, t, list(values), h, stages, context)
@@ -155,7 +155,7 @@ class Bench:
     def begin(
         self, task: TestProblem, h: Fraction, digits: int
     ) -> tuple[Stepper, np.ndarray, list[list[str]] | None]:
-        """Engine, starting values, and these as decimals where the method has no start."""
+        """Return engine, starting values, and these as decimals where the method has no start."""
         engine = self.engine(task, digits)
         context = engine.arithmetic.context
         y0, t = np.array(engine.problem.y0), context.mpf(task.t0)
@@ -176,7 +176,7 @@ class Bench:
         return engine, np.array([[context.mpf(x) for x in row] for row in shown]), shown
 
     def shown_order(self) -> int:
-        """Order that a run shows: with the start and finish of the data where they are there."""
+        """Return the order that a run shows, with the start and finish of the data, if any."""
         started = getattr(self.method, "starting", None) is not None
         facts = self.facts
         return facts.classical_order.order if started else facts.order_identity.order
@@ -195,7 +195,7 @@ class Bench:
         return stepper(inner, task.problem, digits=DIGITS).step(t, y[None, :], h).stages
 
     def solution(self, engine: Stepper, values: np.ndarray, t: Any, h: Any) -> np.ndarray:
-        """Solution (d,) that belongs to the values, finished where the method has a finish."""
+        """Return the solution (d,) of the values, finished where the method has a finish."""
         finishing, y = getattr(self.method, "finishing", None), engine.solution(values)
         return y if finishing is None else apply_finish(finishing, engine, t, y, h)[0]
 

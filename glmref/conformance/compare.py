@@ -331,7 +331,7 @@ class Comparison:
         )
 
     def _sampled(self, task: TestProblem, h: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Our run and the adapter's: every step, or the beginning and eight ends."""
+        """Return our run and the adapter's: every step, or the beginning and eight ends."""
         mine = _our_run(self.name, task.problem, h, steps)
         found = self.subject.solve(self.name, task.problem, h, steps)
         if len(found) > 1:
@@ -365,7 +365,7 @@ def _our_run(name: str, problem: Any, h: float, steps: int) -> np.ndarray:
 
 
 def _ours(name: str) -> Any:
-    """Our own start and finish, for adapters that have none."""
+    """Return our own start and finish, for adapters that have none."""
     return Adapter((name,))
 
 

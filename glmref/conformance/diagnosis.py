@@ -180,7 +180,7 @@ def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
 
 
 def _digits(found: float, right: float) -> str:
-    """Remark that a number is the right one with few digits, or ``""``."""
+    """Return a remark that a number is the right one with few digits, or ``""``."""
     for digits in range(3, 13):
         if found == round(right, digits) and found != right:
             return f" ({digits} digits only)"

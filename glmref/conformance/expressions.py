@@ -72,7 +72,7 @@ def evaluate(
 
 
 def _ball_sine(x: Any) -> Any:
-    """Sine of a real ball by its Taylor polynomial; what is left out is enclosed.
+    """Return the sine of a real ball by its Taylor polynomial, the remainder enclosed.
 
     After the term of degree n < m the rest is below ``|x|^m / m!``.
     """
@@ -152,7 +152,7 @@ class Bounded:
 
 
 def bounded_functions(context: Any) -> dict[str, Callable[[Any], Any]]:
-    """``sqrt`` and ``sin`` of :class:`Bounded` numbers over an mpmath context."""
+    """Return ``sqrt`` and ``sin`` of :class:`Bounded` numbers over an mpmath context."""
 
     def sqrt(x: Bounded) -> Bounded:
         root = context.sqrt(x.value)

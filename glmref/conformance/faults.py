@@ -112,7 +112,7 @@ def _wrong_times(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterato
 
 
 def _unsolved(engine: Stepper, t: Any, values: np.ndarray, h: Any) -> Iterator[Wrong]:
-    """Results of stage equations solved badly: after 0, 1, 2, 3 iterations from ``U y``."""
+    """Return results of stage equations solved badly: after 0, 1, 2, 3 iterations from ``U y``."""
     if not any(block.implicit for block in engine.blocks):
         return
     for rounds in range(4):

@@ -222,7 +222,7 @@ def as_method(reading: Reading, name: str = "read") -> tuple[Method, bool]:
 
 
 def matches(reading: Reading) -> list[Match]:
-    """Methods of the catalogue that are this one up to the order of stages and a change of values.
+    """Return methods of the catalogue that are this one up to order of stages and change of values.
 
     A change of values ``T y`` leaves A and ``U V^k B`` alone; both are compared to :data:`SAME`.
     Stages on which nothing depends are not compared: they cannot be seen.
@@ -310,13 +310,13 @@ def _abscissae(name: str) -> np.ndarray:
 
 
 def _orders(mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Iterator[list[int]]:
-    """Orders of the other method's stages to try: the one given, then that of equal row sums."""
+    """Return the orders of stages to try: the one given, then that of equal row sums."""
     yield list(range(len(mine[0])))
     yield _nearest(_signatures(mine), _signatures(theirs))
 
 
 def _nearest(left: np.ndarray, right: np.ndarray) -> list[int]:
-    """For each row of ``left`` the number of the nearest row of ``right`` that is free."""
+    """Return for each row of ``left`` the number of the nearest row of ``right`` that is free."""
     order: list[int] = []
     for row in left:
         free = [j for j in range(len(right)) if j not in order]
@@ -354,7 +354,7 @@ def _match_pair(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Mat
 
 
 def _signatures_of_pair(blocks: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Numbers of each stage Q, and of each stage P, that do not depend on the order of others."""
+    """Return numbers of each stage Q and each stage P that do not depend on the order of others."""
     found = []
     for A, B_hat, A_hat in ((blocks[0], blocks[6], blocks[4]), (blocks[4], blocks[2], blocks[0])):
         sums = A @ np.ones(A.shape[1])

@@ -69,7 +69,7 @@ def upper_text(x: Any, digits: int = 2) -> str:
 
 
 def decimal_of(x: Any, digits: int) -> str:
-    """Decimal of a coefficient: an algebraic number or a ball."""
+    """Return the decimal of a coefficient: an algebraic number or a ball."""
     value = x.as_fraction() if isinstance(x, Exact) else None
     if value is not None:
         return decimal_text(value, digits)

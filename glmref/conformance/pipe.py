@@ -411,7 +411,7 @@ def _close(streams: Iterable[Any]) -> None:
 
 
 def _short(value: object) -> str:
-    """Something that a program wrote, as it may stand in a sentence."""
+    """Return what a program wrote as it may stand in a sentence."""
     text = value if isinstance(value, str) else repr(value)
     return text if len(text) <= 300 else f"{text[:300]}..."
 

@@ -139,7 +139,7 @@ def _watched(box: Box, watches: Sequence[Watch], r: int, tags: int, slope: float
 
 
 def _test_field(t: float, y: np.ndarray) -> np.ndarray:
-    """Nonlinear, coupled, dependent on time; its derivative stays below 2."""
+    """Evaluate a nonlinear, coupled field that depends on time; its derivative stays below 2."""
     return np.array(
         [
             np.sin(y[1]) + 0.5 * t,

@@ -128,7 +128,7 @@ def values_of(r: int, tags: int, markers: int = MARKERS) -> np.ndarray:
 
 
 def slope_at(marker: np.ndarray, tag: int, r: int, tags: int, slope: float) -> np.ndarray:
-    """Slope at a stage: of the markers, of the units (none), of the tags (its own)."""
+    """Return the slope at a stage: of the markers, of the units (none), of the tags (its own)."""
     count = len(marker)
     out = np.zeros(count + r + tags)
     out[0], out[1:count] = 1.0, marker[:-1]
@@ -138,7 +138,7 @@ def slope_at(marker: np.ndarray, tag: int, r: int, tags: int, slope: float) -> n
 
 
 def chain(size: int, markers: int = MARKERS) -> np.ndarray:
-    """Jacobian of the right-hand side: the markers drive each other, nothing else does."""
+    """Return the Jacobian of the right-hand side: markers drive each other, nothing else does."""
     jacobian = np.zeros((size, size))
     for k in range(1, markers):
         jacobian[k, k - 1] = 1.0

@@ -39,7 +39,7 @@ class RunCases:
         self.bench, self.method, self.name = bench, bench.method, bench.name
 
     def trajectory(self, task: TestProblem) -> dict[str, Any]:
-        """Eight steps from y0, or from starting values that are given."""
+        """Take eight steps from y0, or from starting values that are given."""
         h = self.bench.size(task)
         engine, values, given = self.bench.begin(task, h, DIGITS)
         for sharp in (False, True):

@@ -154,7 +154,7 @@ class Unproved(ArithmeticError):
 def enclosed_step(
     method: Method, field: Field, t: Any, values: Rows, h: Any, guesses: Sequence[Sequence[Any]]
 ) -> tuple[Rows, Rows]:
-    """One step in ball arithmetic, with proof that the stage equations have a solution there.
+    """Take one step in ball arithmetic and prove that the stage equations have a solution there.
 
     A box X around the guesses of a block with ``F(X)`` in its interior, F the right-hand side of
     ``Y = h A f(Y) + U y``, contains a solution by Brouwer's theorem, and so does F(X). When the

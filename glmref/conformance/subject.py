@@ -97,7 +97,7 @@ class Subject:
         return _small(value, "tolerance", self.name)
 
     def unit(self, method: str) -> float:
-        """Relative error of one operation: rounding, and what is left of the stage equations."""
+        """Return the relative error of an operation: rounding, and residuals of stage equations."""
         return self.epsilon + self.tolerance(method)
 
     def close(self) -> None:
@@ -177,7 +177,7 @@ def said(error: BaseException) -> str:
 
 
 def _place(error: BaseException) -> str:
-    """Where it was raised: the innermost line that is not of this package or of a library."""
+    """Return where it was raised: the innermost line not of this package or a library."""
     frames = traceback.extract_tb(error.__traceback__)[1:]
     own = [x for x in frames if not _is_foreign(Path(x.filename))]
     if not own:

@@ -147,11 +147,11 @@ class Tape:
         return self._of("sqrt", x, rule)
 
     def exp(self, x: Any) -> Any:
-        """Exponential, e' = x' e."""
+        """Return the exponential, e' = x' e."""
         return self._of("exp", x, lambda a, e, k: self._slope(a, e, k) / k)
 
     def log(self, x: Any) -> Any:
-        """Logarithm, x l' = x'."""
+        """Return the logarithm, x l' = x'."""
 
         def rule(a: Any, own: Any, k: int) -> Any:
             terms = [j * own[j] for j in range(1, k)]
@@ -160,15 +160,15 @@ class Tape:
         return self._of("log", x, rule)
 
     def sin(self, x: Any) -> Any:
-        """Sine, s' = x' c."""
+        """Return the sine, s' = x' c."""
         return self._sine(x)[0] if isinstance(x, _Series) else self.context.sin(x)
 
     def cos(self, x: Any) -> Any:
-        """Cosine, c' = -x' s."""
+        """Return the cosine, c' = -x' s."""
         return self._sine(x)[1] if isinstance(x, _Series) else self.context.cos(x)
 
     def tan(self, x: Any) -> Any:
-        """Tangent, the quotient of sine and cosine."""
+        """Return the tangent, the quotient of sine and cosine."""
         if not isinstance(x, _Series):
             return self.context.tan(x)
         s, c = self._sine(x)
@@ -201,7 +201,7 @@ class Tape:
         return result
 
     def _slope(self, a: Sequence[Any], b: Sequence[Any], k: int) -> Any:
-        """k-th coefficient of tau a'(tau) b(tau)."""
+        """Return k-th coefficient of tau a'(tau) b(tau)."""
         terms = [j * a[j] for j in range(1, k + 1)]
         return self.context.fdot(terms, b[k - 1 :: -1])
 

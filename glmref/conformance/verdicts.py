@@ -78,7 +78,7 @@ def errors_of(
 
 
 def floor_of(subject: Subject, name: str, steps: int) -> float:
-    """Error of a run from which its slope can be read: rounding changes it by a quarter at most.
+    """Return the error of a run from which its slope can be read: rounding changes it by a quarter.
 
     A step carries some 30 roundings, and what is left of the stage equations; slopes are then right
     within ``log2(5/4) < 1/3``.
@@ -124,5 +124,5 @@ def order_judgement(
 
 
 def _slopes(errors: Sequence[tuple[int, float]]) -> list[float]:
-    """Slopes between numbers of steps that double."""
+    """Return the slopes between numbers of steps that double."""
     return [log2(a / b) for (n, a), (m, b) in pairwise(errors) if m == 2 * n]

@@ -179,7 +179,7 @@ class Ansatz:
         return mirrored(name, self.stages, parity)
 
     def _rows(self) -> tuple[list[list[str]], list[int], list[list[str]]]:
-        """X, the diagonal of G, and V, row by row."""
+        """Return X, the diagonal of G, and V, row by row."""
         X, G, blocks = [["1"] * self.stages], [1], [[["1"]]]
         pairs, reals = iter(_PAIR_NAMES), iter(_REAL_NAMES)
         for value in self.values:

@@ -30,7 +30,7 @@ NODES = tuple(Fraction(x, 3) for x in (0, 1, -1, 2, -2, 3, -3))
 
 
 def collocation(nodes: Sequence[Fraction]) -> list[list[Fraction]]:
-    """``a_ij``: the integral from 0 to c_i of the j-th Lagrange polynomial."""
+    """Return ``a_ij``: the integral from 0 to c_i of the j-th Lagrange polynomial."""
     rows: list[list[Fraction]] = [[] for _ in nodes]
     for j, node in enumerate(nodes):
         p = [Fraction(1)]

@@ -86,7 +86,7 @@ def exponential(rate: Fraction, length: int) -> Series:
 
 
 def even_odd(rate: Fraction, length: int, parity: int) -> Series:
-    """2 cosh(rate x) or 2 sinh(rate x)."""
+    """Return 2 cosh(rate x) or 2 sinh(rate x)."""
     return [
         2 * x if k % 2 == parity else Fraction(0) for k, x in enumerate(exponential(rate, length))
     ]
@@ -285,7 +285,7 @@ class TwoKicks:
 
     @staticmethod
     def _pair(c: Fraction, u: Series, u_: Series) -> tuple[Series, Series]:
-        """(E - V)^-1 of two series, V the block of a pair."""
+        """Return (E - V)^-1 of two series, V the block of a pair."""
         step = exponential(Fraction(1), len(u))
         determinant = [x * 2**k - 2 * c * x + (k == 0) for k, x in enumerate(step)]
         upper = [x - y for x, y in zip(_product(step, u), u_, strict=True)]
@@ -338,7 +338,7 @@ class TwoKicks:
 
 
 def turning(cosines: Sequence[Fraction]) -> list[list[Fraction]]:
-    """V, (r, r) with r = 2 m + 1: 1, and a block for each pair."""
+    """Return V, (r, r) with r = 2 m + 1: 1, and a block for each pair."""
     r = 2 * len(cosines) + 1
     V = [[Fraction(int(i == j == 0)) for j in range(r)] for i in range(r)]
     for j, c in enumerate(cosines):
@@ -353,7 +353,7 @@ def dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
 
 
 def integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
-    """Weights on the nodes of the integral from 0 to the point, exact for all polynomials."""
+    """Return weights at the nodes of the integral from 0 to the point, exact for polynomials."""
     powers = range(len(nodes))
     rows = [[x**k for x in nodes] for k in powers]
     return solve(rows, [point ** (k + 1) / (k + 1) for k in powers])

@@ -22,7 +22,7 @@ class RankError(GlmrefError):
 def pivots(
     jacobian: np.ndarray, *, first: Sequence[int] = (), tolerance: float = 1e-8
 ) -> list[int]:
-    """Unknowns to fix, so that the rest is determined: columns left by elimination with pivoting.
+    """Return the unknowns to fix, so that the rest is determined, by elimination with pivoting.
 
     Parameters
     ----------

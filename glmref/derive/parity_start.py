@@ -58,7 +58,7 @@ def _sum(*terms: tuple[str, str]) -> str:
 
 
 def add_terms(terms: Sequence[tuple[str, str]]) -> str:
-    """Text of a sum of decimals times exact factors, with zeros and factors 1 left out."""
+    """Return a sum of decimals times exact factors as text, without zeros and factors 1."""
     result = ""
     for number, factor in terms:
         if number == "0":
@@ -119,7 +119,7 @@ def _flat(weights: Sequence[tuple[str, str]]) -> list[str]:
 def starting_block(
     pairs: int, values: Sequence[str], *, root: str, free: bool, last_even: bool
 ) -> dict[str, Any]:
-    """Tableau of a start for four values with V = diag(1, z, conj z, -1), from its parameters.
+    """Return the start for four values with V = diag(1, z, conj z, -1), from its parameters.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ def root_text(square: Fraction, *, negative: bool) -> str:
 def minimal_polynomial(
     value: Ball, *, degree: int = 8, digits: int = 70, height: int = 10**9
 ) -> list[int] | None:
-    """Integer polynomial (constant last) that the digits satisfy, ``None`` where PSLQ finds none.
+    """Return the integer polynomial (constant last) of the digits, ``None`` where PSLQ finds none.
 
     A relation of degree d with coefficients of c digits is found by chance once (d + 1) c comes
     near the digits used; the search stops 12 digits before that.

@@ -47,11 +47,11 @@ class Batch(Arithmetic):
         return self
 
     def is_zero(self) -> bool | None:
-        """Zero is never known of an array."""
+        """Return ``False``: zero is never known of an array."""
         return None
 
     def vanishes(self) -> bool:
-        """Zero is never known of an array."""
+        """Return ``False``: zero is never known of an array."""
         return False
 
     def is_real(self) -> bool:

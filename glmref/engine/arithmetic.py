@@ -91,7 +91,7 @@ class Arithmetic:
         return U.dot(values)
 
     def stage(self, known: Any, driving: Sequence[tuple[np.ndarray, np.ndarray]], h: Any) -> Any:
-        """One stage, ``known + h sum a F`` over the rows a and slopes F of what drives it: (d,)."""
+        """Return a stage, ``known + h sum a F`` over rows a and slopes F that drive it: (d,)."""
         (row, slopes), *more = driving
         total = row.dot(slopes) * h
         for row, slopes in more:

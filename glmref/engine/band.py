@@ -49,7 +49,7 @@ class Band:
 
 
 def band_of(structure: Structure) -> Band | None:
-    """Band of a square structure; ``None`` where a dense matrix is as good.
+    """Return the band of a square structure; ``None`` where a dense matrix is as good.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def band_of(structure: Structure) -> Band | None:
 
 
 def _reversed_cuthill_mckee(neighbours: Sequence[set[int]]) -> list[int]:
-    """Breadth first, few neighbours first, from an end of each connected part; then backwards."""
+    """Order breadth first, few neighbours first, from an end of each part; then backwards."""
     seen, order = [False] * len(neighbours), []
     for first in sorted(range(len(neighbours)), key=lambda i: len(neighbours[i])):
         if seen[first]:
@@ -258,7 +258,7 @@ def stays_within(text: str, name: str, band: Band, params: Sequence[float]) -> b
 
 
 def written(text: str, place: Callable[[str, str], str]) -> str:
-    """Source of a Jacobian's body that writes entry (i, j) to ``out[place(i, j)]`` instead.
+    """Return a Jacobian's body that writes entry (i, j) to ``out[place(i, j)]`` instead.
 
     Returns
     -------

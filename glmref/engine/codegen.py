@@ -111,7 +111,7 @@ def header(shape: Shape, kind: str, *, newton: bool) -> str:
 
 
 def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[int], str]) -> None:
-    """Body of a function of an array ``v``: parameters, common subexpressions, outputs."""
+    """Write the body of a function of ``v``: parameters, common subexpressions, outputs."""
     for i in used_parameters(shape):
         w(f"par_{shape.parameters[i]} = par[{i}]")
     lines, outputs = inlined(formula, lambda i: f"v[{i}]", parameter_names(shape), "c_")
@@ -121,7 +121,7 @@ def _formula_body(w: Writer, shape: Shape, formula: Formula, entry: Callable[[in
 
 
 def _jacobian_function(w: Writer, shape: Shape) -> None:
-    """``jacobian_into(time, v, par, out, scratch)`` from a formula, a loop body or differences."""
+    """Write ``jacobian_into(time, v, par, out, scratch)`` from a formula, a loop or differences."""
     d, first, size = shape.dimension, len(shape.parameters), len(shape.values)
     body, band = shape.banded_body or shape.jacobian_body, shape.band
     if body and not shape.differenced:
@@ -276,7 +276,7 @@ class Builder(KickWriter):
 
     @contextmanager
     def _guard(self) -> Iterator[None]:
-        """In the interpreter overflow or division by zero ends the run, as inf does elsewhere."""
+        """End the run at overflow or division by zero in the interpreter, as inf does elsewhere."""
         if not self.options.interpreted:
             yield
             return

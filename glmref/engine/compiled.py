@@ -146,7 +146,7 @@ def _load(source: str, signature: str, fuse: bool) -> ModuleType:
 
 
 def _module_file(text: str, about: str = "") -> Path:
-    """File of a generated module, named after all that its machine code depends on.
+    """Return the file of a generated module, named after all that its machine code depends on.
 
     Parameters
     ----------

@@ -60,14 +60,14 @@ class Writer:
 
 
 def length_check(part: Part) -> tuple[str, str]:
-    """Lines that refuse a result of another length, which compiled code would read beyond."""
+    """Write lines that refuse a result of another length, which compiled code would read beyond."""
     size = part.stop - part.start
     says = f"it must return {size} numbers and returned another number of them"
     return f"if len(found) != {size}:", f"    raise IndexError({says!r})"
 
 
 def tree_sum(terms: Sequence[str]) -> str:
-    """Sum by halves: short dependency chains, and one order for every target."""
+    """Write a sum by halves: short dependency chains, and one order for every target."""
     if len(terms) == 1:
         return terms[0]
     half = (len(terms) + 1) // 2
@@ -90,14 +90,14 @@ class Target:
         self.loops = 0
 
     def reserve(self, name: str, length: int) -> int:
-        """Place of an array of this length in the work array ``x``; the same for the same name."""
+        """Return the place of an array in the work array ``x``, the same for the same name."""
         if name not in self.places:
             self.places[name] = self.used
             self.used += length
         return self.places[name]
 
     def offset(self, name: str) -> int:
-        """Place of a vector in the work array."""
+        """Return the place of a vector in the work array."""
         return self.reserve(name, self.d * self.width)
 
     @property
@@ -157,7 +157,7 @@ class Target:
             self.w(f"{self.ref(out, c)} = {text}")
 
     def identity(self, part: Part, source: str, out: str) -> None:
-        """q' = p: copy."""
+        """Copy: q' = p."""
         for c in range(part.start, part.stop):
             self.w(f"{self.ref(out, c)} = {self.ref(source, part.source + c - part.start)}")
 
@@ -236,7 +236,7 @@ class ArrayTarget(Target):
         self.last: _Loop | None = None
 
     def place(self, name: str, c: int) -> int:
-        """Place in the work array that an index is added to for components from c on."""
+        """Return what an index is added to in the work array for components from c on."""
         start, stop, place = self.elsewhere.get(name, (0, 0, 0))
         return place - start if start <= c < stop else self.offset(name)
 

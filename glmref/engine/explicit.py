@@ -79,7 +79,7 @@ class ExplicitWriter(StageWriter):
                 self._lost(k)
 
     def _lost(self, k: int) -> None:
-        """lo{k}: the sum of exact minus rounded h b_j of a row (Dekker's product)."""
+        """Write lo{k}: the sum of exact minus rounded h b_j of a row (Dekker's product)."""
         w = self.w
         w(f"held = {SPLITTER!r}*h", "high = held - (held - h)", "low = h - high", f"lo{k} = 0.0")
         rows = zip(self.form.R[k], self.form.R_residue[k], strict=True)
@@ -126,7 +126,7 @@ class ExplicitWriter(StageWriter):
         return [k for k in s if sum(Fraction(A[i][j]) * Fraction(A[j][k]) for j in s)]
 
     def _sum(self, i: int, z: str, terms: Sequence[str], part: tuple[int, int]) -> str:
-        """Name of Y_i = z + terms, after writing it; the last term is the one waited for."""
+        """Write Y_i = z + terms and return its name; the last term is the one waited for."""
         if not terms and z.startswith("@") and z[1:].isidentifier():
             return z[1:]
         *first, last = terms or [""]

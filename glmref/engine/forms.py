@@ -187,7 +187,7 @@ class StepForm:
         return tuple(kept)
 
     def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-        """p + kick h force and what its rounding lost (Knuth's TwoSum).
+        """Write p + kick h force and its rounding residual (Knuth's TwoSum).
 
         Parameters
         ----------
@@ -212,15 +212,15 @@ class StepForm:
         return h * np.array(self.kick)[:, None] * force[..., None, :]
 
     def into(self, values: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of the method in the basis of this form."""
+        """Return values of the method in the basis of this form, (..., r, d)."""
         return self._moved(values, "to_form")
 
     def back(self, x: np.ndarray) -> np.ndarray:
-        """(..., r, d) values of this form in the basis of the method."""
+        """Return values of this form in the basis of the method, (..., r, d)."""
         return self._moved(x, "from_form")
 
     def _moved(self, values: np.ndarray, which: str) -> np.ndarray:
-        """``matrix @ values``, component by component, term by term: the same bits in any shape."""
+        """Return ``matrix @ values``, term by term: the same bits in any shape."""
         width, out = values.shape[-1] // len(self.components), np.zeros_like(values, dtype=float)
         for n, component in enumerate(self.components):
             here = slice(n * width, (n + 1) * width)
@@ -242,7 +242,7 @@ def all_vanish(matrix: Matrix) -> bool:
 
 
 def is_symplectic_rk(method: GLM) -> bool:
-    """Whether the method is Runge-Kutta with b_i a_ij + b_j a_ji = b_i b_j and nonzero weights."""
+    """Return whether it is Runge-Kutta with b_i a_ij + b_j a_ji = b_i b_j, weights not 0."""
     if method.r != 1:
         return False
     A, U, B, V = (as_balls(x) for x in (method.A, method.U, method.B, method.V))
@@ -273,7 +273,7 @@ def consistent_weights(weights: list[float], first: list[float]) -> Row:
 
 
 def mu_form(method: GLM) -> StepForm:
-    """Symplectic Runge-Kutta with M_ij + M_ji = 1 exactly; see the module's docstring."""
+    """Return the symplectic form with M_ij + M_ji = 1 exactly; see the module's docstring."""
     s = method.s
     A, b = as_balls(method.A), as_balls(method.B)[0]
     M = [[0.5 if i == j else 0.0 for j in range(s)] for i in range(s)]
@@ -350,7 +350,7 @@ def _ends_where_it_begins(one: Any) -> bool:
 
 
 def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
-    """Which values are multiples of the solution: u_k is not zero (all of them without a u)."""
+    """Return which values are multiples of the solution: u_k is not 0 (all without a u)."""
     if u is None:
         return (True,) * r
     return tuple(x.magnitude() > CLOSE for x in u)
@@ -370,7 +370,7 @@ def failing(checks: Mapping[str, Matrix]) -> str:
 
 
 def scaled_rows(factors: Sequence[Scalar], matrix: Matrix) -> Matrix:
-    """``diag(factors) matrix``."""
+    """Return ``diag(factors) matrix``."""
     return tuple(tuple(d * x for x in row) for d, row in zip(factors, matrix, strict=True))
 
 

@@ -128,7 +128,7 @@ class Kernel:
         return p, errors[:rows, half], state.memory[0, half]
 
     def resumed(self, other: State) -> State:
-        """State of another kernel of the same form, to go on from: same values, same counts."""
+        """Return the state of another kernel of this form, to go on with its values and counts."""
         work = native.aligned_zeros(self.source.work_size)
         head = other.memory.ctypes.data - other.work.ctypes.data
         size = head // other.work.itemsize + other.memory.size
@@ -140,7 +140,7 @@ class Kernel:
         return State(work, y, memory, other.h, other.tally)
 
     def values(self, state: State) -> np.ndarray:
-        """(r, d) values in the method's basis."""
+        """Return the values in the method's basis, (r, d)."""
         values = self.form.back(state.y)
         if self.form.kick:
             p = self.form.unkicked(*self._kept(state), state.h)
@@ -287,7 +287,7 @@ def _prepared(
     method: Method, problem: Problem, h: float, form: str, solver: str,
     options: Options,
 ) -> Kernel:  # fmt: skip
-    """Kernel for a method, a problem and a step size, kept for the next run with the same ones."""
+    """Return the kernel for a method, problem and step size, cached for the next run with them."""
     begin = time.perf_counter()
     coefficients, shape = choose_form(method, problem, form)
     if len(coefficients.components) == 1:
@@ -303,7 +303,7 @@ def _prepared(
 
 
 def _computes_otherwise(kernel: Kernel, problem: Problem) -> str:
-    """Why a user's function must not be compiled: its value at the start is another then.
+    """Return why a user's function must not be compiled: its value at the start is another then.
 
     Compiled code has whole numbers of 64 bits, and the values that global names had at the time.
     """

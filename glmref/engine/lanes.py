@@ -72,7 +72,7 @@ class _LaneBuilder(Builder):
         """Declare nothing: everything lives in the work array."""
 
     def _open(self) -> None:
-        """From here on statements are in the loop over lanes, where there is one."""
+        """Put statements from here on into the loop over lanes, where there is one."""
         if self.t.looped and not self.inside:
             self.w("for l in range(lanes):")
             self.w.depth += 1
@@ -148,7 +148,7 @@ class _LaneBuilder(Builder):
     # --- rounds of a stage solver ---------------------------------------------------------------
 
     def _start_rounds(self) -> None:
-        """Per lane: whether it still moves, its last change, its stalls, its bounds."""
+        """Set per lane whether it still moves, its last change, its stalls, its bounds."""
         lane = self.t.lane
         self.w(
             f"{lane('size')} = size",

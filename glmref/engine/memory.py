@@ -17,7 +17,7 @@ def gibibytes(count: float) -> str:
 
 
 def memory() -> int:
-    """Bytes a process may use: what the machine has, or less where the process is limited."""
+    """Return the bytes a process may use: what the machine has, or less where limited."""
     found = _UNKNOWN
     with suppress(AttributeError, OSError, ValueError):
         found = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

@@ -29,7 +29,7 @@ KINDS = {"d*": ctypes.c_void_p, "i*": ctypes.c_void_p, "d": ctypes.c_double, "i"
 
 
 def aligned_zeros(size: int) -> np.ndarray:
-    """Zeros, shape (size,), that begin on a cache line: what a kernel works on."""
+    """Return zeros, shape (size,), that begin on a cache line: what a kernel works on."""
     raw = np.zeros(size + CACHE_LINE // 8)
     skip = -raw.ctypes.data % CACHE_LINE // 8
     return raw[skip : skip + size]

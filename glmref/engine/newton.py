@@ -276,7 +276,7 @@ class NewtonWriter:
         )
 
     def _coupling(self, stages: Sequence[int]) -> list[list[tuple[float, str]]]:
-        """Factors of the reduced Jacobian in the Newton matrix of a block, as (number, h power).
+        """Return the factors of the reduced Jacobian in a Newton matrix, as (number, h power).
 
         Full: I - (w_i M_ij) h J. Separable: I - (sum_l w_i M_il w_l M_lj) h^2 K J_f.
         """
@@ -328,7 +328,7 @@ class NewtonWriter:
             self.w("outcome = 1", "break")
 
     def _newton_names(self) -> list[str]:
-        """Local variables of the inline matrix, which are set in the first round of a solve."""
+        """Return local variables of the inline matrix, set in the first round of a solve."""
         if not self.inline_newton:
             return []
         n = range(self.unknowns)
@@ -375,7 +375,7 @@ class NewtonWriter:
         return result
 
     def _newton_update(self, stages: Sequence[int]) -> None:
-        """L += (I - factor J)^-1 (h w f - L)."""
+        """Write L += (I - factor J)^-1 (h w f - L)."""
         if not self.inline_newton:
             self._factored_update(stages)
             return
@@ -452,7 +452,7 @@ class NewtonWriter:
             self._packed(start + k * n, "", f"L{i}", put=False)
 
     def _transformed(self, stages: Sequence[int], systems: Sequence[System], start: int) -> None:
-        """T (I - diag x J)^-1 T^-1 of the residuals of a block, in place."""
+        """Write T (I - diag x J)^-1 T^-1 of the residuals of a block, in place."""
         split = split_of([[x for x, _ in row] for row in self._coupling(stages)])
         assert split is not None
         w, n, count, band = self.w, self.unknowns, range(len(stages)), self.shape.band
@@ -530,7 +530,7 @@ class NewtonWriter:
         return d * d if band is None else self.unknowns * band.width
 
     def _jacobian_at(self, i: int, place: int) -> None:
-        """df/dy at stage i into the work array, by its formula or by differences."""
+        """Write df/dy at stage i into the work array, by its formula or by differences."""
         w, d, band = self.w, self.shape.dimension, self.shape.band
         source = self.t.reserve("point", d)
         slopes = self.t.reserve("slopes", (2 if band is None else 3) * d)
@@ -556,7 +556,7 @@ class NewtonWriter:
             w(f"evaluations += {(read if band is None else band.width) + 1}")
 
     def _assemble(self, one: System, stages: Sequence[int], jacobian: int) -> None:
-        """I - factor J into a matrix, factored."""
+        """Write I - factor J into a matrix, factored."""
         w, n, band = self.w, self.unknowns, self.shape.band
         d, half = self.shape.dimension, self.shape.half
         power = self._coupling(stages)[0][0][1]

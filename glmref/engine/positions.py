@@ -92,14 +92,14 @@ class PositionRounds:
         )
 
     def predict(self, guesses: Guesses) -> None:
-        """H from the increments of the step before; see :meth:`.StageWriter._prediction`."""
+        """Write H from the increments of the step before; see :meth:`.StageWriter._prediction`."""
         half = self.shape.half
         rows = [[f"hp{i}_{j}*@L{j}" for j, *_ in row] for i, row in enumerate(guesses)]
         lines = [f"@H{i} = {' + '.join(row)}" for i, row in enumerate(rows)]
         self.t.vec(lines, (half, 2 * half))
 
     def coefficients(self, guesses: Callable[[], Guesses]) -> None:
-        """Once a call: products with h, their rounding residuals and those of c and d.
+        """Write once a call: products with h, their rounding residuals and those of c and d.
 
         The form is exact for the weights hw as they are rounded, so these are what hd stands for:
         hd_ij F_j is sum_k mu_ik hw_k mu_kj L_j up to m_ij F_j.
@@ -136,7 +136,7 @@ class PositionRounds:
             self.t.call(self.shape.parts[0], source, name, "")
 
     def _slopes(self) -> None:
-        """T from H."""
+        """Write T from H."""
         self._views([(f"H{j}", f"T{j}") for j in range(self.form.s)])
 
     def _sum(self, i: int, *others: str) -> str:
@@ -145,7 +145,7 @@ class PositionRounds:
         return balanced([(1.0, term) for term in [*terms, *others]])
 
     def bases(self, stages: Sequence[int], bases: Bases) -> None:
-        """b, v and g from the values and the predicted forces."""
+        """Write b, v and g from the values and the predicted forces."""
         kept, n = self.options.compensated, self.form.s
         self._views([("y0", "S"), *([("e0", "E")] if kept else [])])
         self._slopes()
@@ -163,13 +163,13 @@ class PositionRounds:
         self.t.vec(lines, (0, self.shape.half))
 
     def stage_values(self, stages: Sequence[int], name: str, base: str) -> None:
-        """Q_i into the vectors of this name, from b or v."""
+        """Write Q_i into the vectors of this name, from b or v."""
         self._slopes()
         lines = [f"@{name}{i} = @y0 + ({self._sum(i, f'@{base}{i}')})" for i in stages]
         self.t.vec(lines, (0, self.shape.half))
 
     def after_first(self) -> None:
-        """Later rounds take v; b is theirs in the source."""
+        """Take v in later rounds; b is theirs in the source."""
         lines = [f"@b{i} = @v{i}" for i in range(self.form.s)]
         if isinstance(self.t, ScalarTarget):
             self.t.vec(lines, (0, self.shape.half))
@@ -222,13 +222,13 @@ class SingleRounds:
         )
 
     def coefficients(self, guesses: Callable[[], Guesses]) -> None:
-        """Once a call: k, and what makes a force of an increment."""
+        """Write once a call: k, and what makes a force of an increment."""
         for i in (i for b in self.form.blocks if b.implicit for i in b.stages):
             m = self.form.M[i][i]
             self.t.w(f"ih{i} = 1.0/hw{i}", f"k{i} = ({m!r}*hw{i})*({m!r}*hw{i})")
 
     def bases(self, stages: Sequence[int], bases: Bases) -> None:
-        """H from the predicted increment, and b."""
+        """Write H from the predicted increment, and b."""
         (i,) = stages
         z, a = bases[i]
         half, small = self.half, [x for x in (a,) if x != "0.0"]
@@ -239,7 +239,7 @@ class SingleRounds:
         self.t.vec([f"@b{i} = {z} + ({' + '.join(small)})"], (0, half))
 
     def stage_values(self, stages: Sequence[int], name: str, base: str) -> None:
-        """Q into the vector of this name."""
+        """Write Q into the vector of this name."""
         (i,) = stages
         self._view(f"H{i}")
         self.t.vec([f"@{name}{i} = @b{i} + k{i}*@T"], (0, self.half))

@@ -303,7 +303,7 @@ class _Step:
             self.slopes[1 - whose[0]][i] = _shaped(getattr(problem, name)(y), y, name)
 
     def _formulas(self, nodes: Sequence[int]) -> list[tuple[int, Formula, list[int], Any]]:
-        """Coupled stages that formulas in double precision take as columns, by their component.
+        """Return coupled stages that formulas in double precision take as columns, by component.
 
         Its number, what is evaluated there, the rows of the stages and their coefficients; empty
         where a stage cannot be taken so.

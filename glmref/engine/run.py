@@ -113,7 +113,7 @@ class Run:
         return again.values
 
     def _finished_once(self, t: Any, y: np.ndarray) -> np.ndarray | None:
-        """y as the kernel of the finishing method makes it, ``None`` where it makes nothing."""
+        """Return y as the kernel of the finishing method makes it, ``None`` where it makes none."""
         if self.finishing is None:
             return None
         out = np.array(y, dtype=float)[None, None]

@@ -334,7 +334,7 @@ class Lanes(Runner):
 
 
 def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:
-    """Options of a lane kernel: the solver by the rule for single runs, as far as lanes have it.
+    """Return options of a lane kernel: the solver by the rule for single runs, as far as possible.
 
     Raises
     ------

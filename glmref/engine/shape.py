@@ -254,7 +254,7 @@ def _part(
 
 
 def _joined(force: str, name: str) -> str:
-    """Source of f_into(t, y, params, out) around a force's body, as PhaseSpace.compiled does."""
+    """Write f_into(t, y, params, out) around a force's body, as PhaseSpace.compiled does."""
     whole = f"""
         def f_into(t, y, params, out):
             half = len(y) // 2
@@ -321,7 +321,7 @@ class _Inline(ast.NodeTransformer):
 
 
 def _twice(exponent: ast.expr) -> int | None:
-    """Twice an exponent that is written out, where that is whole and small; else ``None``."""
+    """Return twice a written exponent, where that is whole and small; else ``None``."""
     sign = 1
     while isinstance(exponent, ast.UnaryOp) and isinstance(exponent.op, ast.USub):
         sign, exponent = -sign, exponent.operand

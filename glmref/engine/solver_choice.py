@@ -62,7 +62,7 @@ def with_band(shape: Shape) -> Shape:
 
 
 def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> float:
-    """Contraction per fixed-point round at the initial value: h rho(w M) |J|, squared if halved.
+    """Return the contraction per round at the initial value: h rho(w M) |J|, squared if halved.
 
     Beyond :data:`_DENSE_UP_TO` components the norm is estimated, see :func:`_norm_estimate`.
     rho(w M) is the largest spectral radius of a block of stages that are solved together: the norm
@@ -86,7 +86,7 @@ def contraction(form: StepForm, shape: Shape, problem: Problem, h: float) -> flo
 
 
 def _norm(shape: Shape, problem: Problem) -> float:
-    """Row-sum norm of J at the initial value, of K J_f where the shape is halved; or ``nan``."""
+    """Return the row-sum norm of J at the start, of K J_f where the shape is halved; or ``nan``."""
 
     def computed() -> float:
         matrix, m = _jacobian(problem), shape.half
@@ -128,7 +128,7 @@ def _jacobian(problem: Problem) -> np.ndarray | None:
 
 
 def _norm_estimate(shape: Shape, problem: Problem) -> float:
-    """Lower bound of the row-sum norm of J, of K J_f on a separable problem, without a matrix.
+    """Return a lower bound of the row-sum norm of J, of K J_f if separable, without a matrix.
 
     Every |J v| is one for |v| = 1 in the maximum norm. The first v has random signs: some row of a
     large sparse matrix meets the signs of its entries. Every further v has the signs of J v, as the
@@ -211,7 +211,7 @@ def choose_solver(
 
 
 def _newton_pays(form: StepForm, shape: Shape, rho: float) -> bool:
-    """Whether the factored matrices of a large system cost less than rounds of the fixed point.
+    """Return whether factored matrices of a large system cost less than fixed-point rounds.
 
     In operations: a round evaluates every stage and forms it from the others; Newton solves with
     every matrix besides, twice its entries, four times as many where it is complex, and factors
@@ -241,7 +241,7 @@ _STEPS_PER_FACTOR = 10
 
 
 def _latencies(shape: Shape) -> tuple[int, int]:
-    """Operations of a round of the fixed point, and of the Jacobian, weighted by their latency."""
+    """Return the operations of a fixed-point round and of the Jacobian, weighted by latency."""
     d, m = shape.dimension, shape.half
     once = _ROUND_LATENCY + sum(_latency(p.formula) for p in shape.parts if p.formula)
     if not shape.halved:

@@ -119,7 +119,7 @@ class StageWriter(NewtonWriter):
     def _stage_values(
         self, stages: Sequence[int], bases: Bases, part: tuple[int, int], name: str = "Y"
     ) -> None:
-        """Y = z + (a + M L) for stages of the block that has these bases."""
+        """Write Y = z + (a + M L) for stages of the block that has these bases."""
         lines, total = [], balanced if len(self.sides) == 1 else linear
         for i in stages:
             z, a = bases[i]
@@ -185,7 +185,7 @@ class StageWriter(NewtonWriter):
             self.t.vec([f"@G = @F{self.form.blocks[-1].stages[0]}"])
 
     def _increment(self, i: int, slope: str) -> None:
-        """L of a stage, and what it adds to running values."""
+        """Write L of a stage, and what it adds to running values."""
         side, row = self.form.place(i)
         moved = self.sides[-1 - side]
         lines = moved.adding(row, f"@L{i}") if self.form.running else []
@@ -255,7 +255,7 @@ class StageWriter(NewtonWriter):
         return sorted(needed)
 
     def _guesses(self) -> list[list[tuple[int, bool, float]]]:
-        """:meth:`_prediction` of all stages, where they are one block."""
+        """Write :meth:`_prediction` of all stages, where they are one block."""
         stages = range(self.form.s)
         return [self._prediction(i, stages) for i in stages]
 
@@ -352,7 +352,7 @@ class StageWriter(NewtonWriter):
                 self._velocities(self.shape.parts[0], stages, bases)
 
     def _velocities(self, part: Part, stages: Sequence[int], bases: Bases) -> None:
-        """Of a separable problem: P, the velocities there, and what they add to q."""
+        """Write, of a separable problem: P, the velocities there, and what they add to q."""
         stages = self._at(part, stages)
         self._stage_values(stages, bases, (part.source, part.source_stop))
         self._evaluate(part, stages)

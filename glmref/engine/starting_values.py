@@ -251,7 +251,7 @@ def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
 def enhanced_start(
     engine: Stepper, t: Any, y0: np.ndarray, h: Any, passes: int
 ) -> tuple[np.ndarray, int]:
-    """Enhanced start: the values and the right-hand-side evaluations they cost.
+    """Return the values of the enhanced start and the right-hand-side evaluations they cost.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ def step_form(method: Any, form: str = "auto") -> StepForm:
 
 
 def _bilinear(method: Any) -> tuple[Matrix, Sequence[Sequence[Scalar]]] | None:
-    """G and D at the stages of each component: as given, or 1 and weights of one value each."""
+    """Return G and D at the stages of each component: as given, or 1 and weights of one value."""
     given = [method.D] if method.parts == 1 else [method.D_Q, method.D_P]
     known = [D for D in given if D is not None]
     if method.G is not None and len(known) == len(given):
@@ -166,7 +166,7 @@ def _near_integer(x: Scalar) -> int | None:
 
 
 def _components(*patterns: Matrix) -> list[list[int]]:
-    """Index sets that the matrices do not couple."""
+    """Return index sets that the matrices do not couple."""
     r = len(patterns[0])
     label = list(range(r))
     for p in patterns:
@@ -178,7 +178,7 @@ def _components(*patterns: Matrix) -> list[list[int]]:
 
 
 def _block_basis(V: Matrix, G: Matrix, index: list[int], tilt: Fraction) -> Matrix:
-    """Columns of a basis in which the block of V is integral and that of G dyadic, if there is one.
+    """Return a basis where the block of V is integral and that of G dyadic, if there is one.
 
     One value: scaled so that G = +-1. Two values turning by 60, 90 or 120 degrees: p and V p with
     p = (1, tilt), for which V^T G V = G gives G = <p, p>_G [[1, trace/2], [trace/2, 1]]. A block
@@ -292,7 +292,7 @@ def _sweep(method: GLM) -> StepForm:
 
 
 def _snapped(matrix: Matrix) -> tuple[tuple[Fraction, ...], ...]:
-    """Multiples of 1/4 where the entry is one (to :data:`CLOSE`), else the nearest double."""
+    """Return multiples of 1/4 where the entry is one (to :data:`CLOSE`), else nearest doubles."""
     return tuple(tuple(_snap(x) for x in row) for row in matrix)
 
 
@@ -352,7 +352,7 @@ def _nudge(
 def _best_shift(
     value: Fraction, slopes: list[Fraction], grid: Fraction, reach: int
 ) -> tuple[int, ...]:
-    """Integers n within ``reach`` that bring ``value + n . slopes`` nearest to a grid point."""
+    """Return integers n within ``reach`` that bring ``value + n . slopes`` nearest to the grid."""
     offset = value if not grid else value - Fraction(float(value))
     axis = np.arange(-reach, reach + 1)
     total = np.full((1,) * len(slopes), float(offset))
@@ -435,7 +435,7 @@ def _without_first(form: StepForm, q: Rows, p: Rows, kick: Row) -> StepForm:
 
 
 def merged_multistep(form: StepForm, pair: PartitionedGLM) -> StepForm:
-    """:func:`merged` for one value of q and several of p, as a symmetric multistep method has them.
+    """Do :func:`merged` for one value of q and several of p, as in a symmetric multistep method.
 
     Let k be what the last force adds to the values of p. Where the first one adds V^ k to them, and
     U^ k to every stage P, the values p + k h dp(q) are carried by V^ and 2 k h dp(q) alone, and

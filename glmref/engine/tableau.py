@@ -16,7 +16,7 @@ def as_balls(matrix: Matrix) -> Matrix:
 
 
 def lagrange_weights(nodes: Sequence[Fraction], at: Fraction) -> tuple[Fraction, ...]:
-    """Weights that carry a polynomial from its values at distinct ``nodes`` to the point ``at``."""
+    """Return weights that carry a polynomial from values at distinct ``nodes`` to ``at``."""
     # whole numbers, reduced once at the end: dozens of binary fractions have long denominators
     scale = lcm(at.denominator, *(x.denominator for x in nodes))
     whole = [x.numerator * (scale // x.denominator) for x in (*nodes, at)]

@@ -26,7 +26,7 @@ from .expressions import Array, Expressions, Unsupported, is_slice
 def translated(
     source: str, arguments: Mapping[str, str], *, fuse: bool = False, lanes: int = 0
 ) -> str:
-    """LLVM assembly of a module's function ``kernel`` and of what it calls.
+    """Return LLVM assembly of a module's function ``kernel`` and of what it calls.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ class _Function(Expressions):
 
 
 def _reached(body: Sequence[ast.stmt], names: Sequence[str]) -> set[str]:
-    """Variables that are computed from these, which are among them: from their entries, lanes."""
+    """Return the variables computed from these, these included: from their entries, lanes."""
 
     def read(node: ast.AST) -> set[str]:
         if isinstance(node, ast.Call) and ast.unparse(node.func) in ("len", "lanes_with"):

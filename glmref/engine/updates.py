@@ -108,7 +108,7 @@ class Values:
         self.u = [(1.0, f"@e{k}") if kept else None for k, kept in enumerate(self.kept)]
 
     def shift(self) -> None:
-        """x = V y and u = V e."""
+        """Write x = V y and u = V e."""
         self.x, self.u, lines = [], [], []
         for k, row in enumerate(self.V):
             terms = [(factor, f"@y{j}") for j, factor in enumerate(row) if factor]
@@ -129,7 +129,7 @@ class Values:
             self.t.vec(lines, self.part)
 
     def read(self, factors: Row, *, alone: bool = False) -> tuple[list[Term], list[Term]]:
-        """Terms of ``factors . values`` for a stage: multiples of the solution, and small terms.
+        """Return terms of ``factors . values`` of a stage: multiples of the solution, small terms.
 
         Parameters
         ----------

@@ -398,7 +398,7 @@ class _Parser:
         return inner
 
     def _radical(self, kind: str) -> Node:
-        """``sqrt(x)`` or ``root(x, n)``; how many and how deep was bounded by :func:`weigh`."""
+        """Read ``sqrt(x)`` or ``root(x, n)``; number and depth were bounded by :func:`weigh`."""
         self._take("(")
         degree = 2
         self._deeper()
@@ -494,7 +494,7 @@ class _Evaluator:
         return Ball.decimal(token, self.digits)
 
     def _exponential(self, argument: Node) -> Scalar:
-        """Exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
+        """Read exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
         angle = _Evaluator(self.text, {"pi": Exact(1)}, self.digits).value(argument)
         turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
         fraction = turns.as_fraction() if turns is not None else None

@@ -128,7 +128,7 @@ class Jet:
         return Jet._make(root, self.size, _scaled(self._row, Exact(1) / (root * 2)))
 
     def conjugate(self) -> Jet:
-        """Complex conjugate (the unknowns are real)."""
+        """Return the complex conjugate (the unknowns are real)."""
         row = {
             k: flint.acb(x.real, -x.imag) if isinstance(x, flint.acb) else x
             for k, x in self._row.items()

@@ -24,7 +24,7 @@ _ZERO, _ONE = Exact(0), Exact(1)
 
 
 def zeros(rows: int, columns: int) -> Matrix:
-    """Zero matrix."""
+    """Return a zero matrix."""
     return ((_ZERO,) * columns,) * rows
 
 
@@ -101,7 +101,7 @@ def add(a: Matrix, b: Matrix) -> Matrix:
 
 
 def sub(a: Matrix, b: Matrix) -> Matrix:
-    """Difference."""
+    """Return the difference."""
 
     def difference(r: Vector, s: Vector) -> Vector:
         spend()  # of 400 rational rows all of them take a second
@@ -111,7 +111,7 @@ def sub(a: Matrix, b: Matrix) -> Matrix:
 
 
 def scale(factor: Scalar | int, a: Matrix) -> Matrix:
-    """Multiple."""
+    """Return the multiple."""
     return tuple(tuple(factor * x for x in row) for row in a)
 
 
@@ -223,7 +223,7 @@ def rank(a: Matrix) -> int:
 
 
 def nullspace(a: Matrix) -> list[Vector]:
-    """Basis of ``{x : a x = 0}``, one vector for each free column, that column's entry 1."""
+    """Return a basis of ``{x : a x = 0}``: a vector for each free column, its entry there 1."""
     columns = len(a[0])
     rows, pivots = _reduce(a, columns)
     basis: list[Vector] = []
@@ -251,7 +251,7 @@ class Affine:
 
 
 def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:
-    """Column to solve for: of exact entries the first, of balls the one furthest from zero."""
+    """Return the column to solve for: the first exact entry, the ball furthest from zero."""
     best: tuple[float, int] | None = None
     for j, x in enumerate(row):
         if j in used or x.is_zero() is not False:

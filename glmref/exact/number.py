@@ -34,7 +34,7 @@ LONG_RADICAND = 64  # bits; none of fewer than 122 was seen to keep flint
 
 @cache
 def _last_place(digits: int, _precision: int) -> flint.arb:
-    """Interval around zero: one unit of the last of so many places, at a working precision."""
+    """Return an interval around zero: one unit of the last place, at a working precision."""
     radius = flint.arb(flint.fmpq(1, 10**digits)).upper()
     return radius.union(-radius)
 
@@ -53,7 +53,7 @@ class Ball(Arithmetic):
 
     @classmethod
     def decimal(cls, text: str, digits: int) -> Ball:
-        """Ball of a published decimal, or of a fraction: radius one unit of the last place."""
+        """Return the ball of a published decimal, or of a fraction: radius 1 in the last place."""
         if any(x in text for x in "eE/"):
             value = as_fmpq(Fraction(text))
         else:  # the short way: most numbers of most files
@@ -143,7 +143,7 @@ class Ball(Arithmetic):
         return Ball._wrap(flint.acb(self._acb.imag))
 
     def conjugate(self) -> Ball:
-        """Complex conjugate."""
+        """Return the complex conjugate."""
         return Ball._wrap(flint.acb(self._acb.real, -self._acb.imag))
 
     def is_real(self) -> bool:
@@ -198,7 +198,7 @@ class Ball(Arithmetic):
         return self
 
     def decimal_text(self, digits: int) -> str:
-        """Midpoint of the real part as a decimal with ``digits`` significant digits."""
+        """Return the midpoint of the real part as a decimal with ``digits`` significant digits."""
         return self._acb.real.mid().str(digits, radius=False)
 
     def to_mpf(self) -> Any:
@@ -349,7 +349,7 @@ class Exact(Arithmetic):
         return NotImplemented
 
     def _reciprocal(self) -> Exact:
-        """1/x as a polynomial in the roots, never a fraction of two.
+        """Return 1/x as a polynomial in the roots, never a fraction of two.
 
         flint does not clear roots from denominators of fields with several of them; such fractions
         grow until zero cannot be decided. From the minimal polynomial p of x,
@@ -448,7 +448,7 @@ class Exact(Arithmetic):
         return Exact._wrap((self._element - other._element) / (2 * FIELD(-1).sqrt()))
 
     def conjugate(self) -> Exact:
-        """Complex conjugate; a number that is shown to be real is returned itself.
+        """Return the complex conjugate; a number that is shown to be real is returned itself.
 
         flint's ball is an enclosure (`ca_get_acb`), so that an imaginary part of exactly zero
         proves that the number is real. That of a real number with complex generators, as

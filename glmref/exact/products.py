@@ -119,5 +119,5 @@ class BallMatrix:
             raise ExactnessError("a matrix of balls may be singular") from None
 
     def rows(self) -> tuple[tuple[Ball, ...], ...]:
-        """(m, n) the entries."""
+        """Return the entries, (m, n)."""
         return tuple(tuple(map(Ball._wrap, row)) for row in self._matrix.tolist())

@@ -63,7 +63,7 @@ class RationalCombinations:
         return None if None in parts else [int(x) for x in parts]  # type: ignore[arg-type]
 
     def weights(self, value: Exact) -> list[Fraction] | None:
-        """Rational weights with ``value = sum weights * basis``, or ``None`` if none were found.
+        """Return rational weights with ``value = sum weights * basis``, ``None`` if none are found.
 
         What is returned holds exactly; ``None`` proves nothing.
         """
@@ -83,7 +83,7 @@ class RationalCombinations:
 
 
 def box(value: Exact) -> tuple[list[Fraction], list[Fraction]]:
-    """Rational ends around the real and around the imaginary part, about 2^-40 apart."""
+    """Return rational ends around real and imaginary part, about 2^-40 apart."""
     ball = value.ball(256)._acb
 
     def ends(x: Any) -> list[Fraction]:

@@ -89,7 +89,7 @@ class Roots:
 
     @classmethod
     def of_unity(cls, turn: Fraction) -> Roots:
-        """``exp(2 pi i turn)``."""
+        """Return ``exp(2 pi i turn)``."""
         n = turn.denominator
         return cls(n, {(): _raised(flint.fmpq_poly([0, 1]), turn.numerator % n, n)})
 
@@ -152,7 +152,7 @@ class Roots:
         return Roots(n, {m: c * other % modulus for m, c in self._lifted(n).items()})
 
     def inverse(self) -> Roots:
-        """1/x, from the product of its conjugates over the cyclotomic field.
+        """Return 1/x, from the product of its conjugates over the cyclotomic field.
 
         Raises
         ------
@@ -397,7 +397,7 @@ _ONE, _NOTHING = Roots.rational(flint.fmpq(1)), Roots(1, {})
 
 @lru_cache(maxsize=1024)
 def _prime_power(p: int, exponent: Fraction) -> Roots:
-    """``p^exponent``: a rational, perhaps with sqrt(p), and the rest as a product of its own."""
+    """Return ``p^exponent``: a rational, perhaps with sqrt(p), and the rest as a product."""
     whole, half = divmod(exponent, Fraction(1, 2))
     q = flint.fmpq(p) ** (whole // 2)
     plain = Roots.rational(q) * _square_root(p) if whole % 2 else Roots.rational(q)
@@ -479,7 +479,7 @@ def _generator(match: re.Match[str], names: Mapping[str, Roots]) -> Roots:
 
 
 def _polynomial(text: str, name: str) -> tuple[Fraction, Fraction, Fraction]:
-    """Leading to constant coefficient of a quadratic polynomial."""
+    """Return the coefficients of a quadratic polynomial, the leading one first."""
     found = [Fraction(0)] * 3
     for sign, weight, power in re.findall(
         rf"([-+]?)(\d*)\*?((?:{name}(?:\^\d+)?)?)", text

@@ -113,7 +113,7 @@ def save(
 
 
 def _is_of(document: Mapping[str, Any], method: GLM | PartitionedGLM | AdditiveGLM) -> bool:
-    """Whether a method still is what its file says: `dataclasses.replace` keeps the document."""
+    """Return whether a method is what its file says: `dataclasses.replace` keeps the document."""
     if not document or document.get("name") != method.name:
         return False
     read = load_document(document)

@@ -535,7 +535,7 @@ def _petsc(text: str) -> Found:
 
 
 def _list_of(node: ast.expr) -> list[ast.expr]:
-    """Elements of a list, or of ``np.array([...])`` around one."""
+    """Return the elements of a list, or of ``np.array([...])`` around one."""
     if isinstance(node, ast.Call) and len(node.args) >= 1:
         return _list_of(node.args[0])
     if isinstance(node, ast.List | ast.Tuple):

@@ -124,7 +124,7 @@ def _vanishes(x: Scalar) -> bool:
 
 
 def _stacked(first: Matrix, second: Matrix, *, crossed: bool = False) -> Matrix:
-    """[first 0; 0 second], or [0 first; second 0]."""
+    """Return [first 0; 0 second], or [0 first; second 0]."""
     left, right = (len(first[0]) if first else 0), (len(second[0]) if second else 0)
     if crossed:
         top = tuple((_ZERO,) * right + tuple(row) for row in first)
@@ -181,7 +181,7 @@ def _zero_start(U: Matrix, V: Matrix) -> Vector:
 
 
 def _corrector(U: Matrix, V: Matrix, name: str) -> Matrix:
-    """K^-1 on the values 2..r with a first row and column of zeros.
+    """Return K^-1 on the values 2..r with a first row and column of zeros.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
 
 
 def _basis(output: Vector) -> Matrix:
-    """T for which the solution is one of the values ``T y``: the identity, one row the output.
+    """Return T for which the solution is a value of ``T y``: the identity, one row the output.
 
     That row stands where the output first has an entry, so that T is nonsingular.
     """

@@ -119,7 +119,7 @@ class Numbers:
 
 
 def wrapped(items: Sequence[str], indent: str, end: str = "") -> list[str]:
-    """Items with commas between them, in lines of at most :data:`_WIDTH` characters."""
+    """Join items with commas, in lines of at most :data:`_WIDTH` characters."""
     lines, line = [], indent
     for k, item in enumerate(items):
         piece = item + ("," if k + 1 < len(items) else "")

@@ -112,7 +112,7 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
 def _embedded(
     method: GLM | PartitionedGLM | AdditiveGLM,
 ) -> tuple[tuple[Vector, ...], int] | None:
-    """Weights of the first embedded solution, by parts, and their order as claimed or found."""
+    """Return weights of the first embedded solution, by parts, and their claimed or found order."""
     if not method.embedded:
         return None
     row = method.embedded[0]
@@ -606,7 +606,7 @@ def method_document(
 
 
 def _beside(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> dict[str, Any]:
-    """Embedded rows, c apart and dense output as a file of class `rk` or `additive` has them."""
+    """Return embedded rows, c and dense output as a file of class `rk` or `additive` has them."""
     if method.rosenbrock:
         raise UsageError(f"{method.name or 'the method'} is a Rosenbrock method: save it as it is")
     if isinstance(method, PartitionedGLM):

@@ -89,7 +89,7 @@ def _stages(method: Method) -> int:
 
 
 def given_by_user(problem: Problem) -> bool:
-    """Whether a right-hand side or Jacobian is a Python function, not expressions or loops."""
+    """Return whether a right-hand side or Jacobian is a Python function."""
     functions = (problem.f, problem.dq, problem.dp, problem.jacobian)
     return any(f is not None and not hasattr(f, "on") for f in functions)
 

@@ -155,7 +155,7 @@ def _extrapolate(orders: Sequence[float]) -> tuple[float, bool]:
 
 
 def _aitken(orders: Sequence[float]) -> float:
-    """Limit of the last three orders by Aitken's process; NaN where they do not close in."""
+    """Return the limit of the last three orders by Aitken's process; NaN where there is none."""
     a, b, c = orders[-3:]
     if not 1.8 * abs(c - b) < abs(b - a):
         return math.nan
@@ -293,7 +293,7 @@ def _isochronous_flow(
 
 
 def isochronous_threefold() -> Problem:
-    """Harmonic motion z' = i z seen through z = w + a conj(w)^2, which commutes with a third turn.
+    """Make z' = i z seen through z = w + a conj(w)^2, which commutes with a third turn.
 
     In complex notation ``w' = i (z + b conj(z))/(1 - |b|^2)``, ``b = 2 a conj(w)``. Every period is
     2 pi, and after a third of it a solution is its start, turned by a third.
@@ -321,7 +321,7 @@ def isochronous_threefold() -> Problem:
 
 
 def isochronous_separable() -> Problem:
-    """Pinney's oscillator q'' = -(q - 1/q^3)/4: canonical, separable, every period is 2 pi."""
+    """Make Pinney's oscillator q'' = -(q - 1/q^3)/4: canonical, every period is 2 pi."""
     return Problem(
         name="isochronous-separable",
         source="Pinney, Proc. Amer. Math. Soc. 1 (1950) 681",

@@ -90,7 +90,7 @@ def energy_scale(problem: Problem, y: np.ndarray) -> float:
 
 
 def energy_deviation(problem: Problem, y: np.ndarray) -> np.ndarray:
-    """How far the energy of each row of y, shape (m, d), is from that of the first, relative."""
+    """Return the relative deviation of the energy of each row of y, (m, d), from the first."""
     assert problem.hamiltonian is not None
     energy = along(problem.hamiltonian, y)
     with np.errstate(all="ignore"):
@@ -226,7 +226,7 @@ def drift(
 
 
 def exponent(elapsed: np.ndarray, deviation: np.ndarray) -> float:
-    """Exponent of growth of a deviation: slope of log rms against log time over dyadic stretches.
+    """Return the growth exponent of a deviation: slope of log rms over dyadic stretches of time.
 
     Stretch k covers ``T/2^(k+1) < t <= T/2^k``; a fit through the last five of them weighs every
     stretch equally. NaN where there are too few samples or where the deviation vanishes.

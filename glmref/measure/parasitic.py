@@ -212,7 +212,7 @@ def solution_direction(method: Method) -> np.ndarray:
 
 
 def parasitic_size(solution: Solution, u: np.ndarray) -> np.ndarray:
-    """Norm of the values beyond ``u y`` at every sample of a solution with history, (m,).
+    """Return the norm of the values beyond ``u y`` at every sample of a solution, (m,).
 
     Smooth values are part of it: it is a bound of the parasitic part where that has grown, and of
     order h before.

@@ -183,7 +183,7 @@ class _Bundle:
 
 
 def _halves(engine: Stepper) -> list[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
-    """Tableau, V, columns of the values and eigenvalues of V of each part."""
+    """Return tableau, V, columns of the values and eigenvalues of V of each part."""
     found = []
     for c in engine.components[: len(engine.parts)]:
         matrix = np.array(c.V, dtype=float)
@@ -203,7 +203,7 @@ def _zetas(engine: Stepper) -> list[complex]:
 
 
 def _on_values(engine: Stepper) -> tuple[np.ndarray, list[_Bundle]]:
-    """V on the flattened values, (n, n), and its eigenvectors of modulus one but 1."""
+    """Return V on the flattened values, (n, n), and its eigenvectors of modulus one but 1."""
     r, d = engine.shape
     V, halves = np.zeros((r, d, r, d)), _halves(engine)
     for _, matrix, columns, _ in halves:
@@ -256,7 +256,7 @@ def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray)
 
 
 def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray, passes: int = PASSES) -> np.ndarray:
-    """Psi_n, (N + 1 - passes, m, m), from the derivatives of N steps."""
+    """Return Psi_n, (N + 1 - passes, m, m), from the derivatives of N steps."""
     n, m = b.right.shape
     here = b.right @ b.left
     inverse = np.linalg.inv(V - b.zeta * np.eye(n) + here) @ (np.eye(n) - here)
@@ -293,7 +293,7 @@ def _logarithms(psi: np.ndarray) -> np.ndarray:
 
 
 def _exponential(matrix: np.ndarray) -> np.ndarray:
-    """Of a matrix of small norm."""
+    """Return the exponential of a matrix of small norm."""
     result = term = np.eye(len(matrix), dtype=matrix.dtype)
     for k in range(1, 16):
         term = term @ matrix / k
@@ -451,7 +451,7 @@ def _period(y: np.ndarray) -> float | None:
 def _start(
     engine: Stepper, b: _Bundle, psi: np.ndarray, values: np.ndarray, h: float
 ) -> np.ndarray:
-    """Phi at step 0, (m,): what later steps show, taken back; what is smooth averages out."""
+    """Return phi at step 0, (m,): later steps taken back; what is smooth averages out."""
     products = _products(psi[:START])
     if not np.linalg.norm(products[-1]) < MUCH:  # the later steps may have left the orbit
         first, t = values[0], float(engine.problem.t_span[0])

@@ -77,7 +77,7 @@ def bounded(method: GLM, z: Any) -> np.ndarray:
 def interval(
     method: GLM, direction: complex = 1j, *, most: float = 64.0, samples: int = 4096
 ) -> float:
-    """Length of the part of a ray, from 0 on, on which no eigenvalue of M leaves the unit disc.
+    """Return the length of a ray, from 0 on, on which no eigenvalue of M leaves the unit disc.
 
     Parameters
     ----------

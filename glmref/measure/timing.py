@@ -61,7 +61,7 @@ def repeat(
 
 
 def circumstances() -> dict[str, Any]:
-    """Processor, system and versions, for the record. No host name, no path."""
+    """Return processor, system and versions, for the record: no host name, no path."""
     versions = {"python": platform.python_version()}
     for package in ("glmref", "numpy", "numba"):
         try:
@@ -85,7 +85,7 @@ def _pinned() -> bool:
 
 
 def machine(where: Mapping[str, Any]) -> str:
-    """Kind of machine, from what :func:`circumstances` recorded: times of one kind compare."""
+    """Return the kind of machine from :func:`circumstances`: times of one kind compare."""
     given = [where.get(key) for key in ("processor", "machine", "system")]
     parts = [*map(str, filter(None, given)), f"{where.get('cores')} cores"]
     return ", ".join([*parts, *(["pinned"] if where.get("pinned") else [])])

@@ -343,7 +343,7 @@ _LONG = 1.0  # seconds of one run after which h is not halved again
 
 @lru_cache(maxsize=32)
 def _computed(problem: Problem, t: float) -> Reference:
-    """Gauss-5 (order 10) at step sizes halved until two runs agree; their difference is the bound.
+    """Run Gauss-5 with halved step sizes until two runs agree; their difference is the bound.
 
     The finer run's truncation error is about 1/1023 of the difference; what remains is round-off,
     of which the difference is a sample. Halving ends where the difference is below :data:`_AGREE`,

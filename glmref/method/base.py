@@ -19,7 +19,7 @@ class Array(Protocol):
     """An array of numpy, or of any library that gives nested lists by ``tolist``."""
 
     def tolist(self) -> Any:
-        """Nested lists of Python numbers."""
+        """Return nested lists of Python numbers."""
         ...
 
 

@@ -44,14 +44,14 @@ class EmbeddedRow:
     values: Vector | None = None
 
     def other(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
-        """B less the weights: those of the estimate, or of the solution where these are given."""
+        """Return b less the weights: those of the estimate, or of the solution where given."""
         return tuple(
             (tuple(x - y for x, y in zip(row, own, strict=True)),)
             for row, own in zip(b, self.weights, strict=True)
         )
 
     def solution(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:
-        """B (1, s) of the embedded solution, for each component."""
+        """Return B (1, s) of the embedded solution, for each component."""
         return self.other(b) if self.difference else tuple((x,) for x in self.weights)
 
     def estimate(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:

@@ -89,7 +89,7 @@ def _first_nonzero(values: Vector) -> int:
 
 
 def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
-    """Linear multistep method ``sum alpha_m y_(n+m) = h sum beta_m f_(n+m)`` as a GLM with s = 1.
+    """Make the multistep method ``sum alpha_m y_(n+m) = h sum beta_m f_(n+m)`` a GLM with s = 1.
 
     The values carried are ``y_(n+k-1), y_(n+k-2), ..`` as far back as alpha reaches, then ``h f``
     as far back as beta reaches. An implicit method has the stage ``Y = y_(n+k)`` and carries
@@ -133,7 +133,7 @@ def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
 
 
 def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
-    """One-leg method ``sum alpha_m y_(n+m) = h f(sum beta_m y_(n+m))`` as a GLM with s = 1, r = k.
+    """Make ``sum alpha_m y_(n+m) = h f(sum beta_m y_(n+m))`` a GLM with s = 1, r = k.
 
     The values carried are ``y_(n+k-1), .., y_n``. Consistency asks for ``sum beta_m = 1``:
     :func:`one_leg_twin` scales a multistep method to that.
@@ -235,7 +235,7 @@ def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> Parti
 
 
 def composition(base: GLM, gamma: Entries, name: str = "") -> GLM:
-    """Composition of a one-step method with itself, with steps ``gamma_1 h, gamma_2 h, ..``.
+    """Compose a one-step method with itself, with steps ``gamma_1 h, gamma_2 h, ..``.
 
     Parameters
     ----------

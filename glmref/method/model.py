@@ -145,7 +145,7 @@ class Method:
         return stage_order.stage_blocks(self.components, palette or self.palette)
 
     def read_stages(self, palette: Palette | None = None) -> frozenset[int]:
-        """Stages that some value reads, directly or through others: see :meth:`stage_blocks`."""
+        """Return the stages that a value reads, also through others: see :meth:`stage_blocks`."""
         return stage_order.read_stages(self.components, palette or self.palette)
 
     @property

@@ -203,7 +203,7 @@ def outputs(components: Iterable[Component]) -> tuple[Vector, ...]:
 
 
 def unit_place(w: Vector) -> int | None:
-    """k (from 0) where the functional w is the unit vector e_k: the solution is that value itself.
+    """Return k (from 0) where the functional w is the unit vector e_k: that value is the solution.
 
     ``None`` where it combines values or scales one.
     """

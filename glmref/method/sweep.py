@@ -94,7 +94,7 @@ class SweepForm:
         return last if colour == first else first
 
     def form(self, colour: str) -> Matrix:
-        """G_dc: G with the values of the component as its columns."""
+        """Return G_dc: G with the values of the component as its columns."""
         return self.G if colour == (*self.D,)[-1] else linalg.conjugate_transpose(self.G)
 
     @cached_property
@@ -143,7 +143,7 @@ class SweepForm:
 
 
 def explicit_stages(enclosure: object, s: int) -> frozenset[int]:
-    """Stages (from 1) whose diagonal entry is zero by an equation ``explicit I`` of the file.
+    """Return stages (from 1) whose diagonal entry is 0 by an equation ``explicit I`` of the file.
 
     The pattern of such a file is palindromic, so that stage ``s + 1 - I`` is explicit as well.
     """
@@ -154,7 +154,7 @@ def explicit_stages(enclosure: object, s: int) -> frozenset[int]:
 
 
 def columns(rows: Sequence[Sequence[Any]], size: int) -> Matrix:
-    """X (or Y) from its rows 2..r: a first row of ones is put on top."""
+    """Return X (or Y) from its rows 2..r: a first row of ones is put on top."""
     return ((Exact(1),) * size, *(tuple(row) for row in rows))
 
 

@@ -33,7 +33,7 @@ def all_of(answers: Sequence[bool | None]) -> bool | None:
 def compared(
     found: Sequence[Scalar], declared: Sequence[Scalar], *, exact: bool, offset: int = 0
 ) -> Known:
-    """Entry by entry: the first difference that is not zero decides, or else one that is open."""
+    """Compare entry by entry: the first nonzero difference decides, or else one that is open."""
     differences = [x - y for x, y in zip(found, declared, strict=True)]
     answers = [d.is_zero() for d in differences]
     truth = all_of(answers)
@@ -46,7 +46,7 @@ def compared(
 
 
 def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
-    """Whether every entry is zero: ``False`` where one excludes it, ``None`` where balls do not."""
+    """Return whether all entries are 0: ``False`` where one excludes it, ``None`` if open."""
     return all_of([x.is_zero() for row in matrix for x in row])
 
 
@@ -56,17 +56,17 @@ def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
 
 
 def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
-    """diag(d) a."""
+    """Return diag(d) a."""
     return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
 
 
 def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
-    """u^* G v."""
+    """Return u^* G v."""
     return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, v))
 
 
 def constants(U: Matrix, V: Matrix, output: Vector | None = None) -> list[Vector]:
-    """Basis of the (u, x) with V u = u and U u = x 1, and output u = x where one is given.
+    """Return a basis of the (u, x) with V u = u and U u = x 1, output u = x where one is given.
 
     Those with x = 1 are the preconsistency vectors; there is none where x is 0 in the whole basis.
     """
@@ -79,7 +79,7 @@ def constants(U: Matrix, V: Matrix, output: Vector | None = None) -> list[Vector
 def consistent_values(
     U: Matrix, B: Matrix, V: Matrix, output: Vector | None = None
 ) -> list[Vector]:
-    """Basis of the (u, v, x) with (u, x) of :func:`constants` and x B 1 + V v = u + v."""
+    """Return a basis of the (u, v, x), (u, x) of :func:`constants`, x B 1 + V v = u + v."""
     r = len(V)
     D, nil = linalg.sub(V, linalg.identity(r)), (_ZERO,) * r
     total = linalg.matvec(B, (_ONE,) * len(B[0]))
@@ -192,7 +192,7 @@ def bounded_exactly(V: Matrix) -> bool:
 
 
 def diagonal_blocks(V: Matrix) -> list[Matrix]:
-    """Diagonal blocks after sorting the values so that V is block triangular by exact zeros."""
+    """Return the diagonal blocks, values sorted so that V is block triangular by exact zeros."""
     return [tuple(tuple(V[a][b] for b in group) for a in group) for group in diagonal_values(V)]
 
 
@@ -302,7 +302,7 @@ def escape(p: Any, where: str) -> str:
 
 
 def in_right_half(p: Any) -> bool:
-    """Whether all zeros have positive real part: z = (x + 1)/(x - 1) takes that to |x| > 1."""
+    """Return whether all zeros have Re z > 0: z = (x + 1)/(x - 1) takes that to |x| > 1."""
     p = poly.trim(p)
     if poly.evaluate(p, -1).is_zero() is not False:
         return False  # x = 0, which reversal below would lose
@@ -310,7 +310,7 @@ def in_right_half(p: Any) -> bool:
 
 
 def leaves_disc(q: Sequence[Any]) -> tuple[str | None, bool]:
-    """Why some root w of q(w, y) leaves the closed disc for some real y, or ``None``.
+    """Return why some root w of q(w, y) leaves the closed disc for some real y, or ``None``.
 
     The second answer says whether for y other than 0 the roots of modulus 1 are simple.
 

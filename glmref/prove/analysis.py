@@ -350,7 +350,7 @@ class _Questions:
         of: Callable[[Facts], Facts] = lambda f: f,
         where: str = "",
     ) -> bool | None:
-        """Whether a claim that is true or false is true, of the method or of a part of it."""
+        """Return whether a claim of truth is true, of the method or of a part of it."""
 
         def known(facts: Facts) -> tuple[bool | None, str]:
             facts = of(facts)
@@ -521,7 +521,7 @@ def staircase(facts: Facts) -> str:
 
 
 def _steps(sizes: Sequence[Fraction], proved: int) -> str:
-    """Orders beyond the proved one, each with the largest residual through it, rounded up."""
+    """Return orders beyond the proved one, with the largest residual through each, rounded up."""
     steps: list[str] = []
     for n in range(len(sizes) - 2, proved, -1):  # of the last one nothing beyond is known
         if 0 < sizes[n] < SMALL and sizes[n + 1] > JUMP * sizes[n]:
@@ -604,7 +604,7 @@ def _analyzed(q: _Questions) -> Analysis:
 
 
 def _reduced(q: _Questions) -> dict[str, Any]:
-    """Whether a method that is not symmetric as it stands is so without values it can do without.
+    """Return whether a method that is not symmetric is so without values it can do without.
 
     A multistep method is symmetric where alpha_m = -alpha_(k-m) and beta_m = beta_(k-m), which as
     a tableau carries h f of values that it carries, too (Hairer, Lubich, Wanner 2006, XV.1).

@@ -730,7 +730,7 @@ class _Writer:
             raise ExactnessError("growth of decimals at an eigenvalue that is not real")
 
     def _unshared(self) -> list[Part]:
-        """Of a separable pair without a shared eigenvalue but 1; empty where that is not so."""
+        """Return parts of a separable pair sharing the eigenvalue 1 only, else nothing."""
         values = [b[3] for b in self.kernel.blocks.values()]
         if not self.kernel.is_pair or self.kernel.shared or not is_exact(*values):
             return []
@@ -740,7 +740,7 @@ class _Writer:
         return [*bounded, {"rule": "unshared", "witness": {}}]
 
     def _halves(self) -> list[Part]:
-        """Of a pair that shares the stages and the eigenvalue 1; empty where that is not so."""
+        """Return parts of a pair that shares stages and the eigenvalue 1, else nothing."""
         if (found := self.kernel._residues) is None:
             return []
         cosines = {c: [str(x.cosine) for x in half] for c, half in found.items()}

@@ -147,7 +147,7 @@ def classes(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Tree, .
 
 @cache
 def pairs(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Pair, ...]:
-    """Unordered pairs (t, u) of classes of total order ``order`` for which t*u is in the family."""
+    """Return unordered pairs (t, u) of classes of this total order with t*u in the family."""
     found: list[Pair] = []
     for n in range(1, order // 2 + 1):
         for i, t in enumerate(classes(n, q, family)):
@@ -263,7 +263,7 @@ def plan(order: int, q: int, given: tuple[Tree, ...] = (), family: Family = Fami
 
 @cache
 def _cuts(t: Tree, q: int) -> tuple[tuple[Tree, Fraction], ...]:
-    """Classes left when t is cut with its root kept (t included), with the sum of 1/prod gamma."""
+    """Return classes left when t is cut, root kept (t included), with the sum of 1/prod gamma."""
     found: dict[Tree, Fraction] = {}
     for kept, ways in pruned(t).items():
         reduced, factor = reduce_tree(kept, q)
@@ -294,7 +294,7 @@ def _identities(
 
 
 def follows(order: int, q: int, given: Collection[Tree], family: Family = Family.ROOTED) -> bool:
-    """Whether R = 0 at the given trees of an odd order gives R = 0 at all trees of that order.
+    """Return whether R = 0 at the given trees of an odd order gives R = 0 at all of that order.
 
     Supposed are stage order q, R = 0 and Q = 0 below, Q = 0 on the defining pairs of ``order -
     1``. Then all of Q at ``order - 1`` vanishes too.

@@ -327,7 +327,7 @@ class _One(_Writer):
             )
 
     def form(self) -> None:
-        """G-symplecticity where it holds with plain transposes: of real methods."""
+        """Return G-symplecticity where it holds with plain transposes: of real methods."""
         m = self.method
         found, u = g_symplectic(m), preconsistency_vector(m)
         if not found.holds or not m.is_real or found.G is None or found.D is None or u is None:
@@ -454,7 +454,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def file_stem(name: str) -> str:
-    """Name of the Coq file, and first part of the theorems' names: ``m_gauss_2``."""
+    """Return the name of the Coq file and first part of the theorems' names: ``m_gauss_2``."""
     return "m_" + "".join(x if x.isalnum() else "_" for x in name)
 
 

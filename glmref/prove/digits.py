@@ -132,7 +132,7 @@ class _Residuals:
         return int(low), int(high)
 
     def exactly(self, t: Tree, b: Mapping[str, Any]) -> Fraction:
-        """``|b Phi(t) - 1 / gamma(t)|`` itself, in units."""
+        """Return ``|b Phi(t) - 1 / gamma(t)|`` itself, in units."""
         found = self.found.exactly(_plain(t), b[t.colour])
         return Fraction(int(found.p), int(found.q))
 
@@ -189,7 +189,7 @@ class _Residuals:
         return all(self.exactly(t, b) == 0 for t, _ in self.through(order))
 
     def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
-        """Largest residual through each order, at most, and last the first that is no rounding."""
+        """Return the largest residual through each order, last the first that is no rounding."""
         b = self.weights(weights)
         found = [Fraction(0)]
         for n in range(1, most + 1):
@@ -243,7 +243,7 @@ class DigitRules:
         return (self.method.document or {}).get("class") == "nystrom"
 
     def _rows_of_weights(self) -> dict[str, dict[str, Vector]]:
-        """By the names of the weights, b first, each as a row for each colour."""
+        """Return the weights by name, b first, each as a row for each colour."""
         kernels = {SOLUTION: self, **dict(self.row_kernels)}
         return {
             name: {c: B[0] for c, (_, _, B, _) in x.timed.blocks.items()}

@@ -272,7 +272,7 @@ class Square(Protocol):
         ...
 
     def residuals(self, values: Sequence[Any]) -> list[Any]:
-        """Left minus right side of every equation."""
+        """Return left minus right side of every equation."""
         ...
 
 
@@ -323,7 +323,7 @@ def _check_satisfied(
 
 
 def shift_matrix(order: int) -> Matrix:
-    """How residuals at ``order + 1`` change with zeta_1 at ``order``: (trees, trees) rationals.
+    """Return how residuals of ``order + 1`` change with zeta_1 of ``order``: (trees, trees).
 
     A change delta of zeta_1 at the trees of one order adds ``delta(t)`` to R([t]) and takes
     ``ways * delta(kept)`` from R(t') for each way to cut one leaf off t'.
@@ -358,7 +358,7 @@ def obstruction(series: Series, order: int) -> float:
 
 @cache
 def _annihilators(order: int) -> list[tuple[linalg.Vector, float]]:
-    """Rational basis of the rows n with n (shift matrix) = 0, each with its largest entry.
+    """Return a rational basis of the n with n (shift matrix) = 0, each with its largest entry.
 
     It is the same for every method of the order.
 

@@ -187,14 +187,14 @@ def _subtrees(given: Sequence[Tree]) -> list[Tree]:
 
 @lru_cache(maxsize=4096)
 def _share(ways: int, size: int) -> Exact:
-    """``ways / size``, the same object each time."""
+    """Return ``ways / size``, the same object each time."""
     return Exact(Fraction(ways, size))
 
 
 def _minus_weighted(
     x: tuple[Any, ...], weights: Sequence[Exact], vectors: Sequence[Sequence[Any]]
 ) -> tuple[Any, ...]:
-    """``x - sum weights_k vectors_k``."""
+    """Return ``x - sum weights_k vectors_k``."""
     if not vectors:
         return x
     columns = zip(*vectors, strict=True)
@@ -221,7 +221,7 @@ def _look_up(
 def _products(
     t: Tree, eta: Mapping[Tree, tuple[Any, ...]], s: int, stage_order: int
 ) -> tuple[Any, ...]:
-    """EtaD(t): stage by stage the product of eta over the subtrees."""
+    """Return etaD(t): stage by stage the product of eta over the subtrees."""
     result: tuple[Any, ...] = (Exact(1),) * s
     for child in t.children:
         below, factor = _look_up(child, eta, stage_order)
@@ -240,7 +240,7 @@ def _principal_parts(
     family: Family,
     last: str,
 ) -> dict[Tree, Any]:
-    """zeta_1 at the classes of an even order: Q = 0 on the defining pairs."""
+    """Return zeta_1 at the classes of an even order: Q = 0 on the defining pairs."""
     known = tuple(t for t in given if t.order == order)
     chosen = plan(order, stage_order, known, family)
     right: list[Any] = []

@@ -226,7 +226,7 @@ class Tower:
         raise ExactnessError(f"{text} is not written out")
 
     def _least_polynomial(self, value: Exact, n: int) -> list[Any]:
-        """Of a root of unity over the field made so far, which may have some of its powers."""
+        """Return that of a root of unity over the field so far, which may have powers of it."""
         whole = cyclotomic(n)[:-1]
         basis, powers = dict(self._basis), [Exact(1)]
         apart = all(gcd(x.cyclotomic_order or n, n) <= 2 for x in self.values)

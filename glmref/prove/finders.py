@@ -50,7 +50,7 @@ def _nothing(facts: Facts) -> Proposal:
 
 
 def _told(results: Callable[[], Any]) -> Callable[[bool | None], tuple[str, float]]:
-    """Sentence and residual of theory's own records, where the claim was not proved to be true."""
+    """Return sentence and residual of theory's records, where the claim was not proved true."""
 
     def explain(truth: bool | None) -> tuple[str, float]:
         if truth is True:

@@ -45,7 +45,7 @@ class FormRules:
     # -- forms -------------------------------------------------------------------------------------
 
     def _symplectic(self, witness: Mapping[str, Any]) -> Known:
-        """b_i a_ij + b_j a_ji = b_i b_j (Sanz-Serna; Lasagni; Suris 1988); for pairs with hats.
+        """Decide b_i a_ij + b_j a_ji = b_i b_j (Sanz-Serna; Lasagni; Suris 1988); pairs: hats.
 
         Hairer, Lubich, Wanner (2006), theorems VI.4.3 and VI.4.6.
         """
@@ -279,7 +279,7 @@ class FormRules:
     def _symmetry_residuals(
         self, c: str, inverse: Matrix, L: Matrix, exchanges: Mapping[str, Sequence[int]]
     ) -> list[Matrix]:
-        """L^2 - I, L V^-1 L - V, B - V L B P, U - P U L V, A + P A P - U V^-1 B."""
+        """Return L^2 - I, L V^-1 L - V, B - V L B P, U - P U L V, A + P A P - U V^-1 B."""
         A, U, B, V = self.blocks[c]
         # stages of this component, where its rows of A and U belong, and its slopes
         rows = exchanges[c]
@@ -297,7 +297,7 @@ class FormRules:
     def exchange_problem(
         self, inverses: Mapping[str, Matrix]
     ) -> tuple[list[tuple[Matrix, Matrix, int, int]], list[int]]:
-        """Relations and group sizes of the search for exchanges: stages Q come first, then P."""
+        """Return relations and group sizes of the search for exchanges: stages Q first, then P."""
         relations = []
         offset = {"o": 0, "f": 0, "k": 0}
         if not self.shared:

@@ -83,7 +83,7 @@ class GrowthRules:
     def _growth_matrices(
         self, witness: Mapping[str, Any], *, one_is_enough: bool = False
     ) -> list[tuple[Exact, tuple[Matrix, ...]]]:
-        """zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
+        """Return zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
 
         With ``one_is_enough`` only the shared eigenvalues of a pair are looked at where one of
         their matrices is not 0, which refutes that nothing grows whatever the others are.
@@ -154,7 +154,7 @@ class GrowthRules:
         return False in self.bounded.values()
 
     def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
-        """V is power-bounded and every growth matrix is 0 (at zeta = 1: but for the principal)."""
+        """Decide that V is power-bounded and growth matrices are 0 (at 1: but the principal)."""
         if self._unstable():
             exact = self._exact_values()
             return Known(False, exact, "V is not power-bounded: parasitic components grow anyway")

@@ -239,7 +239,7 @@ def _check_ones(row: Sequence[Any], what: str) -> None:
 
 
 def _check_regular(V: Matrix, name: str) -> None:
-    """1 - V on the values 2..r: then v of consistency and the starting series exist."""
+    """Check 1 - V on the values 2..r: then v of consistency and the starting series exist."""
     r = range(1, len(V))
     rest = tuple(tuple(Exact(int(i == j)) - V[i][j] for j in r) for i in r)
     if rest and linalg.rank(rest) < len(rest):
@@ -282,7 +282,7 @@ def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
 
 
 def _zero_start(system: SweepSystem, most: int, family: Family) -> int:
-    """Through which order every value but the first is zero, by equations ``start`` and parity."""
+    """Return through which order all values but the first are 0, by ``start`` and parity."""
     if system.is_one_step:
         return most
     for n in range(1, most + 1):

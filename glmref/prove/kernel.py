@@ -301,7 +301,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return {c: component(*b, self.outputs[c]) for c, b in self.blocks.items()}
 
     def range(self, claim: str) -> Range:
-        """Proved bounds of an order: see :mod:`glmref.theory.starting_series` for the theorem."""
+        """Return proved bounds of an order; the theorem: :mod:`glmref.theory.starting_series`."""
         return self._with_implied(claim, self._rule(claim))
 
     def _with_implied(self, claim: str, found: Range) -> Range:
@@ -340,7 +340,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return self.order_range(free=False, nystrom=True)
 
     def order_range(self, *, free: bool, nystrom: bool = False) -> Range:
-        """Bounds by the trees: all residuals exactly zero below, one that excludes zero above."""
+        """Return bounds by the trees: residuals exactly 0 below, one that excludes 0 above."""
         if self.timed is not self:
             return self.timed.order_range(free=free, nystrom=nystrom)
         if free and self.method.system:  # principal parts are determined by trees that do not count
@@ -360,7 +360,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return {}
 
     def _counts(self, *, nystrom: bool) -> Callable[[Tree], bool]:
-        """Which trees count: those of second-order systems, or of the systems of the method."""
+        """Return which trees count: of second-order systems, or of the systems of the method."""
         return counted("nystrom" if nystrom else self.method.system)
 
     def _search(self, *, free: bool, nystrom: bool) -> Range:
@@ -507,7 +507,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return is_zero(difference(*c)) is True
 
     def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
-        """Whether ``xi(t) = c^n / n!`` at the stages of these colours, t the path of order n."""
+        """Return whether ``xi(t) = c^n / n!`` at stages of these colours, t the path of order n."""
         for colour in colours:
             (last,) = (t for t in series.level(n) if t.colour == colour)
             c, x = (scalars(series.stage(t, series.value(t))) for t in (single(colour), last))
@@ -516,7 +516,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return True
 
     def nearly(self) -> list[float]:
-        """Largest residual through each order, whether zero or not: measured, never a verdict.
+        """Return the largest residual through each order, zero or not: measured, never a verdict.
 
         The numbers are taken as balls, and u with V u = u although U u = 1 may fail by a rounding.
         The list ends with the first order whose residual is large, in the thousands of trees
@@ -612,7 +612,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return self._beyond(series, 0, p + 1, (), nystrom) if wanted else None
 
     def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[str, Scalar]:
-        """``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
+        """Return ``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
 
         Of a separable pair one for each colour of the root, c at the stages of the other. A free
         principal part changes them. The term of degree n in R(z) less that of exp(z), the residual
@@ -639,7 +639,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
 
     @staticmethod
     def _seen(c: Prepared, slopes: tuple[Any, ...]) -> Any:
-        """W B times slopes, of a method that carries one value."""
+        """Return W B times slopes, of a method that carries one value."""
         return apply(c.W, apply(c.B, slopes))[0]
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
@@ -773,7 +773,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
 
     def _start_fits(self, series: StartingSeries, p: int, *, nystrom: bool) -> bool:
-        """Whether the trees of the series decide about the start: of paths only as in _along_paths.
+        """Return whether the trees of the series decide about the start: paths as in _along_paths.
 
         A stage is the solution to order q when it is on the paths through order q and the stages
         that it uses are to order q - 1. The values must use stages that are to order p - 1. On
@@ -814,7 +814,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
 
     @staticmethod
     def _path_orders(A: Matrix, A_hat: Matrix, p: int) -> dict[str, list[int]]:
-        """Through which order, p at most, each stage is the solution on trees without branches."""
+        """Return through which order, p at most, each stage is the solution on unbranched trees."""
         at = {"f": (_ONE,) * len(A), "k": (_ONE,) * len(A_hat)}
         c: dict[str, Vector] = {}
         orders = {colour: [0] * len(x) for colour, x in at.items()}
@@ -919,7 +919,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
     # -- consistency -------------------------------------------------------------------------------
 
     def _preconsistent(self, witness: Mapping[str, Any]) -> Known:
-        """V u = u and U u = 1 for some u: a linear system, eliminated (Butcher 2016, 510B)."""
+        """Decide V u = u and U u = 1 for some u by elimination (Butcher 2016, 510B)."""
         answers, exact = [], True
         for c in self.method.components:
             A, U, B, V = c.matrices
@@ -940,7 +940,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return Known(all_of(answers), exact)
 
     def _consistent(self, witness: Mapping[str, Any]) -> Known:
-        """B 1 + V v = u + v as well, linear in (u, v) (Butcher 2016, 510C)."""
+        """Decide B 1 + V v = u + v as well, linear in (u, v) (Butcher 2016, 510C)."""
         answers, exact = [], True
         for part in self.method.components:
             A, U, B, V = part.matrices
@@ -964,7 +964,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return Known(all_of(answers), exact)
 
     def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
+        """Decide c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
 
         Those of an additive method are the c of each part, one part after another. Over balls every
         pair (u, v) of a method in them lies in the (u, v) used here; that there is one, order 1
@@ -1004,7 +1004,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         return known if unique else Known(None, exact, reason)
 
     def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """C_(p+1) / sigma(1) from alpha and beta of the file: independent of the values carried.
+        """Decide C_(p+1) / sigma(1) from alpha and beta of the file: independent of values carried.
 
         Hairer, Norsett, Wanner (1993), III.2, (2.6) and (2.13). For methods of other classes the
         constant depends on which value is called the solution: open.
@@ -1111,7 +1111,7 @@ class Reach:
         return max(self.sizes[:order], default=0.0)
 
     def staircase(self) -> str:
-        """Such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
+        """Return such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
         steps: list[str] = []
         worst = [self.size(n) for n in range(1, len(self.sizes) + 1)]
         for n in range(len(worst), self.proved, -1):

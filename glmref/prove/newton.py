@@ -35,7 +35,7 @@ def polish(
     *,
     digits: int = 120,
 ) -> list[Ball]:
-    """Newton's iteration on midpoints until the step is below ``10**-digits``.
+    """Do Newton's iteration on midpoints until the step is below ``10**-digits``.
 
     Parameters
     ----------

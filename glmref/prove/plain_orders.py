@@ -123,7 +123,7 @@ class _Orders:
         self.known = one and self.method.output is None
 
     def schemes(self, weights: Sequence[Vector]) -> list[tuple[str, Scheme]]:
-        """Schemes with other weights, one row for each component, by what they are the order of."""
+        """Return schemes with other weights, a row for each component, by what the order is of."""
         m = self.method
         if m.rosenbrock:
             return [("", rosenbrock(m.alpha, m.gamma, weights[0][: len(m.alpha)]))]
@@ -247,7 +247,7 @@ def _looked(scheme: Scheme, declared: int) -> Reach:
 
 
 def _reached(scheme: Scheme, declared: int) -> Reach:
-    """Exact numbers until the first condition that fails, balls from there on: only sizes count."""
+    """Take exact numbers until the first condition fails, then balls: only sizes count."""
     exact = scheme.is_exact
     found = reach(scheme, declared + 2, stop=0.0 if exact else 1.0)
     if not exact or found.refuted is None:

@@ -152,7 +152,7 @@ class RowRules:
         return _all_zero(gaps, exact=self.exact)
 
     def _estimates_of_values(self) -> Known:
-        """Each estimate ``h e F + d y`` is 0 where the values ``u y + h v y'`` of y' = 1 are exact.
+        """Decide that estimates ``h e F + d y`` are 0 at exact values ``u y + h v y'`` of y' = 1.
 
         ``V u = u, U u = 1, w u = 1, B 1 + V v = u + v``, w the output, have a solution, and
         ``d u = 0`` and ``e 1 + d v = 0`` for all of them: equations linear in (u, v).
@@ -187,7 +187,7 @@ class RowRules:
         return _all_zero([*gaps, *slopes], exact=exact)
 
     def _row_sums(self, witness: Mapping[str, Any]) -> Known:
-        """C = A 1; it is where no c is given. Of a Nystrom method A 1 = c^2 / 2 and A' 1 = c."""
+        """Decide c = A 1; it is where no c is given. Of Nystrom methods A 1 = c^2 / 2, A' 1 = c."""
         if self.is_pair:
             gaps = nystrom_gaps(self.method)
             if gaps is None:
@@ -203,7 +203,7 @@ class RowRules:
         return _all_zero(gaps, exact=self.exact)
 
     def _dense_end(self, witness: Mapping[str, Any]) -> Known:
-        """b(1) = b."""
+        """Decide b(1) = b."""
         if self.method.dense is None:
             return Known(False, True, "the file gives no dense output")
         gaps = [

@@ -163,7 +163,7 @@ def _first(s: int) -> Vector:
 def runge_kutta(
     A: Matrix, b: Vector, c: Sequence[Scalar] | None = None, *, apart: bool = False
 ) -> Scheme:
-    """Scheme of A (s, s), b (s,), and c (s,) where it differs from A 1, or stands ``apart``."""
+    """Return the scheme of A (s, s), b (s,), and c (s,) where not A 1 or ``apart``."""
     plain = Scheme({"o": "o"}, {"o": (A, b)}, "o")
     if c is None or (not apart and _sums_to(A, c)):
         return plain
@@ -176,7 +176,7 @@ def runge_kutta(
 
 
 def low_storage(A: Vector, B: Vector, c: Sequence[Scalar] | None = None) -> Scheme:
-    """Scheme of dU = A_i dU + h f(U), U = U + B_i dU, i = 1, .., s: Williamson (1980), A_1 = 0."""
+    """Make a scheme of dU = A_i dU + h f(U), U = U + B_i dU, A_1 = 0: Williamson (1980)."""
     s = len(B)
     rows: list[list[Scalar]] = [[_ZERO] * s]
     for i in range(s):
@@ -189,7 +189,7 @@ def low_storage(A: Vector, B: Vector, c: Sequence[Scalar] | None = None) -> Sche
 
 
 def shu_osher(alpha: Matrix, beta: Matrix, c: Sequence[Scalar] | None = None) -> Scheme:
-    """Scheme of y_i = sum alpha_ij y_j + h beta_ij f(y_j), j < i, i = 1, .., s: Shu, Osher (1988).
+    """Make a scheme of y_i = sum alpha_ij y_j + h beta_ij f(y_j), j < i: Shu, Osher (1988).
 
     Row i of alpha and beta (s, s) gives y_i from y_0, .., y_{i-1}; y_s is the new value.
     """
@@ -228,7 +228,7 @@ def additive(
 
 
 def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
-    """Scheme of a general linear method with V S = S and U S = 1, started with S y exactly.
+    """Make a scheme of a general linear method with V S = S and U S = 1, started with S y.
 
     ``Y = h A F + U S y``, ``w (S y + h B F) = y + h w B F`` for each w with w S = 1: the method has
     order p, from the start S y on, exactly if the weights w B of r such w that are independent
@@ -330,7 +330,7 @@ def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
 
 
 def w_method(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
-    """Scheme with any matrix in the place of the Jacobian; J is the vertex of the linear part.
+    """Make a scheme with any matrix for the Jacobian; J is the vertex of the linear part.
 
     A colour says what the vertex is (f or J) and what it hangs on: below f stands alpha, below J
     alpha + gamma.
@@ -346,7 +346,7 @@ def w_method(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
 
 
 def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool = False) -> Scheme:
-    """Scheme of a splitting of ``q' = f(p), p' = g(q)``: drift a_1, kick b_1, drift a_2, ...
+    """Make a scheme of a splitting of ``q' = f(p), p' = g(q)``: drift a_1, kick b_1, drift ..
 
     With ``kick_first`` the kick b_1 is the first step; with ``quadratic`` f is linear, as for
     q'' = g(q), so that a vertex f has at most one child.

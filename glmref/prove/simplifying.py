@@ -225,7 +225,7 @@ class RungeKuttaSystem:
         return all(self._has_stage(i, k) for k in range(1, self.s + 1) for i in stages)
 
     def _names(self, t: Tree, row: str) -> bool:
-        """Whether the condition of a tree is an equation, or of the single one an identity."""
+        """Return whether the condition of a tree is an equation, of the single one an identity."""
         if any(e.tree and _plain(e.tree) == t and e.row == row for e in self.equations):
             return True
         if t.order > 1 or self._affine is None:
@@ -282,7 +282,7 @@ def _bush(n: int) -> Tree:
 
 
 def _weights(below: Below) -> Callable[[Tree], tuple[Any, ...]]:
-    """By tree, for each stage the product over its children of a matrix times theirs."""
+    """Return by tree, for each stage, the product over its children of a matrix times theirs."""
     known: dict[Tree, tuple[Any, ...]] = {}
 
     def at(t: Tree) -> tuple[Any, ...]:
@@ -299,7 +299,7 @@ def _weights(below: Below) -> Callable[[Tree], tuple[Any, ...]]:
 
 
 def _column(A: Sequence[Sequence[Any]], b: Sequence[Any], j: int) -> Any:
-    """``sum_i b_i a_ij - b_j (1 - c_j)``."""
+    """Return ``sum_i b_i a_ij - b_j (1 - c_j)``."""
     rest = Exact(1) - sum(A[j][1:], A[j][0])
     return sum((x * row[j] for x, row in zip(b, A, strict=True)), -(rest * b[j]))
 

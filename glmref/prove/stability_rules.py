@@ -38,7 +38,7 @@ class StabilityRules:
         def __init__(self, method: Any) -> None: ...
 
     def _a_stable(self, witness: Mapping[str, Any]) -> Known:
-        """M(z) = V + z B (I - z A)^-1 U is power-bounded for every z with Re z <= 0, 0 included.
+        """Decide that M(z) = V + z B (I - z A)^-1 U is power-bounded for every z with Re z <= 0.
 
         Holds where (1) V is power-bounded; (2) M has no pole there; (3) the limits for large z are
         finite and in the closed disc; (4) on the imaginary axis all eigenvalues lie in the closed
@@ -98,7 +98,7 @@ class StabilityRules:
 
     @staticmethod
     def _poles(m: GLM, P: Sequence[Any]) -> Any:
-        """Polynomial whose zeros are the poles of the matrix M(z): what no entry divides out."""
+        """Return a polynomial whose zeros are the poles of M(z): what no entry divides out."""
         if m.r == 1:
             return without_content(m, tuple(P))[-1]
         determinant = poly.trim(P[-1])
@@ -120,7 +120,7 @@ class StabilityRules:
         return poly.divide(determinant, shared)[0]
 
     def _l_stable(self, witness: Mapping[str, Any]) -> Known:
-        """A-stable, and every eigenvalue of M(z) tends to 0 as z goes to infinity (Ehle 1969)."""
+        """Decide A-stability and that eigenvalues of M(z) tend to 0 at infinity (Ehle 1969)."""
         if self.method.rosenbrock:
             return type(self)(self.method.linear_form)._l_stable(witness)
         if not self.exact:

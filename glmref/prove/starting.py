@@ -98,7 +98,7 @@ class StartingSystem:
 
 
 def _hats(block: Mapping[str, Any]) -> Mapping[str, str]:
-    """Colours of the components of a start, with what is appended to A, B and u in its names."""
+    """Return colours of the components of a start, with the suffix of A, B and u in its names."""
     return (PartitionedGLM if "A_hat" in block else GLM).LETTERS
 
 
@@ -359,7 +359,7 @@ def _mirrored(A: Sequence[Any]) -> Sequence[Any]:
 
 
 def _images(L: Matrix, B: Sequence[Sequence[Affine]]) -> Sequence[Sequence[Affine]]:
-    """L B, over affine expressions."""
+    """Return L B, over affine expressions."""
 
     def entry(row: Sequence[Any], j: int) -> Affine:
         return Affine.of(sum(b[j] * x for b, x in zip(B, row, strict=True)))
@@ -554,7 +554,7 @@ def _difference(left: str, right: str) -> str:
 
 
 def is_inverse(opening: Mapping[str, Any], closing: Mapping[str, Any]) -> bool:
-    """Whether a finish is :func:`inverse_block` of the start, for all values of its digits."""
+    """Return whether a finish is :func:`inverse_block` of the start, for all its digits."""
     wanted = inverse_block(opening)
     if len(closing["A"]) != len(wanted["A"]):
         return False

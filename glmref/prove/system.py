@@ -268,7 +268,7 @@ class SweepSystem:
         return stage_word((letters * max(sizes))[: sum(sizes)], *sizes)
 
     def _check_blocks(self) -> None:
-        """V = 1 + V_2, G = 1 + G_2 and V^T G V = G: what the theorems ask for."""
+        """Check V = 1 + V_2, G = 1 + G_2 and V^T G V = G, which the theorems require."""
         names = {"V": self.V[self.colours[0]], "V_hat": self.V[self.colours[-1]], "G": self.G}
         for name, matrix in names.items():
             border = [x for row in matrix[1:] for x in row[:1]] + list(matrix[0][1:])
@@ -427,7 +427,7 @@ class SweepSystem:
         return {}
 
     def eigenvector(self, e: Equation) -> tuple[list[list[Any]], Any]:
-        """G v, real and imaginary part, and the norm n of the theorem on growth parameters.
+        """Return G v, real and imaginary part, and n of the theorem on growth parameters.
 
         Raises
         ------
@@ -505,7 +505,7 @@ class SweepSystem:
         }
 
     def start_vanishes(self, t: Tree, k: int) -> bool:
-        """Whether zeta_k(t) = 0, k from 1 up (0 is the first value), by ``start`` or by parity.
+        """Return whether zeta_k(t) = 0, k from 1 (0 is the first value), by ``start`` or by parity.
 
         By symmetry zeta_k vanishes at odd trees where L keeps value k, and at even trees where L
         changes its sign.
@@ -523,7 +523,7 @@ class SweepSystem:
         return {}
 
     def identity_through(self, order: int, family: Family) -> bool:
-        """Whether all principal parts of order <= ``order`` are zero by the equations ``start``.
+        """Return whether principal parts of order <= ``order`` are 0 by equations ``start``.
 
         By theorem 2 of :mod:`glmref.prove.equations` they are where ``zeta_k(t) G_kl zeta_l(u) =
         0`` for all k, l > 1 and |t| + |u| <= order.
@@ -574,7 +574,7 @@ class SweepSystem:
 
 
 def _palindromic(row: Sequence[Any]) -> int | None:
-    """+1 or -1 where a row of affine expressions is its own mirror image up to this sign."""
+    """Return +1 or -1 where a row of affine expressions is its mirror image up to this sign."""
     mirrored = [(Affine.of(x), Affine.of(y)) for x, y in zip(row, row[::-1], strict=True)]
     for sign in (1, -1):
         if all((x - sign * y).is_identically_zero() for x, y in mirrored):

@@ -50,7 +50,7 @@ class TableauSeries:
         self._slopes: dict[Tree, tuple[Any, ...]] = {}
 
     def outputs(self, rows: Matrix, t: Tree) -> list[Any]:
-        """For each row the sum ``sum row_j h f(Y_j)`` at a tree."""
+        """Return for each row the sum ``sum row_j h f(Y_j)`` at a tree."""
         if self._last[0] is not rows:
             self._last = rows, {}
         known, odd = self._last[1], t.order % 2
@@ -60,7 +60,7 @@ class TableauSeries:
         return [_dot(row, slopes) for row in known[odd]]
 
     def _folded(self, rows: Sequence[Sequence[Any]], t: Tree) -> list[_Row]:
-        """Rows as they meet the slopes at a tree, with parity those of one stage of each pair."""
+        """Return rows as they meet slopes at a tree, with parity of one stage of each pair."""
         if self._parity and t.order % 2:
             rows = [(row[0], *map(add, row[1::2], row[2::2])) for row in rows]
         elif self._parity:

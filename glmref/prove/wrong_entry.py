@@ -436,7 +436,7 @@ def empty_rows(table: Table) -> list[str]:
 
 
 def enters_nothing(method: Trial, k: int) -> bool:
-    """Whether a stage has no weight and no other stage needs it, as the last one of FSAL pairs."""
+    """Return whether a stage has no weight and no other stage needs it, as the last one of FSAL."""
     column = [row[k] for i, row in enumerate(method.A[0]) if i != k]
     return method.kind == "rk" and all(complex(x) == 0 for x in (method.b[0][k], *column))
 

@@ -193,5 +193,5 @@ def asset(name: str) -> str:
 
 
 def _hash(text: str) -> str:
-    """Its hash as a content security policy writes it."""
+    """Return its hash as a content security policy writes it."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()

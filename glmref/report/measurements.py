@@ -124,7 +124,7 @@ def _has_lists(row: Record) -> bool:
 
 
 def _heading(key: str, row: Record) -> str:
-    """Name of an object: its first text."""
+    """Return the name of an object: its first text."""
     return next((x for x in row.values() if isinstance(x, str)), key)
 
 
@@ -214,7 +214,7 @@ def _curves(
 def _curve(
     id_: str, what: str, columns: Sequence[Column], cells: Sequence[Sequence[str]]
 ) -> list[Part]:
-    """Picture of the columns after the first one against it, and the numbers folded."""
+    """Draw the columns after the first one against it, the numbers folded."""
     first, *others = columns
     caption = f"{what}: {', '.join(x.title for x in others)} against {first.title}"
     table = Table(id_, caption, [Column(_LINE, "line"), *columns], cells)

@@ -103,7 +103,7 @@ def _taken(site: Site, advice: Advice, name: str) -> str:
 
 
 def _proved(results: Results, names: Sequence[str]) -> Mapping[str, Any]:
-    """How many claims hold, and by which proof: of the shipped methods, as they are stored."""
+    """Return how many claims of shipped methods hold, and by which proof, as they are stored."""
     shipped = [name for name in names if is_shipped_name(name)]
     found = [
         x
@@ -191,7 +191,7 @@ def _loaded(results: Results, name: str) -> Method | None:
 
 
 def _sizes(method: Method) -> tuple[str, int, str]:
-    """Stages, implicit ones among them, values carried."""
+    """Return stages, implicit ones among them, and values carried."""
     stages, values = zip(*((len(c.A), len(c.V)) for c in method.carriers), strict=True)
     return " + ".join(map(str, stages)), len(method.implicit_stages), " + ".join(map(str, values))
 
@@ -213,7 +213,7 @@ def _of_this_file(doc: Record, found: Sequence[Record]) -> list[Record]:
 
 
 def _declared(doc: Record) -> Record:
-    """Claims of a file, with the orders that its starting and its finishing method declare."""
+    """Return the claims of a file, with the orders that its start and its finish declare."""
     kinds = {STARTING_ORDER.key: "starting", FINISHING_ORDER.key: "finishing"}
     orders = {key: doc.get(kind, {}).get("order") for key, kind in kinds.items()}
     more = {k: x for k, x in orders.items() if x is not None and k not in doc["claims"]}
@@ -267,7 +267,7 @@ def by_class(results: Results, names: Sequence[str]) -> list[str]:
 
 
 def method_page(site: Site, results: Results, name: str) -> Page:
-    """Page of one method: tableau, claims, start, source, records."""
+    """Write the page of one method: tableau, claims, start, source, records."""
     doc, method = _document(results, name), _loaded(results, name)
     blocks: Any = ()
     legend: Mapping[str, str] = {}
@@ -326,7 +326,7 @@ def claimed(results: Results, name: str) -> list[tuple[str, Any, str, str]]:
 
 
 def _found(doc: Record, results: Results) -> list[tuple[str, Any, str, str, Record]]:
-    """Claims of a file: what each declares, its verdict, its kind of proof, and the finding."""
+    """Return the claims of a file: what each declares, verdict, kind of proof, and finding."""
     found = results.findings.get(doc["name"], [])
     known = {str(x.get("claim")): x for x in _of_this_file(doc, found)}
     rows = []

@@ -76,12 +76,12 @@ COLUMNS: tuple[tuple[Column, Callable[[Record], Any]], ...] = (
 
 
 def tab_of(run: RunFile) -> str:
-    """Name of the page of a run."""
+    """Return the name of the page of a run."""
     return f"run-{run.name}"
 
 
 def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
-    """Page of one file of records.
+    """Write the page of one file of records.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def _failures(run: RunFile) -> str:
 
 
 def _horizon(run: RunFile) -> str:
-    """How far the runs were to go by their records: a quick run ends earlier than its scene."""
+    """Return how far the runs were to go: a quick run ends earlier than its scene."""
     times = [path_in(x, ("task", "t_end")) for x in run.records]
     ends = sorted({number(t) for t in times if is_number(t)}, key=float)
     if not ends:
@@ -230,7 +230,7 @@ def _reason(record: Record) -> str:
 
 
 def _curves(run: RunFile, title: str, far: str) -> tuple[Figure, Table] | None:
-    """Picture and numbers of what the records say over time."""
+    """Draw what the records say over time, with the numbers."""
     cells, runs = [], Counter(method_of(x) for x in run.records)
     for record in run.records:
         series = record.get("series")

@@ -105,7 +105,7 @@ def _marked(text: str) -> str:
 
 
 def history_page(results: Results) -> Page:
-    """asv's results: error beside time, commit by commit."""
+    """Write asv's results: error beside time, commit by commit."""
     benchmarks = []
     for index, home in enumerate(dict.fromkeys(x.benchmark for x in results.benchmarks)):
         cells = [x for x in results.benchmarks if x.benchmark == home]
@@ -152,7 +152,7 @@ def history_page(results: Results) -> Page:
 
 
 def measured_page(results: Results, version: str) -> Page:
-    """Machines, versions, files, and what could not be shown."""
+    """Write machines, versions, files, and what could not be shown."""
     places: dict[str, int] = {}
     for record in results.records:
         where = record.get("where")

@@ -93,7 +93,7 @@ class Results:
         return not any((*shown, self.own, self.portraits))
 
     def of_others(self) -> list[str]:
-        """Methods of the user: those whose file was given, and those that findings are about."""
+        """Return methods of the user: those whose file was given, and those with findings."""
         return sorted({*self.own, *self.findings} - set(shipped_names("all")))
 
     @property

@@ -38,7 +38,7 @@ def duration(seconds: float) -> str:
 
 
 def seconds_at(records: Sequence[Record], error: str, at: float) -> float | None:
-    """Seconds one method needs to reach an error, on straight lines through its log-log points.
+    """Return the seconds one method needs to reach an error, linear between its log-log points.
 
     Returns
     -------

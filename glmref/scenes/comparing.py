@@ -352,7 +352,7 @@ def _subject(problem: Any) -> Problem:
 
 
 def _methods(given: Sequence[Any]) -> Iterable[tuple[Any, list[str]]]:
-    """Methods, and the notes of their files."""
+    """Return the methods and the notes of their files."""
     if isinstance(given, str | Method):
         given = [given]
     if not given:

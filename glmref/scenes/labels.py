@@ -11,13 +11,13 @@ LISTED = 6
 
 
 def method_of(record: Record) -> str:
-    """Name of the method or the peer of a record."""
+    """Return the name of the method or the peer of a record."""
     task = record["task"]
     return task["peer"] if task["kind"] == "peer" else task["method"]
 
 
 def name_of(record: Record, *, with_h: bool) -> str:
-    """Name of a run: its method, and its step size where asked."""
+    """Return the name of a run: its method, and its step size where asked."""
     task, name = record["task"], method_of(record)
     return f"{name} h = {task['h']:.3g}" if with_h and task["kind"] == "method" else name
 

@@ -203,7 +203,7 @@ def _peer_task(scene: Scene, peer: str, tolerance: float) -> dict[str, Any]:
 
 
 def _runs(scene: Scene) -> int:
-    """How often a task is run: ``repeats`` times where the answer is about time, else once."""
+    """Return how often a task is run: ``repeats`` times where time is asked, else once."""
     return scene.repeats if scene.answer.kind in TIMED else 1
 
 

@@ -322,14 +322,14 @@ class Reader:
 
     @staticmethod
     def _quick_title(title: str, overrides: Mapping[str, Any]) -> str:
-        """Title of a quick run: it says so, and how far it goes where the scene goes further."""
+        """Return the title of a quick run: how far it goes where the scene goes further."""
         horizon = "t_end" in overrides and "title" not in overrides
         to = f", to t = {overrides['t_end']}" if horizon else ""
         return f"{title} (quick run{to})"
 
     @staticmethod
     def _replaced(overrides: Mapping[str, Any]) -> set[str]:
-        """Keys that an override makes meaningless: h and steps exclude each other, as do lists."""
+        """Return the keys that an override makes meaningless: h and steps exclude each other."""
         replaced = set()
         for group in (("h", "steps"), ("methods", "classes")):
             if any(key in overrides for key in group):

@@ -22,7 +22,7 @@ LOST = 1.0
 
 
 def ended(scene: Scene, records: Sequence[Record]) -> str:
-    """How the runs ended: methods by outcome, or, at several step sizes, how far each one goes."""
+    """Tell how the runs ended: methods by outcome or, at several step sizes, how far each goes."""
     if len(scene.grid) > 1:
         return _reach(records)
     outcomes: dict[str, list[str]] = {}
@@ -43,7 +43,7 @@ def _outcome(record: Record) -> str:
 
 
 def _reach(records: Sequence[Record]) -> str:
-    """For each method the largest good step size, or the step sizes at which it failed."""
+    """Return for each method the largest good step size, or those at which it failed."""
     parts = []
     for name, group in grouped(records).items():
         runs = sorted((r["task"].get("h") or r["task"]["tolerance"], _outcome(r)) for r in group)
@@ -62,7 +62,7 @@ def _reach(records: Sequence[Record]) -> str:
 
 
 def accurate(scene: Scene, records: Sequence[Record]) -> str:
-    """Which methods reach an error at one of the step sizes, with the fewest evaluations first."""
+    """Tell which methods reach an error at one of the step sizes, fewest evaluations first."""
     error, at = scene.answer.error, scene.answer.at
     reached: dict[str, int] = {}
     missed: dict[str, float] = {}
@@ -91,7 +91,7 @@ def accurate(scene: Scene, records: Sequence[Record]) -> str:
 
 
 def _failures(scene: Scene, records: Sequence[Record]) -> list[str]:
-    """Methods that failed at large steps only: the smallest such h, and the one predicted."""
+    """Return methods that failed at large steps only: the smallest such h, and the predicted."""
     told = []
     for name, group in grouped(records).items() if "limit" in scene.ask else ():
         good = [r["task"]["h"] for r in group if r["outcome"] == "completed" and "h" in r["task"]]

@@ -305,7 +305,7 @@ def _sampled(
 
 
 def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
-    """By which law the first conserved quantity of the solution deviates, and how far over time."""
+    """Return the law by which the first conserved quantity deviates, and how far over time."""
     known = ("energy",) if subject.hamiltonian is not None else ()
     quantity = (*known, *subject.quadratic, *subject.invariants)[0]
     deviation = samples_of(subject, method, solution, quantity)
@@ -328,7 +328,7 @@ def _form(method: Any) -> Any:
 def _parasitic(
     task: Mapping[str, Any], method: Any, subject: Any, solution: Any, u: Any
 ) -> dict[str, Any]:
-    """When the run was lost, when that is predicted, and the size of the rest over time."""
+    """Return when the run was lost, when that is predicted, and the size of the rest over time."""
     found = loss(subject, solution, u)
     size = parasitic_size(solution, u) / (float(np.linalg.norm(solution.y[0])) or 1.0)
     record: dict[str, Any] = {

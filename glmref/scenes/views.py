@@ -120,7 +120,7 @@ def _drift(record: Record, *, form: bool) -> float | None:
 
 
 def charts(scene: Scene, records: Sequence[Record]) -> list[Chart]:
-    """Pictures of a scene: error against run time and against evaluations, or size over time."""
+    """Draw a scene: error against run time and evaluations, or size over time."""
     groups = grouped(records)
     if SAMPLED & set(scene.ask):
         parasitic = "parasitic" in scene.ask

@@ -70,7 +70,7 @@ def _writable(folder: Path, *, private: bool = False) -> bool:
 
 
 def private_folder(name: str) -> Path | None:
-    """Folder of that name in :func:`cache_folder` that only this user can write, or ``None``."""
+    """Return a folder in :func:`cache_folder` that only this user can write, or ``None``."""
     base = cache_folder()
     return base / name if base is not None and _writable(base / name, private=True) else None
 

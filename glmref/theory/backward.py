@@ -104,7 +104,7 @@ def edges(order: int, colours: Colours) -> tuple[Edge, ...]:
 
 
 def _reach(order: int, residuals: Callable[[int], Iterable[tuple[str, Any]]]) -> Reach:
-    """Through which order no residual excludes zero; ``residuals(n)`` are pairs (name, number)."""
+    """Return through which order no residual excludes zero; ``residuals(n)`` are (name, number)."""
     size = 0.0
     for n in range(1, order + 1):
         level = 0.0

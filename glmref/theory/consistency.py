@@ -49,13 +49,13 @@ def _column(values: Vector) -> Matrix:
 
 
 def preconsistency_residual(m: Block, u: Vector) -> Matrix:
-    """``V u - u`` over ``U u - 1``, shape (r + s, 1)."""
+    """Return ``V u - u`` over ``U u - 1``, shape (r + s, 1)."""
     first = [x - y for x, y in zip(linalg.matvec(m.V, u), u, strict=True)]
     return _column((*first, *(x - 1 for x in linalg.matvec(m.U, u))))
 
 
 def consistency_residual(m: Block, u: Vector, v: Vector) -> Matrix:
-    """``B 1 + V v - u - v``, shape (r, 1)."""
+    """Return ``B 1 + V v - u - v``, shape (r, 1)."""
     total = linalg.matvec(m.B, (_ONE,) * len(m.B[0]))
     image = linalg.matvec(m.V, v)
     return _column(tuple(b + x - y - z for b, x, y, z in zip(total, image, u, v, strict=True)))

@@ -50,7 +50,7 @@ def _observed(m: GLM) -> Matrix:
 
 
 def reachable_values(m: GLM) -> list[Vector]:
-    """Basis of the span of u and of the columns of B, V B, V^2 B, ..: what a start can ask for.
+    """Return a basis of the span of u and the columns of B, V B, V^2 B, ..: what a start can make.
 
     Values outside stay zero once the start leaves them zero.
     """

@@ -57,7 +57,7 @@ def combine(factors: Sequence[Scalar | int], forms: Sequence[Form]) -> Form:
 
 
 def invariant_matrices(V: Matrix, W: Matrix, *, hermitian: bool) -> list[Matrix]:
-    """Basis, over the reals, of the matrices with ``V^* G W = G`` (Hermitian ones, if asked).
+    """Return a basis, over the reals, of the matrices with ``V^* G W = G`` (or Hermitian ones).
 
     For real V and W only real G are taken: an imaginary part says nothing about real solutions.
 

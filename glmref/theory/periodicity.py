@@ -108,7 +108,7 @@ def periodicity(
 
 
 def _is_definite(m: Method) -> bool:
-    """Whether the method is G-symplectic with a positive definite G (Sylvester's criterion)."""
+    """Return whether the method is G-symplectic with positive definite G (Sylvester)."""
     found = g_symplectic(m)
     if not found.holds or found.G is None:
         return False
@@ -202,7 +202,7 @@ class _March:
         return len(values) == 1 or _opposite(values[-1], values[0] * (-1) ** self.degree)
 
     def _real_form(self, shifted: list[list[Ball]], t: Fraction, offset: Ball) -> Ball:
-        """``(1 - i t)^r P(rho (1 + i t)/(1 - i t))`` at an exact t, for a whole interval of y.
+        """Return ``(1 - i t)^r P(rho (1 + i t)/(1 - i t))`` at an exact t, for an interval of y.
 
         The powers of the offset are collected before it is put in: near a double root the value and
         the slope in y are both small, and only so does the enclosure stay small.
@@ -252,7 +252,7 @@ class _March:
 
 
 def _polished(p: Polynomial, roots: list[complex]) -> list[complex]:
-    """Durand and Kerner's iteration again, with many digits: close roots stay apart."""
+    """Do Durand and Kerner's iteration with many digits: close roots stay apart."""
     fine = [ball(Fraction(w.real)) + ball(Fraction(w.imag)) * _I for w in roots]
     for _ in range(8):
         for k, w in enumerate(fine):
@@ -266,7 +266,7 @@ def _polished(p: Polynomial, roots: list[complex]) -> list[complex]:
 
 
 def _newton(p: Polynomial, slope: Polynomial, start: complex, steps: int) -> Ball:
-    """Newton's iteration on midpoints: a good guess, nothing more."""
+    """Do Newton's iteration on midpoints: a good guess, nothing more."""
     w = ball(Fraction(start.real)) + ball(Fraction(start.imag)) * _I
     for _ in range(steps):
         divisor = poly.evaluate(slope, w)

@@ -37,17 +37,17 @@ def add(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def sub(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Difference."""
+    """Return the difference."""
     return add(p, scale(-1, q))
 
 
 def scale(factor: Scalar | int, p: Polynomial) -> Polynomial:
-    """Multiple."""
+    """Return the multiple."""
     return trim([factor * a for a in p])
 
 
 def mul(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Product."""
+    """Return the product."""
     result: list[Scalar] = [_ZERO] * (len(p) + len(q) - 1)
     for i, a in enumerate(p):
         spend()
@@ -156,7 +156,7 @@ def from_roots(roots: Sequence[Scalar]) -> Polynomial:
 
 
 def interpolate(points: Sequence[int], values: Sequence[Scalar]) -> Polynomial:
-    """Polynomial of degree below ``len(points)`` through the given values (Newton's form)."""
+    """Return the polynomial of degree below ``len(points)`` through the values (Newton's form)."""
     table = list(values)
     size = len(points)
     for level in range(1, size):
@@ -216,12 +216,12 @@ def characteristic_polynomial(m: Matrix) -> Polynomial:
 
 
 def reciprocal(p: Polynomial) -> Polynomial:
-    """``w^n`` times the conjugate of ``p(1/conj(w))``: roots mirrored in the unit circle."""
+    """Return ``w^n`` times the conjugate of ``p(1/conj(w))``: roots mirrored in the unit circle."""
     return trim([a.conjugate() for a in reversed(p)])
 
 
 def is_self_reciprocal(p: Polynomial) -> bool:
-    """Whether ``p`` is a multiple of its reciprocal, so that roots come in mirrored pairs."""
+    """Return whether ``p`` is a multiple of its reciprocal: roots come in mirrored pairs."""
     q = reciprocal(p)
     if len(p) != len(q):
         return False
@@ -229,7 +229,7 @@ def is_self_reciprocal(p: Polynomial) -> bool:
 
 
 def approximate_roots(p: Polynomial) -> list[complex]:
-    """Roots in floating point (Durand, Kerner): for messages and guesses, never for decisions."""
+    """Return roots in floating point (Durand, Kerner): for messages and guesses, not decisions."""
     p = trim(p)
     coefficients = [complex(a / p[-1]) for a in p[:-1]]
     size = len(coefficients)

@@ -123,7 +123,7 @@ class Series(Mapping[Tree, Coefficient]):
         return cls(found, empty, order, method.palette)
 
     def empty(self, colour: str | None = None) -> Coefficient:
-        """Coefficient of the empty tree, for the component of the given root colour."""
+        """Return the coefficient of the empty tree, for the component of the given root colour."""
         return self._empty[next(iter(self.palette)) if colour is None else colour]
 
     def __getitem__(self, t: Tree) -> Coefficient:

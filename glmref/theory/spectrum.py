@@ -55,7 +55,7 @@ def _unit_ball(numerator: int, denominator: int) -> Ball:
 
 
 def _candidate_orders(p: Polynomial) -> list[int]:
-    """Orders of the roots of unity that can be roots: for rational p, phi(n) is at most deg p."""
+    """Return orders of possible roots of unity: for rational p, phi(n) is at most deg p."""
     if all(isinstance(a, Exact) and a.as_fraction() is not None for a in p):
         return [n for n, phi in _totients().items() if phi <= len(p) - 1]
     return list(USUAL_ORDERS)
@@ -138,7 +138,7 @@ argument_key = cmp_to_key(_compare_arguments)
 
 
 def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
-    """Eigenvalues of modulus one with their multiplicities, by increasing argument in [0, 2 pi).
+    """Return eigenvalues of modulus 1, their multiplicities, by argument in [0, 2 pi).
 
     Roots of unity are divided out of the characteristic polynomial. What is left and its mirror
     image in the unit circle share the other unimodular roots, which are then found by square roots.
@@ -174,7 +174,7 @@ def _multiplicities(p: Polynomial, roots: list[Scalar]) -> list[Eigenvalue]:
 
 
 def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
-    """Left and right eigenvectors of V for an eigenvalue, scaled so that ``w_i v_j = delta_ij``.
+    """Return left and right eigenvectors of V for an eigenvalue, ``w_i v_j = delta_ij``.
 
     Returns
     -------

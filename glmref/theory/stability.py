@@ -47,7 +47,7 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
 
 @lru_cache(maxsize=8)
 def stability_polynomial(m: GLM) -> Bivariate:
-    """``P(w, z) = det(w I - M(z)) det(I - z A)``: coefficients of 1, w, .., w^r, polynomials in z.
+    """Return ``P(w, z) = det(w I - M(z)) det(I - z A)``: by powers of w, polynomials in z.
 
     One-step methods with triangular A: stage by stage, without any division. Else, few stages:
     ``P = det(w I - V) det(I - z (A + U (w I - V)^-1 B))`` at r + 1 points w; many stages: M(z) at
@@ -61,7 +61,7 @@ def stability_polynomial(m: GLM) -> Bivariate:
 
 
 def _stage_by_stage(m: GLM) -> Bivariate:
-    """``w D - N`` of a one-step method: each stage is N_k / D_k, D_k the product of its poles."""
+    """Return ``w D - N`` of a one-step method: stages are N_k / D_k, D_k the product of poles."""
     factors = [poly.trim((_ONE, -m.A[k][k])) for k in range(m.s)]
     numerators: list[Polynomial] = []
     for k in range(m.s + 1):  # the last row is the output, which has no pole of its own
@@ -121,7 +121,7 @@ def _through_values(m: GLM) -> Bivariate:
 
 
 def _through_powers(m: GLM) -> Bivariate:
-    """``det(w I - M(z))`` for nilpotent A, by the method of Faddeev and LeVerrier.
+    """Return ``det(w I - M(z))`` for nilpotent A, by the method of Faddeev and LeVerrier.
 
     The entries are the polynomials ``M(z) = V + z B U + z^2 B A U + ..``. Nothing is interpolated:
     with s + 1 points published decimals of 49 stages would lose more digits than they have. The
@@ -160,7 +160,7 @@ def _sum_of_products(
 
 
 def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
-    """Stability function R = N/D of a one-step method: N and D without common factor, D(0) = 1.
+    """Return R = N/D of a one-step method: N and D without common factor, D(0) = 1.
 
     Raises
     ------
@@ -202,13 +202,13 @@ def vanishes_at_inverse(p: Polynomial, a: Scalar) -> bool:
 
 
 def on_imaginary_axis(P: Bivariate) -> Bivariate:
-    """``P(w, i y)`` as coefficients of the powers of w, polynomials in y."""
+    """Return ``P(w, i y)`` as coefficients of the powers of w, polynomials in y."""
     powers = (_ONE, _I, exact(-1), -_I)
     return tuple(tuple(x * powers[k % 4] for k, x in enumerate(p)) for p in P)
 
 
 def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
-    """Coefficient of the highest power of z, a polynomial in w, and how many w are unbounded."""
+    """Return the coefficient of the highest power of z, and how many w are unbounded."""
     degree = max(len(p) for p in P)
     leading = poly.trim([p[degree - 1] if len(p) == degree else _ZERO for p in P])
     return leading, len(P) - len(leading)
@@ -232,7 +232,7 @@ def _conjugate(p: Polynomial) -> Polynomial:
 
 
 def size_difference(p: Polynomial, q: Polynomial) -> Polynomial:
-    """``|p|^2 - |q|^2`` on the real axis."""
+    """Return ``|p|^2 - |q|^2`` on the real axis."""
     return poly.sub(poly.mul(p, _conjugate(p)), poly.mul(q, _conjugate(q)))
 
 
@@ -274,7 +274,7 @@ def schur_cohn(q: Bivariate) -> Iterator[Polynomial | None]:
 
 
 def schur_transform(q: Bivariate) -> Bivariate:
-    """One step of Schur's recursion: a polynomial of degree one less with the roots in the disc."""
+    """Take one step of Schur's recursion: one degree less, with the roots in the disc."""
     low, high = q[0], q[-1]
     return tuple(
         poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
@@ -283,7 +283,7 @@ def schur_transform(q: Bivariate) -> Bivariate:
 
 
 def oscillator(pair: Method) -> GLM:
-    """One method whose M(y), y = h omega real, is a pair's step for q' = omega p, p' = -omega q.
+    """Return one method whose M(y), y = h omega, is a pair's step for q' = omega p, p' = -omega q.
 
     The values are those of q and then those of p, the stages Q and then P.
     """
@@ -292,7 +292,7 @@ def oscillator(pair: Method) -> GLM:
         return tuple((*a, *b) for a, b in zip(left, right, strict=True))
 
     def off_diagonal(upper: Matrix, lower: Matrix) -> Matrix:
-        """[[0, upper], [-lower, 0]]: stages P drive q, stages Q drive p."""
+        """Return [[0, upper], [-lower, 0]]: stages P drive q, stages Q drive p."""
         top = side(linalg.zeros(len(upper), len(lower[0])), upper)
         return (*top, *side(linalg.scale(-1, lower), linalg.zeros(len(lower), len(upper[0]))))
 
@@ -307,7 +307,7 @@ def oscillator(pair: Method) -> GLM:
 
 
 def axis_polynomial(m: Method) -> Sequence[Polynomial]:
-    """``P(w, i y)`` of a method, or ``P(w, y)`` of a pair's oscillator, by powers of w."""
+    """Return ``P(w, i y)`` of a method, or ``P(w, y)`` of a pair's oscillator, by powers of w."""
     if m.parts == 2:
         return stability_polynomial(oscillator(m))
     return on_imaginary_axis(stability_polynomial(cast("GLM", m)))

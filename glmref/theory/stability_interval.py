@@ -49,7 +49,7 @@ class Interval:
 
 
 def real_interval(m: GLM) -> Interval:
-    """Largest x such that all eigenvalues of M(-t) lie in the closed unit disc for 0 <= t <= x."""
+    """Return the largest x with all eigenvalues of M(-t) in the closed disc for 0 <= t <= x."""
 
     def turned(P: Bivariate) -> Bivariate:
         return tuple(tuple(c if k % 2 == 0 else -c for k, c in enumerate(p)) for p in P)
@@ -58,7 +58,7 @@ def real_interval(m: GLM) -> Interval:
 
 
 def imaginary_interval(m: GLM) -> Interval:
-    """Largest y such that all eigenvalues of M(it) lie in the closed unit disc for 0 <= t <= y.
+    """Return the largest y with all eigenvalues of M(it) in the closed disc for 0 <= t <= y.
 
     For a real method; eigenvalues at -it are their conjugates.
     """
@@ -98,7 +98,7 @@ def _end(q: Bivariate) -> Interval:
 
 
 def _turns_negative(p: Polynomial) -> Fraction | None:
-    """First x > 0 beyond which p is negative; 0 where it is so at once, ``None`` where never."""
+    """Return the first x > 0 with p < 0 beyond; 0 where at once, ``None`` where never."""
     low = 0
     while p[low].is_zero() is True:
         low += 1

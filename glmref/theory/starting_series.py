@@ -395,14 +395,14 @@ class StartingSeries:
         return ratio, tuple(sorted(factors))
 
     def stage(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
-        """xi(t) from its definition, with eta(t) = value."""
+        """Return xi(t) from its definition, with eta(t) = value."""
         colour = t.colour
         ratio, monomial = self._slope(t)
         vector = times(ratio, self._image(colour, monomial, stages=True))
         return plus(vector, apply(self.components[colour].U, value))
 
     def output(self, t: Tree) -> tuple[Any, ...]:
-        """B xiD(t)."""
+        """Return B xiD(t)."""
         ratio, monomial = self._slope(t)
         return times(ratio, self._image(t.colour, monomial, stages=False))
 
@@ -455,7 +455,7 @@ class StartingSeries:
 
     @staticmethod
     def power(c: tuple[Any, ...], n: int) -> tuple[Any, ...]:
-        """c^n, entry by entry."""
+        """Return c^n, entry by entry."""
         result = c
         for _ in range(n - 1):
             result = tuple(map(times, result, c))
@@ -480,7 +480,7 @@ class StartingSeries:
     # -- conditions
 
     def _right(self, t: Tree) -> tuple[Any, ...]:
-        """R(t)."""
+        """Return R(t)."""
         c = self.components[t.colour]
         ratio, monomial = self._slope(t)
         terms = []
@@ -525,7 +525,7 @@ class StartingSeries:
         return level
 
     def residual(self, t: Tree) -> tuple[Any, ...]:
-        """``W R(t)`` of a tree of the last order, zero where it determines a principal part."""
+        """Return ``W R(t)`` of a tree of the last order, 0 where it determines a principal part."""
         c = self.components[t.colour]
         if t in self.determined:
             return (0,) * len(c.N)
@@ -559,7 +559,7 @@ class StartingSeries:
             self._set(node, plus(self.value(node), times(beta, c.u)))
 
     def _settle_first_multiple(self, node: Tree) -> None:
-        """One colour, several eigenvectors: (K - I) beta = -residual of [o], of corank 1.
+        """Solve (K - I) beta = -residual of [o], of corank 1: one colour, several eigenvectors.
 
         The shift along the flow adds a multiple of W u to beta, which takes one entry to zero; the
         others solve a regular part of the system, so that corank 1 is proved, over balls too.
@@ -578,7 +578,7 @@ class StartingSeries:
             self._set(node, plus(before, self._principal(c, beta, whole=False)))
 
     def _principal(self, c: Prepared, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
-        """N beta; without its part along u that the output sees, unless whole."""
+        """Return N beta, without its part along u that the output sees, unless whole."""
         total: Any = (0,) * len(c.u)
         for factor, vector in zip(beta, c.N, strict=True):
             total = plus(total, times(factor, vector))
@@ -587,7 +587,7 @@ class StartingSeries:
         return plus(total, times(-1, times(read(c, total), c.u)))
 
     def _settle_principal(self, n: int) -> dict[Tree, tuple[Any, ...]]:
-        """Principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
+        """Find principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
         if not self.complete:
             return {}
         smaller = trees(n - 1, self.palette)

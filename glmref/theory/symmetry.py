@@ -189,7 +189,7 @@ def _observed_L(half: _Half, rows: Sequence[int]) -> Matrix | None:
 
 
 def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> list[Matrix]:
-    """Candidates for L where the stages do not see all values: the conditions, taken together.
+    """Return candidates for L where the stages do not see all values: all conditions together.
 
     The affine solutions are walked with factors 0, 1 and -1; none is a proof of absence.
     """

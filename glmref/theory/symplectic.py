@@ -130,7 +130,7 @@ def rows_scaled(D: Sequence[Scalar], a: Matrix) -> Matrix:
 
 
 def quadratic_value(G: Matrix, u: Vector, v: Vector | None = None) -> Scalar:
-    """``u^* G v`` (``u^* G u`` when v is left out)."""
+    """Return ``u^* G v`` (``u^* G u`` when v is left out)."""
     return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, u if v is None else v))
 
 
@@ -235,7 +235,7 @@ def check_g_symplectic(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> GS
 
 
 def judge_identities(residuals: Sequence[tuple[str, Matrix]]) -> tuple[bool | None, float, str]:
-    """Whether all residual matrices vanish, the largest entry, and the sentence that names it."""
+    """Return whether all residuals vanish, the largest entry, and the sentence that names it."""
     holds: bool | None = True
     size, witness = 0.0, ""
     for name, matrix in residuals:

@@ -139,7 +139,7 @@ class UnderlyingMethod(StartingSeries):
         self._waiting = []
 
     def _symplectic_gauge(self, order: int) -> dict[Tree, Any]:
-        """``p = w eta`` at the trees of an order."""
+        """Return ``p = w eta`` at the trees of an order."""
         gauge: dict[Tree, Any] = {}
         for free in free_trees(order, tuple(self.palette.items())):
             gauge |= self._gauge_of(free)

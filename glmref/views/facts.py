@@ -164,7 +164,7 @@ def _interval(key: str, end: float) -> str:
 
 
 def _error_constants(record: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Residuals one order beyond: how many, the largest, their norm, and that of a quadrature.
+    """Return the residuals one order beyond: how many, the largest, their norm, of a quadrature.
 
     Sizes are shown, as those in the reason why the order is not higher; the record has the signs.
     """

@@ -42,7 +42,7 @@ class Cloud:
 
 
 def one_each(clouds: Sequence[Cloud]) -> list[Cloud]:
-    """One path a name: of the largest step it was followed to its end with, else of the smallest.
+    """Return a path a name: of the largest step followed to its end, else of the smallest.
 
     At smaller steps a path looks the same; at larger ones there is none.
     """

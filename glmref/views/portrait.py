@@ -99,7 +99,7 @@ def _cell(box: Axes, cell: Sequence[float]) -> str:
 def _moduli(
     method: GLM, direction: complex, axis: str, place: tuple[float, float, float, float]
 ) -> list[str]:
-    """Moduli of the eigenvalues of M along the axis of oscillations."""
+    """Return the moduli of the eigenvalues of M along the axis of oscillations."""
     end = interval(method, direction, most=_REACH)
     reach = min(max(1.4 * end, 1.0), _REACH)
     marks = np.linspace(0, reach, _SAMPLES + 1)
@@ -137,7 +137,7 @@ def _pieces(xs: np.ndarray, ys: np.ndarray) -> Iterable[list[tuple[float, float]
 def _sparsity(
     block: tuple[str, Matrix, Matrix, Matrix, Matrix], place: tuple[float, float, float]
 ) -> list[str]:
-    """Nonzero entries of a tableau as squares; a diagonal entry of A is an equation to solve."""
+    """Draw nonzero entries of a tableau as squares; diagonal ones of A are equations to solve."""
     title, A, U, B, V = block
     left, top, size = place
     rows = [(*a, *u) for a, u in zip(A, U, strict=True)] + [

@@ -36,7 +36,7 @@ def kind_of(problem: Problem) -> str:
 
 
 def described(problem: Problem, about: str = "") -> dict[str, Any]:
-    """Everything about a problem that JSON can hold.
+    """Return everything about a problem that JSON can hold.
 
     Returns
     -------

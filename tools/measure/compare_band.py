@@ -101,7 +101,7 @@ class Reference:
 def measured(
     sites: int = 640, h: float = 0.02, steps: int = 100, repeats: int = 9
 ) -> dict[str, float]:
-    """Microseconds of a step, medians, and how far the two results are apart."""
+    """Return microseconds of a step, medians, and how far the two results are apart."""
     chain = problem("nonseparable-chain", sites=sites)
     y0 = np.array(chain.y0, dtype=float)
     kernel = prepare(load("gauss-3"), chain, h=h, solver="newton")

@@ -24,7 +24,7 @@ WORK = 200_000
 
 
 def measured(n: int, folder: Path, *, repeats: int = 9) -> dict[str, float]:
-    """Microseconds of one evaluation, by the names of :data:`LOOPS`.
+    """Return microseconds of one evaluation, by the names of :data:`LOOPS`.
 
     Raises
     ------

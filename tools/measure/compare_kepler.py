@@ -100,7 +100,7 @@ class Integrator:
         return self.seen[n][0]
 
     def setting(self, goal: float) -> int | None:
-        """Fewest steps per period that reach the goal, there and at the next two of the grid."""
+        """Return the fewest steps per period that reach the goal, there and at the next two."""
 
         def reached(k: int) -> bool:
             return all(self.error(n) <= goal for n in GRID[k : k + 3])
@@ -134,7 +134,7 @@ class Integrator:
 
 
 def heyoka_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
-    """heyoka's Taylor integrator; with samples, the states at them, else the end alone."""
+    """Run heyoka's Taylor integrator; with samples, return the states at them, else the end."""
     heyoka: Any = import_module("heyoka")
     x, y, u, v = heyoka.make_vars("x", "y", "u", "v")
     w = -(heyoka.sum([x**2, y**2]) ** -1.5)
@@ -154,7 +154,7 @@ def heyoka_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
 
 
 def scipy_run(tolerance: float, samples: int) -> Callable[[], np.ndarray]:
-    """scipy's DOP853 with a right-hand side of plain Python numbers."""
+    """Run scipy's DOP853 with a right-hand side of plain Python numbers."""
     integrate: Any = import_module("scipy.integrate")
     y0, end = [float(z) for z in KEPLER.y0], 2 * math.pi * PERIODS
 
@@ -189,7 +189,7 @@ def peer_setting(make: Callable[[float, int], Callable[[], np.ndarray]], goal: f
 def settings(
     wanted: Sequence[str] = (*METHODS, *PEERS),
 ) -> dict[float, dict[str, tuple[float, float, str]]]:
-    """For every goal: integrator -> (setting, error, why there is none). Nothing is timed here."""
+    """Return for every goal: integrator -> (setting, error, why there is none). Time nothing."""
     integrators = [Integrator(name) for name in wanted if name not in PEERS]
     found: dict[float, dict[str, tuple[float, float, str]]] = {}
     for goal in GOALS:

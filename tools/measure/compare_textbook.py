@@ -88,7 +88,7 @@ def rows(name: str, matrix: object) -> str:
 
 
 def glm_table(method: GLM) -> str:
-    """The file ``table.h``: numbers of a general linear method, no stage after those it reads."""
+    """Write ``table.h``: numbers of a general linear method, no stage after those it reads."""
     if not all(x.is_zero() for i, row in enumerate(method.A) for x in row[i + 1 :]):
         raise ValueError("textbook.c is written for stages one after the other")
     times = ", ".join(float(x).hex() for x in method.times[0])
@@ -112,7 +112,7 @@ def table(pair: PartitionedGLM) -> str:
 
 
 def multistep_table(method: PartitionedGLM) -> str:
-    """The file ``table.h``: numbers of a multistep method of :mod:`glmref.derive.multistep`."""
+    """Write ``table.h``: numbers of a multistep method of :mod:`glmref.derive.multistep`."""
     places = range(1, method.r_hat, 2)
     return pairs_of_roots(
         TWICE=[method.V_hat[j][j] for j in places],

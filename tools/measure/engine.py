@@ -70,14 +70,14 @@ COMPARISONS: dict[str, Callable[[], Sequence[Any]]] = {
 
 
 def circumstances_now() -> dict[str, Any]:
-    """Machine, versions and compiler flags."""
+    """Return machine, versions and compiler flags."""
     where = circumstances()
     where["versions"] |= {name: version(name) for name in ("llvmlite", "scipy", "heyoka")}
     return where | {"compiler": compare_c.compiler_version(), "flags": " ".join(compare_c.FLAGS)}
 
 
 def record(wanted: Sequence[str], known: dict[str, Any]) -> dict[str, Any]:
-    """Everything measured, as the document that is stored.
+    """Measure everything and return the document that is stored.
 
     Raises
     ------

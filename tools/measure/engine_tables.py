@@ -103,7 +103,7 @@ def kepler_in_short(rows: list[Row]) -> str:
 
 
 def against_c_in_short(rows: list[Row]) -> str:
-    """Time of C over time of the engine for pairs and splittings, one column for each problem."""
+    """Return the time of C over that of the engine for pairs and splittings, by problem."""
     mine = {(x["method"], x["problem"]): x for x in rows if x["comparison"] == "sweep"}
     problems = list(dict.fromkeys(problem for _, problem in mine))
     body = [

@@ -100,7 +100,7 @@ def gain(kind: str, function: Callable[[Mapping[str, Any]], Any]) -> dict[str, A
 
 
 def many(on: str, count: int, limit: float) -> dict[str, Any]:
-    """A campaign of tiny tasks, at most so long: rate, bytes of a record, memory as it goes."""
+    """Run a campaign of tiny tasks, at most so long: rate, bytes of a record, memory as it goes."""
     seen: list[list[float]] = []
     done = 0
 

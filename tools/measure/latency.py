@@ -138,7 +138,7 @@ _FEW = 10
 
 
 def forked(method: str, folder: str) -> tuple[float, float]:
-    """Milliseconds of the first run and of the second, of few steps each, in a forked process."""
+    """Return milliseconds of the first and the second run, of few steps, in a forked process."""
     from glmref import solve
     from glmref.errors import GlmrefError
 

@@ -28,7 +28,7 @@ NOTE = (
 
 
 def run() -> dict[str, float]:
-    """One run from a cold start: seconds by the clock, of all its processes, and the load."""
+    """Run once from a cold start: seconds by the clock, of all its processes, and the load."""
     command = [sys.executable, "-m", "glmref", "verify", "--no-cache", "--format", "csv"]
     load = os.getloadavg()[0]
     before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()

@@ -66,7 +66,7 @@ class _Numbers:
     weight: Fraction
 
     def document(self, name: str, order: int) -> dict[str, Any]:
-        """Without claims and source."""
+        """Return the document without claims and source."""
         title = title_of(order, second=not self.q, forces=2 if self.slopes else 1)
         if not self.slopes:
             return multistep_document(name, self.q, self.p, title=title)

@@ -141,7 +141,7 @@ class Quadratic:
         return Exact(self.n).sqrt() * self.q + self.p
 
     def sign(self) -> int:
-        """Its sign, decided exactly."""
+        """Return its sign, decided exactly."""
         return self.exact().sign()
 
     def quotient_text(self) -> str:
@@ -151,7 +151,7 @@ class Quadratic:
         return top if common == 1 else f"({top})/{common}"
 
     def factor_text(self, name: str) -> str:
-        """Text of the product with a name, ``-(218581/423279+2024*sqrt(330)/141093)*beta1``."""
+        """Return the product with a name, ``-(218581/423279+2024*sqrt(330)/141093)*beta1``."""
         p, q = self.p, self.q
         if p <= 0 and q <= 0:
             return f"-({_sum_text(-p, -q, self.n, root_first=False)})*{name}"
@@ -214,7 +214,7 @@ class Forms:
 
 
 def antisymmetric(member: Family) -> tuple[Fraction, Fraction]:
-    """alpha1^2 and alpha2 / alpha1."""
+    """Return alpha1^2 and alpha2 / alpha1."""
     W = member.W
     square = (W[0][0] - W[0][4]) / 2
     return square, (W[0][1] - W[0][3]) / 2 / square
@@ -252,7 +252,7 @@ def solve_forms(member: Family) -> list[Forms]:
 
 
 def least_growth(member: Family) -> Exact | None:
-    """|lambda_2|, below which no real form has its growth parameter of -1; ``None`` if not proved.
+    """Return |lambda_2|, below which no real form has its growth of -1; ``None`` if not proved.
 
     The eigenvalues of S Q are 0 and the roots of ``x^2 - trace x + minors``. The eigenvector of
     lambda in the range of S is S Q v = lambda v, and ``v^T S^+ v = v^T Q v / lambda`` with v = S

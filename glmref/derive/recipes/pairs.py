@@ -79,7 +79,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 
 
 def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
-    """Document and proof of a shipped pair, with its start where one is on record."""
+    """Return document and proof of a shipped pair, with its start where one is on record."""
     name = shipped.ansatz.name
     document, enclosure = complete_pair(
         shipped.ansatz,

@@ -64,7 +64,7 @@ def rough_solutions(recipe: str) -> Mapping[str, Rough]:
 
 
 def rough_starts() -> Mapping[str, Any]:
-    """Parameters of starts and finishes, by method: rationals, and roughly those to be solved."""
+    """Return parameters of starts and finishes by method: rationals, and roughly those to solve."""
     return stored("starts.json")["methods"]
 
 

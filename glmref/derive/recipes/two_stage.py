@@ -43,7 +43,7 @@ _V = linalg.diagonal([Exact(1), Exact(-1)])
 
 
 def condition(b1: Fraction, x1: Fraction, x2: Fraction, g: int) -> Exact:
-    """4 R([oo]) of the two-stage method, from its tableau."""
+    """Return 4 R([oo]) of the two-stage method, from its tableau."""
     D = [Exact(b1), Exact(1 - b1)]
     X = ((Exact(1), Exact(1)), (Exact(x1), Exact(x2)))
     G = linalg.diagonal([Exact(1), Exact(g)])
@@ -74,7 +74,7 @@ def _check_identity(progress: Progress) -> None:
 
 
 def _document(name: str, sign: str) -> dict[str, Any]:
-    """N (sign ``-``) or P (sign ``+``) in the sweep form."""
+    """Return N (sign ``-``) or P (sign ``+``) in the sweep form."""
     w = f"(3{sign}2*sqrt(3))/3"
     mu = f"1{sign}2/sqrt(3)"
     return {
