@@ -1,5 +1,7 @@
 """Random method x problem x step size x state x engine, at the edge of what numbers can be.
 
+Methods are shipped ones, in random bases of their values, and drawn ones, most of them nonsense.
+
 Each case must end in a named outcome or in a refusal of one sentence, within a time limit. A run
 that says ``completed`` has taken all steps, ends at the time asked for, and holds finite numbers
 only; one that ended before keeps finite numbers too. Functions that cannot be trusted are refused
@@ -260,7 +262,7 @@ class Case:
     t0 : float
         Initial time.
     method : str
-        Name of a method.
+        Name of a method, see :func:`_loaded`.
     arguments : dict
         What :func:`glmref.solve` is called with besides.
     lanes : int
@@ -310,19 +312,44 @@ class Case:
         return ", ".join([*parts, json.dumps(self.arguments, default=shown)])
 
 
+#: Entries of methods that are drawn, most of which are nonsense.
+ENTRIES = ("0", "0", "1", "-1", "1/2", "1/4", "-1/3", "2", "1/1000000", "-1000000", "sqrt(2)/2")
+
+
+@lru_cache(maxsize=256)
+def _loaded(method: str) -> Any:
+    """Return a method of the catalogue, or the one that a name such as ``random 17`` stands for."""
+    if not method.startswith("random "):
+        return load(method)
+    draw = random.Random(method)
+    s, r = draw.randint(1, 3), draw.randint(1, 3)
+
+    def matrix(rows: int, columns: int, reach: int) -> list[list[str]]:
+        return [[draw.choice(ENTRIES) if j < i + reach else "0" for j in range(columns)]
+                for i in range(rows)]  # fmt: skip
+
+    def blocks() -> list[list[list[str]]]:
+        return [matrix(s, s, draw.choice((0, 1, s))), matrix(s, r, r), matrix(r, s, s),
+                matrix(r, r, r)]  # fmt: skip
+
+    if draw.random() < 0.3:
+        return PartitionedGLM(*blocks(), *blocks(), name=method)
+    return GLM(*blocks(), name=method)
+
+
 @lru_cache
 def _methods() -> tuple[str, ...]:
     return tuple(sorted(names()))
 
 
 def _parts(method: str) -> int:
-    return len(load(method).components)
+    return len(_loaded(method).components)
 
 
 @lru_cache(maxsize=256)
 def made(method: str, basis: int) -> Any:
     """Return a method of the catalogue, or the equivalent one that carries ``T y``."""
-    found: Any = load(method)
+    found = _loaded(method)
     if not basis:
         return found
     draw = random.Random(basis)
@@ -341,7 +368,7 @@ def cases(count: int, seed: int) -> Iterator[Case]:
     draw = random.Random(seed)
     for _ in range(count):
         case = _case(draw)
-        moved = isinstance(load(case.method), GLM) and load(case.method).carried > 1
+        moved = isinstance(_loaded(case.method), GLM) and _loaded(case.method).carried > 1
         if moved and draw.random() < 0.4:
             case = replace(case, basis=draw.randint(1, 10**6))
         yield case
@@ -351,9 +378,11 @@ def _case(draw: random.Random) -> Case:
     method = draw.choice(_methods()) if draw.random() < 0.7 else draw.choice(
         ("rk4", "gauss-2", "gauss-3", "tr-bdf2", "stormer-verlet", "g6245", "s4-symmetric")
     )  # fmt: skip
-    if isinstance(load(method), AdditiveGLM) and draw.random() < 0.9:
+    if draw.random() < 0.15:
+        method = f"random {draw.randint(1, 10**6)}"
+    if isinstance(_loaded(method), AdditiveGLM) and draw.random() < 0.9:
         kind = "terms"
-    elif isinstance(load(method), PartitionedGLM):
+    elif isinstance(_loaded(method), PartitionedGLM):
         kind = draw.choice(("problem", "force", "force", "parts", "parts"))
     else:
         kind = draw.choice(
@@ -383,7 +412,7 @@ def _case(draw: random.Random) -> Case:
         if plain:
             given |= {"h": draw.choice((0.01, 0.1)), "steps": 60}
         return Case(kind, what, state, t0, method, given, draw.choice((1, 2, 3, 9)))
-    return Case(kind, what, state, t0, method, _arguments(draw, t0, plain))
+    return Case(kind, what, state, t0, method, _arguments(draw, t0, plain, method[:7] == "random "))
 
 
 def _state(draw: random.Random, d: int) -> tuple[float, ...]:
@@ -392,7 +421,7 @@ def _state(draw: random.Random, d: int) -> tuple[float, ...]:
     return tuple(draw.choice(STATES) for _ in range(d))
 
 
-def _arguments(draw: random.Random, t0: float, plain: bool) -> dict[str, Any]:
+def _arguments(draw: random.Random, t0: float, plain: bool, drawn: bool) -> dict[str, Any]:
     """Step size, length, rows, engine and the rest."""
     if draw.random() < 0.03:
         return {"h": draw.choice((math.inf, math.nan, 0, "1", None, 10**400)), "steps": 3}
@@ -400,6 +429,10 @@ def _arguments(draw: random.Random, t0: float, plain: bool) -> dict[str, Any]:
     given: dict[str, Any] = {"h": h, "engine": draw.choice(ENGINES)}
     if plain and given["engine"] == "compiled" and draw.random() < 0.7:
         given["engine"] = "interpreted"  # numba takes seconds for each
+    if drawn and given["engine"] == "compiled":
+        given["engine"] = "interpreted"  # nobody needs its kernel again
+    if drawn and draw.random() < 0.7:
+        given["start"] = "zero"  # they have none of their own
     how = draw.random()
     if how < 0.7:
         given["steps"] = draw.choice((0, 1, 2, 7, 60)) if not plain else 60
