@@ -60,6 +60,8 @@ def all_follow(n: int, nystrom: bool | str, given: frozenset[Tree], kind: str | 
 class Pair(Enclosed):
     """A file of class pair-sweep or splitting with an enclosure (6.4)."""
 
+    members = "trees", ""
+
     def prepare(self) -> None:
         """Read the matrices and equations and check what the theorems suppose."""
         doc, one = self.document, [[Fraction(1)]]
@@ -81,7 +83,6 @@ class Pair(Enclosed):
         require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")
         self.letters = letters
         self.one_step = len(self.first) == len(self.last) == 1
-        require(not self.xi and "free" not in self.proof, "pairs have zeta_1 = 0")
         require(self.proof.get("trees", "all") in ("all", "nystrom"), "trees")
         self.nystrom = self.proof.get("trees") == "nystrom"
         self.equations = [self.read(text) for text in self.texts]

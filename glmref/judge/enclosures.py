@@ -78,12 +78,14 @@ class Enclosed:
     explicit_now: frozenset[int] = frozenset()
     equations: list[tuple]
     signs: dict[str, list[int]] | None = None
+    members = "", ""  # of the proof and of the block, besides those of every class
 
     def __init__(self, document: Document, numbers: Numbers, proof: object) -> None:
-        keys(proof, "radius centre inverse", "free trees", "proof of the method")
+        trees, values = self.members
+        keys(proof, "radius centre inverse", trees, "proof of the method")
         self.document, self.proof = document, as_object(proof)
         block, unknowns = as_object(document.get("enclosure")), document.get("unknowns", {})
-        keys(block, "equations", "radius xi", "enclosure")
+        keys(block, "equations", "radius " + values, "enclosure")
         unknowns = as_object(unknowns)
         self.unknowns = list(unknowns)
         require(0 < len(self.unknowns) <= SIZE, "the unknowns")

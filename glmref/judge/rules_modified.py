@@ -64,9 +64,8 @@ class Underlying(Solved):
 
     def conjugate(self, order: int) -> Map | None:
         """Return Phi in variables in which it is symplectic through an order, or None."""
-        while len(self.conjugates) < order:
+        for n in range(len(self.conjugates) + 1, order + 1):
             before = self.conjugates[-1]
-            n = len(self.conjugates) + 1
             self.conjugates.append(None if before is None else straightened(before, n))
         return self.conjugates[order - 1]
 
@@ -89,9 +88,9 @@ def energy_gaps(a: Map, order: int) -> list[Number]:
     elementary Hamiltonian H(t), which is 0 where the free tree is superfluous.
     """
     found = []
-    for t in trees(ONE, order + 1):
-        signs = signed_versions(t)  # H(u o v) = -H(v o u)
-        if t == min(signs) and not is_superfluous(t):
+    for t in {min(signed_versions(t)) for t in trees(ONE, order + 1)}:
+        if not is_superfluous(t):
+            signs = signed_versions(t)  # H(u o v) = -H(v o u)
             products: list[Number] = [Fraction(sign, symmetry(s)) for s, sign in signs.items()]
             for n, s in enumerate(signs):
                 for child in s[1]:
@@ -174,12 +173,11 @@ class UnderlyingCase(Case):
 
     @cached_property
     def is_simple(self) -> bool:
-        """Tell whether 1 is a simple eigenvalue of V, with some u, U u = 1."""
+        """Tell whether 1 is a simple eigenvalue of V."""
         m = self.method.single()
         shift = minus(m.V, identity(m.r))
         N, W = kernel(shift), kernel(transpose(shift))
-        u, _ = self.method.vectors_to_one("o")
-        return len(N) == 1 and apart(dot(W[0], N[0])) and u is not None
+        return len(N) == 1 and apart(dot(W[0], N[0]))
 
 
 class ConjugateCase(UnderlyingCase):
@@ -199,7 +197,7 @@ class EnergyCase(UnderlyingCase):
 
 
 def one_map_underlies_the_method(case: UnderlyingCase) -> bool:
-    """1 is a simple eigenvalue of V, and some u has V u = u and U u = 1."""
+    """1 is a simple eigenvalue of V."""
     return case.is_simple
 
 
