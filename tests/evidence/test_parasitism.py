@@ -4,16 +4,13 @@ The scene is the pendulum from 2.3 radians with h = 0.1 (Butcher, Habib, Hill an
 Khan 2018, section 3.1): P is lost at t about 14, N at about 1062.
 """
 
-import json
 import math
 
 import numpy as np
 import pytest
 from mpmath import ellipk, sin
 
-from campaigns.long_survey import PROBLEMS
-from glmref import predict
-from glmref.catalogue.lookup import data_root, load, names
+from glmref.catalogue.lookup import load, names
 from glmref.exact.expression import parse
 from glmref.measure.longtime import follow, watch
 from glmref.measure.parasitic import (
@@ -186,35 +183,3 @@ def test_s3i1_has_no_growth_parameter_and_is_lost_all_the_same_after_half_a_mill
     assert loss(PENDULUM, half, solution_direction(load("s3i1-w3"))).time is None
     (energy,) = watch(PENDULUM, half)
     assert energy.largest < 1e-6
-
-
-def _survey():
-    """Runs of the long survey without renewal on orbits that return: by name, as recorded."""
-    found = {}
-    for row in json.loads((data_root() / "measurements" / "long-survey.json").read_text())["rows"]:
-        for run in row["runs"]:
-            periodic = row["problem"].startswith(("kepler", "pendulum"))
-            if periodic and not run["renew"] and run["verdict"] in ("lost", "bounded"):
-                found[f"{row['method']}, {row['problem']}, h = {run['h']}"] = row, run
-    carried = {name: load(name).carried for name in {row["method"] for row, _ in found.values()}}
-    return {k: (row, run) for k, (row, run) in found.items() if carried[row["method"]] > 1}
-
-
-SURVEY = _survey()
-
-
-@pytest.mark.slow
-@pytest.mark.sampled(0, whole=10)  # GLMREF_LONG: all
-@pytest.mark.parametrize("name", SURVEY)
-def test_losses_of_the_long_survey_are_predicted(name):
-    row, run = SURVEY[name]
-    found = predict(row["method"], PROBLEMS[row["problem"]][0](), run["h"])
-    if run["verdict"] == "bounded":
-        assert found.steps > row["steps"]
-        return
-    # the records have decades only; s5i1-i saturates before it is lost
-    energies = [math.inf if x is None else x for x in run["energy"]]
-    over = [n for n, x in zip(run["marks"], energies, strict=False) if not x < 0.1]
-    end = over[0] if over else run["steps"]
-    assert found.steps < 2 * end
-    assert found.steps > end / 20 or row["method"] == "s5i1-i"

@@ -11,7 +11,6 @@ import pytest
 import glmref
 from glmref.catalogue.keys import BLOCKS, FORMATS, SECOND, completed, of_second
 from glmref.catalogue.lookup import document
-from glmref.catalogue.reader import load_document
 from glmref.cli import main
 
 HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
@@ -91,30 +90,6 @@ def test_it_is_solved_with(tmp_path: Path) -> None:
     assert found.y == pytest.approx(glmref.solve("kepler", "heun-2", h=0.01, steps=10).y, abs=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"d": ["0", "1"]}, "the key 'd' is unknown for class 'rk'"),
-        ({"b": None}, "the key 'b' is missing; a tableau with 'A' needs A, b"),
-        ({"b": None, "A": None, "B": "x"}, "and not from B"),
-        ({"A": [["0", "x"], ["1", "0"]]}, "`A[1][2]`: the name 'x' is not known"),
-        ({"A": [["0", "0", "0"], ["1", "0", "0"]]}, "mine.json: "),
-        ({"format": "glmref-method-3"}, "`format` must be 'glmref-method-1' or 'glmref-method-2'"),
-        ({"source": {"where": "page 1"}}, "`source.citation` must be a non-empty string"),
-        ({"claims": {"order": 2}, "order": 3}, "`order` is 3 and `claims.order` 2; keep one"),
-        ({"claims": {"ordre": 2}}, "the claim 'ordre' is unknown"),
-        ({"claims": []}, "`claims` must be an object of claims, got []"),
-    ],
-)
-def test_what_is_wrong_with_it_is_one_sentence(
-    changes: dict[str, Any], words: str, tmp_path: Path
-) -> None:
-    content = {k: x for k, x in {**HEUN, **changes}.items() if x is not None}
-    with pytest.raises(glmref.DataError) as refusal:
-        glmref.load(write(tmp_path, content))
-    assert words in str(refusal.value) and str(refusal.value).startswith("mine.json: ")
-
-
 def test_a_name_made_of_a_long_file_name_is_cut_at_a_hundred_characters(tmp_path: Path) -> None:
     path = tmp_path / ("Long Name " + "x" * 150 + ".json")
     path.write_text(json.dumps({"A": [["0"]], "b": ["1"]}))
@@ -135,30 +110,6 @@ def test_a_starting_method_may_have_one_stage(tmp_path: Path) -> None:
     path.write_text(json.dumps({"A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["1"]],
                                 "V": [["1", "0"], ["0", "0"]], "starting": start}))  # fmt: skip
     assert len(glmref.load(path).starting.A) == 1
-
-
-@pytest.mark.parametrize(
-    ("name", "changes", "says"),
-    [
-        ("rk4", {"class": None}, "the key `class` is missing; it is one of"),
-        ("rk4", {"name": "Bad Name!"}, "`name` must be a string matching"),
-        ("rk4", {"b": []}, "`b`"),
-        ("rk4", {"b": "1"}, "`b`"),
-        ("rk4", {"A": None}, "the key 'A' is missing; a file of class 'rk' needs it"),
-        ("rk4", {"notes": 3}, "`notes` must be a string, got 3"),
-        ("rk4", {"enclosure": []}, "`enclosure` must be an object, got []"),
-        ("rk4", {"b": ["sqrt(-1)", "1/3", "1/3", "1/6"]}, "`b[1]` is complex (0+1j)"),
-        ("rk4", {"A": [["sqrt(-2)"] * 4] * 4}, "`A[1][1]` is complex"),
-        ("g6245", {"A": None}, "the key 'A' is missing; a file of class"),
-    ],
-)
-def test_what_a_whole_document_lacks_is_said_by_its_key(
-    name: str, changes: dict[str, Any], says: str
-) -> None:
-    doc = {k: v for k, v in {**document(name), **changes}.items() if v is not None}
-    with pytest.raises(glmref.DataError) as caught:
-        load_document(doc)
-    assert says in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["ros34pw2", "nystrom-5", "ars-2-3-2", "rk4", "gauss-2"])

@@ -1,7 +1,6 @@
 """Order on second-order systems: fewer trees, and never fewer than there are."""
 
 import copy
-import json
 from typing import Any
 
 import pytest
@@ -10,14 +9,12 @@ from glmref.catalogue.lookup import document, load
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.findings import Verdict
-from glmref.judge import verdict
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
 from glmref.prove.rows import nystrom_gaps
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import nystrom_order_of, order_of
 from glmref.theory.trees import is_nystrom, parse_tree, trees
-from tests.build import SOURCE
 
 
 def test_a_vertex_f_with_two_children_does_not_count():
@@ -78,35 +75,6 @@ def test_shared_stages_and_no_end_of_the_search():
     found = nystrom_order_of(load("lobatto-iiia-iiib-3"))  # q' = p, p' = k(q, p)
     assert (found.order, str(found.failing_tree)) == (4, "f[k[fff]]")
     assert nystrom_order_of(load("stormer-verlet"), max_order=1).at_least
-
-
-#: Störmer-Verlet's step in Nystrom's form, g at both ends, c = (0, 1).
-VERLET = {
-    "format": "glmref-method-2", "name": "verlet", "title": "Verlet", "class": "nystrom",
-    "A": [["0", "0"], ["1/2", "0"]], "b": ["1/2", "0"], "b_prime": ["1/2", "1/2"], "c": ["0", "1"],
-    "claims": {}, "source": SOURCE,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("keys", "expected"),
-    [
-        ({}, True),
-        ({"A": [["0", "0"], ["1/3", "1/6"]]}, True),
-        ({"A": [["0", "0"], ["1/3", "0"]]}, False),
-        ({"A_prime": [["0", "0"], ["1", "0"]]}, True),
-        ({"A_prime": [["0", "0"], ["1/2", "1/2"]]}, True),
-        ({"A_prime": [["0", "0"], ["1/2", "0"]]}, False),
-        ({"A_prime": [["0", "0"], ["1", "0"]], "A": [["0", "0"], ["1/3", "0"]]}, False),
-    ],
-)
-def test_rows_of_a_nystrom_method_sum_to_what_its_abscissae_say(keys, expected):
-    for declared in (True, False):
-        facts = facts_for(load_document({**VERLET, **keys, "claims": {"row-sums": declared}}))
-        found = facts.judge("row-sums", declared)
-        assert (found.verdict is Verdict.HOLDS) == (declared == expected), found.reason
-        proof = found.certificate
-        assert verdict(json.loads(json.dumps(proof)))[0], proof
 
 
 def test_other_pairs_cannot_claim_row_sums():
