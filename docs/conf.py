@@ -102,9 +102,31 @@ def _sections(app: Any, what: str, name: str, obj: Any, options: Any, lines: lis
             lines[k - 1 : k + 1] = [f"{lines[k - 1].rstrip()}:"]
 
 
+NAMES = re.compile(r"(\s*)(\w+(?:, \w+)+)( : .*)?")
+
+
+def _attributes(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Give attributes that share a line an entry each: napoleon takes one for the type."""
+    place = next((k for k in range(1, len(lines)) if lines[k - 1] == "Attributes"), None)
+    place = None if place is None else place + 1
+    while place is not None and place < len(lines):
+        if lines[place].strip() and not lines[place].strip(" -"):  # the next section begins
+            return
+        if found := NAMES.fullmatch(lines[place]):
+            end = place + 1
+            while end < len(lines) and lines[end].startswith(f"{found[1]} "):
+                end += 1
+            text = lines[place + 1 : end]
+            entries = [[f"{found[1]}{x}{found[3] or ''}", *text] for x in found[2].split(", ")]
+            lines[place:end] = [line for entry in entries for line in entry]
+            place += sum(map(len, entries)) - 1
+        place += 1
+
+
 def setup(app: Any) -> None:
     """Write formulas as MathML, which browsers show without a script from elsewhere."""
     app.connect("autodoc-process-docstring", _sections, priority=100)
+    app.connect("autodoc-process-docstring", _attributes, priority=110)
     app.connect("doctree-resolved", _punctuated)
     app.connect("doctree-resolved", _unbroken)
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

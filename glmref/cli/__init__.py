@@ -76,7 +76,7 @@ class _Group(click.Group):
     help="End the command after this time, with exit code 2, whatever it does then.",
 )
 def group(time_limit: int | None) -> None:
-    """Return the general linear methods, checked exactly."""
+    """General linear methods, checked exactly."""
 
 
 #: The commands in the order in which one needs them, each with an example of its use.

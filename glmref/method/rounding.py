@@ -81,10 +81,18 @@ class FloatPair:
 
     Attributes
     ----------
-        A, U, B, V: (n_Q, n_P), (n_Q, r), (r, n_P), (r, r), for q.
-        A_hat, U_hat, B_hat, V_hat: (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^), for p.
-        A_residue, .., V_hat_residue: exact minus rounded, themselves rounded.
-        G: (r, r^) or ``None``; D_P: (n_P,) or ``None``; D_Q: (n_Q,) or ``None``.
+    A, U, B, V : np.ndarray
+        For q: shapes (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
+    A_hat, U_hat, B_hat, V_hat : np.ndarray
+        For p: shapes (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
+    A_residue, U_residue, B_residue, V_residue : np.ndarray
+        Exact minus rounded, themselves rounded.
+    A_hat_residue, U_hat_residue, B_hat_residue, V_hat_residue : np.ndarray
+        The same of the method for p.
+    G : np.ndarray or None
+        (r, r^) or ``None``.
+    D_P, D_Q : np.ndarray or None
+        (n_P,) and (n_Q,), or ``None``.
     """
 
     A: np.ndarray

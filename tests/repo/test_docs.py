@@ -155,6 +155,8 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
         if page != "api.md":  # docstrings have formulas, too
             assert len(shown) == written, page
     assert "$$" in text("pairs-theory.md")
+    api = (tmp_path / "api.html").read_text(encoding="utf-8")
+    assert not re.search(r"\(<em>[^()]*,</em>\)", api)  # no attribute is taken for a type
 
 
 def test_the_pages_agree_on_the_time_of_a_verification() -> None:

@@ -50,7 +50,7 @@ def overclaimed(tmp_path: Path) -> str:
 def test_version_and_help_name_the_program(run: Run) -> None:
     assert run("--version") == (0, f"glmref {__version__}\n", "")
     code, out, err = run("--help")
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, "") and "  General linear methods, checked exactly.\n" in out
     for command, example in EXAMPLES.items():
         assert f"\n  {command.name} " in out
         _, page, _ = run(str(command.name), "--help")
