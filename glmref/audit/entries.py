@@ -281,6 +281,9 @@ def _of_scalars(stem: str, given: list[tuple[str, str | None, Item]]) -> list[Ar
             if j <= i <= 40 and (i, j) not in doubles:
                 doubles[i, j] = item
                 break
+    for item in (*singles.values(), *doubles.values()):
+        if isinstance(item.value, Number) and not item.value.place:
+            item.value.place = (item.line, "")
     found: list[Array] = []
     if len(doubles) >= 2 or (doubles and "21" in words):
         base = 0 if any(j == 0 for _, j in doubles) else 1

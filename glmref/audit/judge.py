@@ -126,6 +126,10 @@ def _meant(
     """
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    entry = len(record.get("correction", ())) == 1 and one_row_apart(method)
+    entry = entry or any(x.startswith("with error weight") for x in remarks)
+    if status in ("wrong", "question") and table.guessed and entry:  # what is right says weights
+        return "question"
     if status in ("wrong", "question") and table.guessed:
         remarks.append(
             "the last row of A, or that of an estimate, is taken for weights, as no others are read"

@@ -285,17 +285,19 @@ def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidat
             named = [x for x in vectors if x.role == "c" and len(x.value) in (s, s - 1)]
             match = 0.0
             node = named[0] if len(named) == 1 and array.role == "A" else None
-    weight, row, order = _weights(array, reading, vectors, node)
+    weight, row, order = _weights(array, reading, vectors, node, match)
     if row is None:
         return None
     score = 3 * match + order + (weight is not None and weight.role == "b") - 0.3 * reading.cost
+    apart = any(x.role == "b" and len(x.value) in (s, s + 1) for x in vectors)
+    score -= 3 * (apart and reading.b is not None)  # weights that have a name are meant
     if weight is not None:  # rows without a weight may be no stages
         score -= (0.0, 0.2, 1.2)[min(2, max(0, s - len(weight.value)))]
     return Candidate(array, reading, node, weight, row, order, match, score)
 
 
 def _weights(
-    array: Array, reading: Reading, vectors: list[Array], node: Array | None
+    array: Array, reading: Reading, vectors: list[Array], node: Array | None, match: float
 ) -> tuple[Array | None, list[Any] | None, int]:
     """Return the weights beside a matrix: their array, themselves, and their order."""
     s = len(reading.A)
@@ -309,7 +311,7 @@ def _weights(
             row = list(x.value[1:])  # 0 | b under c | A
         if row is None and x.role == "b" and 2 < len(x.value) < s:  # of an array of s entries
             row = [*x.value, *([ZERO] * (s - len(x.value)))]
-            row = row if order_in(reading, row) > 1 else None
+            row = row if order_in(reading, row) > 0 else None
         if row is None or x is node or x is array or x.role in ("error", "gamma", "diagonal"):
             continue
         if x.role == "c":
@@ -327,7 +329,8 @@ def _weights(
         return best[1], best[2], best[3]
     last = list(reading.A[-1])
     order = order_in(reading, last)
-    if array.role == "A" and order >= 2 and s > 2:
+    least = 1 if match >= MOST_ROWS and s > 3 else 2  # most rows say that it is one
+    if array.role == "A" and order >= least and s > 2:
         return None, last, order
     return None, None, 0
 
@@ -692,6 +695,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
         return about and (x.order >= 2 or x.match >= MOST_ROWS or node)
     if x.array.name == "" and x.b is not None and x.b.name == "" and not about:
         return False
+    if x.order == 1 and named:  # weights in the last row, of a method with a wrong row
+        return about and x.match >= MOST_ROWS and node and s > 3
     if x.order >= 3:
         return about and (x.match >= MOST_ROWS or s > 3 or x.array.role == "A")
     return about and x.order == 2 and x.match >= MOST_ROWS and (x.array.role == "A" or s > 3)

@@ -334,6 +334,18 @@ HALF = (
     "// symplectic\nstatic struct scheme s = {{ .order = 4, .gamma = {{ {}, "
     "0.41449077179437573714, -0.65796308717750294857, 0, 0 }}, .stages = {} }};"
 )
+#: Kutta's 3/8 rule; a last row, or weights, with an entry to fill in.
+CLOSING = (
+    "// Runge-Kutta\nconst int order = 4; double a21 = 1.0/3, a31 = {}, a32 = 1, a41 = 1, a42 = -1, "
+    "a43 = 1, a51 = 0.125, a52 = 0.375, a53 = {}, a54 = 0.125, c2 = 1.0/3, c3 = 2.0/3, c4 = 1.0, "
+    "e1 = 0, e2 = 1.0/24, e3 = {}, e4 = 1.0/24, e5 = 0;"
+)
+TWICE = (
+    "// Runge-Kutta\nconst ORDER: usize = 4; const RK_A: [[f64; 4]; 5] = [[0., 0., 0., 0.], "
+    "[0.5, 0., 0., 0.], [0., 0.5, 0., 0.], [0., 0., 1., 0.], [1. / 6., 1. / 3., 1. / 3., 1. / 6.]];\n"
+    "const RK_B: [f64; 5] = [1. / 6., 1. / 3., {}, 1. / 6., 0.];\n"
+    "const RK_C: [f64; 5] = [0., 0.5, 0.5, 1., 1.];\n"
+)
 #: Two stages by rows with their diagonal, which are not three without.
 PACKED = (
     "struct Euler {{ int order = 2; double a[3] = {{0, {}, 0}}, b[2] = {{0.5, 0.5}}, "
@@ -438,6 +450,12 @@ READ = [
         "python",
         "found",
     ),
+    (CLOSING.format("-1.0/3", "0.375", "-1.0/12"), "c", "right"),
+    (CLOSING.format("1.0/3", "0.375", "-1.0/12"), "c", "question"),  # a31
+    (CLOSING.format("-1.0/3", "0.375", "1.0/12"), "c", "question"),  # the estimate
+    (CLOSING.format("-1.0/3", "0.735", "-1.0/12"), "c", "unread"),  # nothing says weights
+    (TWICE.format("1. / 3."), "rust", "right"),
+    (TWICE.format("1. / 4."), "rust", "wrong"),  # and the last row of A is not what is used
     (HALF.format("0.41449077179437573714", 5), "c", "right"),
     (HALF.format("0.41449077179437573714", 4), "c", "right"),  # sum and cubes say it, too
     (HALF.format("0.41449977179437573714", 5), "c", "wrong"),
@@ -451,7 +469,7 @@ READ = [
     (PACKED.format("1"), "c", "right"),
     (PACKED.format("0.5"), "c", "wrong"),
     (FEWER.format("2./3"), "c", "right"),
-    (FEWER.format("1./3"), "c", "unread"),
+    (FEWER.format("1./3"), "c", "wrong"),
     (HEUN.format("Heun, order 3(2), dense output of order 2", "2./3", "2./3"), "c", "right"),
     (HEUN.format("Heun, order 3(2), dense output of order 2", "2./5", "2./3"), "c", "question"),
     (HEUN.format("Runge-Kutta", "2./3", "2./3"), "c", "found"),
