@@ -137,6 +137,11 @@ def arrays(block: Block, language: Language) -> list[Array]:
                 found += _parts(item, named=of_subject(block.called))
         elif match and isinstance(value, Number | Unread):
             scalars.setdefault(match[1], []).append((match[2], match[3], item))
+    for stem, entries in list(scalars.items()):
+        if len({(x, y) for x, y, _ in entries}) < len(entries):  # c13 and c_13 are two arrays
+            plain = [x for x in entries if x[2].name.startswith(stem + x[0])]
+            if plain and len(plain) < len(entries):
+                scalars[stem], scalars[stem + "_"] = plain, [x for x in entries if x not in plain]
     for stem, rows in lists.items():
         found += _of_rows(stem, rows, scalars)
     for stem, entries in scalars.items():

@@ -346,6 +346,11 @@ TWICE = (
     "const RK_B: [f64; 5] = [1. / 6., 1. / 3., {}, 1. / 6., 0.];\n"
     "const RK_C: [f64; 5] = [0., 0.5, 0.5, 1., 1.];\n"
 )
+#: Nodes of two arrays whose names differ in a bar, or one that is set twice.
+BARRED = (
+    "// Runge-Kutta\nconst int order = 3; double a21 = 1.0/3, a31 = 0.0, a32 = 2.0/3, b1 = 0.25, "
+    "b2 = 0.0, b3 = 0.75, c2 = 1.0/3, c3 = 2.0/3, {}2 = 0.5, {}3 = 0.5;"
+)
 #: Two stages by rows with their diagonal, which are not three without.
 PACKED = (
     "struct Euler {{ int order = 2; double a[3] = {{0, {}, 0}}, b[2] = {{0.5, 0.5}}, "
@@ -456,6 +461,8 @@ READ = [
     (CLOSING.format("-1.0/3", "0.735", "-1.0/12"), "c", "unread"),  # nothing says weights
     (TWICE.format("1. / 3."), "rust", "right"),
     (TWICE.format("1. / 4."), "rust", "wrong"),  # and the last row of A is not what is used
+    (BARRED.format("c_", "c_"), "c", "right"),
+    (BARRED.format("c", "c"), "c", "unread"),
     (HALF.format("0.41449077179437573714", 5), "c", "right"),
     (HALF.format("0.41449077179437573714", 4), "c", "right"),  # sum and cubes say it, too
     (HALF.format("0.41449977179437573714", 5), "c", "wrong"),
