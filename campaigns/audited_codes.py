@@ -1,14 +1,11 @@
-"""Tables of docs/audit.md and docs/audit/tables.md from the records of ``data/audits``.
-
-``python -m campaigns.audited_codes`` writes them into the pages.
-"""
+"""Tables of docs/audit.md and docs/audit/tables.md from the records of ``data/audits``."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from campaigns.pages import ROOT, Pages, markdown, write
+from campaigns.pages import ROOT, Pages, markdown
 from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 SHORT = ROOT / "docs" / "audit.md"
@@ -72,7 +69,3 @@ PAGES: Pages = {
     SHORT: {"audit-short": first},
     PAGE: {"audit-codes": counts, "audit-findings": findings},
 }
-
-
-if __name__ == "__main__":
-    write(PAGES)

@@ -1,9 +1,4 @@
-"""The tables of campaigns/order6/README.md and docs/order6.md.
-
-    python -m campaigns.order6.tables
-
-computes them anew from the files in data/measurements.
-"""
+"""The tables of campaigns/order6/README.md and docs/order6.md, from data/measurements."""
 
 from __future__ import annotations
 
@@ -11,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from campaigns.order6 import bound
-from campaigns.pages import ROOT, Pages, markdown, measured, write
+from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.long_runs import kepler_table
 
 TARGETS = ("1e-06", "1e-09")
@@ -237,7 +232,3 @@ PAGES: Pages = {
     ROOT / "campaigns" / "order6" / "README.md": {"shipped": shipped, **TABLES},
     ROOT / "docs" / "order6.md": {"selected": lambda: shipped(SELECTED)},
 }
-
-
-if __name__ == "__main__":
-    write(PAGES)

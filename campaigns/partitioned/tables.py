@@ -1,8 +1,6 @@
 """The tables of campaigns/partitioned/README.md, docs/pairs.md and docs/pairs-growth.md.
 
-    python -m campaigns.partitioned.tables
-
-computes them anew from the files in data/measurements and data/methods/partitioned.
+They come from data/measurements and data/methods/partitioned.
 """
 
 from __future__ import annotations
@@ -11,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from campaigns.pages import ROOT, Pages, markdown, measured, write
+from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.long_runs import FURTHER, ONE_VALUE, RESTARTED, kepler_table, pair_names
 from campaigns.partitioned.starts import runs_table, starts_table
 from campaigns.partitioned.work import CASES, PAIRS
@@ -267,7 +265,3 @@ PAGES: Pages = {
     },
     ROOT / "docs" / "pairs-growth.md": {"growth": growth_table},
 }
-
-
-if __name__ == "__main__":
-    write(PAGES)
