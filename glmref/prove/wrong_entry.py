@@ -257,6 +257,8 @@ def tableau(method: Any, order: int | None = None, times: Sequence[Any] | None =
     if len(components) > 1:
         return None
     c = method.abscissae_given
+    if c is not None and not all(isinstance(x, Exact) for x in c):
+        return None
     return Tableau("rk", A, b, [None if c is None else row(c)], order)
 
 

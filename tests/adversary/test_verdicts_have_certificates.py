@@ -107,33 +107,6 @@ def test_every_verdict_about_many_changed_files_has_a_certificate(tmp_path: Path
         assert without_a_certificate(deceiver(name, rng), tmp_path) == [], (seed, name)
 
 
-@pytest.mark.parametrize("name", ["rk4", "gsymplectic-n", "nystrom-rkn-4", "ars-4-4-3", "bdf-2"])
-def test_orders_of_no_rows_are_a_claim_that_fails(name: str) -> None:
-    d = shipped(name)
-    d["claims"] = {"embedded-order": {}}
-    d.pop("embedded", None)
-    try:
-        assert findings(d)["embedded-order"].verdict is Verdict.FAILS
-    except DataError as error:
-        assert "embedded" in str(error)
-
-
-def test_a_simple_eigenvalue_one_has_no_growth_parameter() -> None:
-    """Also of a method that is not consistent, where W B U N is not 1."""
-    d = shipped("milne-simpson")
-    d["beta"][1] = "-" + d["beta"][1]
-    found = findings({**d, "claims": {"growth": ["1"], "consistent": False}})
-    assert {str(x.verdict) for x in found.values()} == {"holds"}
-
-
-def test_a_decimal_of_zeros_is_zero_for_the_checker_too(tmp_path: Path) -> None:
-    d = shipped("gauss-2-seven-digits")
-    d.pop("broken", None)
-    d["A"], d["b"] = [["0", "0.0000000"], ["0.500000000000000", "0"]], ["0", "1"]
-    d["claims"] = {"explicit": True}
-    assert without_a_certificate({**d, "name": "deceiver"}, tmp_path) == []
-
-
 def rounded(d: dict[str, Any], digits: int) -> dict[str, Any]:
     """The file with every number but whole ones as a decimal, as tables are printed."""
     constants: dict[str, Any] = {}
@@ -204,144 +177,15 @@ def test_every_verdict_about_many_decimals_has_a_certificate(digits: int, tmp_pa
         assert uncertified(name, digits, tmp_path) == [], name
 
 
-def test_v_in_decimals_is_bounded_block_by_block(tmp_path: Path) -> None:
-    """A block with decimals inside the circle or outside, an exact one on it, a defective one."""
-    V = [["1", "0.300", "0"], ["0", "0.250", "0"], ["0", "0", "-1"]]
-    d = {**shipped("gsymplectic-n"), "name": "deceiver", "digits": 3, "V": V,
-         "A": [["0"]], "U": [["1", "0", "0"]], "B": [["1"], ["0"], ["0"]]}  # fmt: skip
-    for key in ("G", "D", "constants", "starting", "finishing"):
-        d.pop(key, None)
-    for entry, bounded in (("0.250", None), ("2.500", False), ("0", True)):
-        V[1][1], V[2][2] = entry, "-1" if bounded is None else "1/2"
-        d["claims"] = {"zero-stable": True}
-        holds = {None: Verdict.OPEN, False: Verdict.FAILS, True: Verdict.HOLDS}[bounded]
-        assert findings(d)["zero-stable"].verdict is holds
-        assert without_a_certificate(d, tmp_path) == []
-    V[1:] = [["0", "0", "-1"], ["0", "1", "-2"]]  # -1 is a defective eigenvalue
-    assert findings(d)["zero-stable"].verdict is Verdict.FAILS
-    assert without_a_certificate(d, tmp_path) == []
-
-
 def with_decimals(**more: Any) -> dict[str, Any]:
     """A Runge-Kutta file of three or ten digits."""
     return {**shipped("rk4"), "format": "glmref-method-2", "name": "deceiver", **more}
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(
-    ("entry", "abscissa"), [("0.5000000000", "1/2"), ("0.5000000000", "2/5"), ("1/2", "0.5000000000"),
-                            ("0.5000000000", None), ("0.5000000000", "0.5000000000")]
-)  # fmt: skip
-def test_stage_orders_of_decimals_have_certificates(
-    entry: str, abscissa: str | None, tmp_path: Path
-) -> None:
-    """Also where it is not known whether the order is 1 or 2, and where c is no row sum."""
-    d = with_decimals(digits=10, A=[["0", "0"], [entry, "0"]], b=["0", "1"])
-    if abscissa:
-        d["c"] = ["0", abscissa]
-    for claimed in range(4):
-        d["claims"] = {"stage-order": claimed}
-        holds = Verdict.HOLDS if claimed == 1 else Verdict.FAILS
-        assert findings(d)["stage-order"].verdict is holds
-        assert without_a_certificate(d, tmp_path) == []
-
-
-def test_a_stage_order_above_the_declared_one_needs_no_order(tmp_path: Path) -> None:
-    """It is 1 at least; whether it and the order are 2 is open, as c may be other than A 1."""
-    d = with_decimals(digits=3, A=[["0", "0"], ["1/2", "1/2"]], b=["1/2", "1/2"], c=["0", "1.000"])
-    found = findings({**d, "claims": {"stage-order": 0}})["stage-order"]
-    assert found.verdict is Verdict.FAILS
-    assert without_a_certificate({**d, "claims": {"stage-order": 0}}, tmp_path) == []
-
-
-@pytest.mark.parametrize(("c", "expected"), [("1/4", Verdict.OPEN), ("3/5", Verdict.FAILS)])
-def test_a_row_that_is_open_hides_none_that_is_wrong(
-    c: str, expected: Verdict, tmp_path: Path
-) -> None:
-    d = with_decimals(digits=10, A=[["0.5000000000", "0"], ["1/4", "0"]], b=["0", "1"])
-    d |= {"c": ["1/2", c], "claims": {"row-sums": True}}
-    assert findings(d)["row-sums"].verdict is expected
-    assert without_a_certificate(d, tmp_path) == []
-
-
-def test_exact_zeros_and_exact_entries_beside_decimals_have_certificates(tmp_path: Path) -> None:
-    d = with_decimals(digits=10, A=[["0", "0"], ["0.5000000000", "0"]], b=["0", "0"])
-    assert without_a_certificate({**d, "claims": {"symplectic": True}}, tmp_path) == []
-    d |= {"A": [["0", "0"], ["1/4", "0"]], "b": ["1/6", "2/3"], "c": ["1/4", "0.2500000000"]}
-    assert without_a_certificate({**d, "claims": {"row-sums": True}}, tmp_path) == []
-    d |= {"A": [["0.5000000000", "0"], ["1/3", "0"]], "b": ["1", "0"], "c": ["1/2", "0.3330000000"]}
-    assert without_a_certificate({**d, "claims": {"order": 0}}, tmp_path) == []
-
-
-HALVES: dict[str, Any] = {"class": "splitting", "first": "q", "a": ["0", "1"], "b": ["1/2", "1/2"]}
-QUARTER: dict[str, Any] = {
-    "class": "splitting",
-    "first": "q",
-    "a": ["0.250"],
-    "b": ["1"],
-    "digits": 3,
-}
-VELOCITIES: dict[str, Any] = {
-    "class": "nystrom", "digits": 3, "A": [["0"]], "A_prime": [["0"]], "b": ["1"], "b_prime": ["1"],
-    "c": ["0"], "embedded": [{"name": "low", "b": ["1/6"], "b_prime": ["0.333"]}],
-}  # fmt: skip
-SHIFTED: dict[str, Any] = {
-    "class": "nystrom", "digits": 3, "A": [["0", "0"], ["1/4", "0"]], "b": ["-1/2", "1"],
-    "b_prime": ["1/2", "1/2"], "c": ["0", "-0.500"],
-}  # fmt: skip
-IN_DECIMALS: dict[str, Any] = {
-    "class": "glm", "digits": 3, "A": [["0"]], "U": [["1", "0.333"]], "B": [["1"], ["0.500"]],
-    "V": [["1", "0"], ["0", "-1"]],
-}  # fmt: skip
-BESIDE: dict[str, Any] = {
-    "class": "rk", "digits": 3, "A": [["0"]], "b": ["-0.500"], "dense": [["0.500"]],
-    "embedded": [{"name": "low", "b": ["1"]}],
-}  # fmt: skip
-
-
-TWO_PARTS: dict[str, Any] = {
-    "class": "additive", "digits": 3,
-    "parts": [{"A": [["1/6", "0"], ["0.500", "0"]], "b": ["0", "1"]},
-              {"A": [["0", "0"], ["1/2", "0"]], "b": ["1", "0"]}],
-}  # fmt: skip
 CUBE_ROOTS: dict[str, Any] = {
     "class": "one-leg", "digits": 3, "alpha": ["-1", "0", "0", "1"],
     "beta": ["1/2", "0.500", "-1/3", "1/3"],
 }  # fmt: skip
-
-
-@pytest.mark.sampled(4)
-@pytest.mark.parametrize(
-    ("keys", "claims"),
-    [
-        (TWO_PARTS, {"effective-order": 1}), (CUBE_ROOTS, {"growth": []}),
-        (HALVES, {"growth": []}), (HALVES, {"growth": ["0"]}), (QUARTER, {"growth": []}),
-        (QUARTER, {"growth": ["1"]}), (QUARTER, {"starting-order": 0, "order": 0}),
-        (SHIFTED, {"effective-order": 1}), (SHIFTED, {"effective-order": 0}),
-        (VELOCITIES, {"g-symplectic": True}), (VELOCITIES, {"embedded-difference": False}),
-        (VELOCITIES, {"embedded-order": {"low": 0}}), (BESIDE, {"embedded-order": {"low": 0}}),
-        (BESIDE, {"embedded-order": {"low": 1}}), (BESIDE, {"embedded-order": {"low": 2}}),
-        (BESIDE, {"dense-order": 0}), (BESIDE, {"dense-end": True}), (BESIDE, {"abscissae": ["0"]}),
-        (IN_DECIMALS, {"stage-order": 1}),
-    ],
-)  # fmt: skip
-def test_what_had_no_certificate_has_one(
-    keys: dict[str, Any], claims: dict[str, Any], tmp_path: Path
-) -> None:
-    d = {"format": "glmref-method-2", "name": "deceiver", "source": shipped("rk4")["source"],
-         **keys, "claims": claims}  # fmt: skip
-    assert Verdict.OPEN not in {x.verdict for x in findings(d).values()}
-    assert without_a_certificate(d, tmp_path) == []
-
-
-@pytest.mark.parametrize(
-    ("b", "expected"),
-    [("1", Verdict.HOLDS), ("1.000", Verdict.OPEN), ("1.010", Verdict.FAILS), ("2", Verdict.FAILS)],
-)
-def test_a_method_that_is_not_consistent_has_no_abscissae(b: str, expected: Verdict) -> None:
-    d = with_decimals(digits=3, A=[["0", "0"], ["1/2", "0"]], b=["0", b])
-    d["claims"] = {"abscissae": ["0", "1/2"]}
-    assert findings(d)["abscissae"].verdict is expected
 
 
 def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: Path) -> None:
