@@ -58,13 +58,11 @@ class RungeKutta(Enclosed):
         """Return an equation ("column", j), ("stage", (i, k)) or (row, tree)."""
         found = matched(RK_EQUATION, text, f"{str(text)[:40]!r} is no equation")
         first, row, second, column, *stage = found.groups()
+        require(len(self.below) == 1 or not (column or stage[0]), "an equation of another class")
         if stage[0]:
             i, k = map(int, stage)
-            require(len(self.below) == 1 and max(i, k) <= self.s, "an equation names another stage")
             return "stage", (i - 1, k)
         if column:
-            one = len(self.below) == 1
-            require(one and int(column) <= self.s, "an equation names another column")
             return "column", (int(column) - 1,)
         require(row in self.rows, "an equation names another row")
         tree = read_tree(first or second)

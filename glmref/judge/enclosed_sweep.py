@@ -158,13 +158,11 @@ class Sweep(Enclosed):
 
     def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
         """Tell whether the method is symmetric, and its order is on all trees."""
-        return not nystrom and self.signs is not None
+        return self.signs is not None
 
     def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
         """Tell whether the first value is 0 at all classes below p, where it is the solution."""
-        if not identity or p < 2:
-            return True
-        return all(is_nil(x[0]) for x in self.series(self.root, p).eta.values())
+        return not identity or all(is_nil(x[0]) for x in self.series(self.root, p).eta.values())
 
     def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
         """Tell whether the equations give all conditions through order p."""
