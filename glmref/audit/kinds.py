@@ -418,8 +418,9 @@ def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
         half = [*values[:n], *values[: max(0, n - 1)][::-1]]
         if not given and n > 1 and min(half) < 0 < max(half):
             gaps = abs(sum(half) - 1), abs(sum(y**3 for y in half))
-            known = word or 2 * n - 1 in steps
-            if max(gaps) < LOOSE or (known and min(gaps) < LOOSE):
+            known = (word or 2 * n - 1 in steps) and max(gaps) < 0.5
+            broken = any(y % 1 for y in half) and not _STEPS.search(" ".join(block.path()))
+            if broken and (max(gaps) < LOOSE or (known and min(gaps) < LOOSE)):
                 given = [*x.value[:n], *x.value[: n - 1][::-1]]
         if not given:
             continue
@@ -436,7 +437,7 @@ def _whole(x: Any) -> int | None:
     return value.numerator if value is not None and value.denominator == 1 else None
 
 
-_WEIGHTS = re.compile(r"suzuki|yoshida|composition|(?<![a-z])sy_", re.IGNORECASE)
+_WEIGHTS = re.compile(r"suzuki|yoshida|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE)
 
 
 def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:

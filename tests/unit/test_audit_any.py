@@ -266,6 +266,11 @@ NOT_TABLES = [
     ("// a solver: arrays that kick\nint a[2] = {0, 1}; long b[2] = {1, 0};", "c"),
     ("// a solver: the truth\ndouble a[2] = {0.5, 0.5}, b[2] = {1, 0};", "c"),
     ("class AdamsTest { double[] absolute = { 1.0e-5, 1.0e-7 }; }", "java"),
+    (  # 1, -1, 1 sums to 1, and "decomposition" is no composition
+        "// symplectic eigenvectors\nclass Decomposition { double[] v = {1.0, -1.0, 0.0}; }",
+        "java",
+    ),
+    ("// symplectic\nstruct Lmm { int steps = 3; double alpha[3] = {1.0, -1.0, 0.0}; };", "c"),
     ("# Adams method\nadams = [limit, 0.25, 0.5]\n", "python"),  # one of no known value
 ]
 
