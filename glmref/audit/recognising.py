@@ -980,9 +980,12 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
             low = max(last, min(low, first - 14))
             near = [x for x in remarks if low < x.last and x.line <= table.line]
             said = [m for x in near for m in _SAID.finditer(x.text)]
-            orders = {int(m[1] or m[2]) for x in near for m in _PRIMARY.finditer(x.text)} or {
-                int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said
-            }
+            primary = [m for x in near for m in _PRIMARY.finditer(x.text)]
+            orders = (
+                {int(m[1]) for m in primary if m[1]}
+                or {int(m[2]) for m in primary if m[2]}
+                or {int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said}
+            )
             name = by_name(table.name, table.b[0], pair=bool(table.rows or table.errors))
             if len(orders) == 1 or name:
                 said_by = "a comment" if len(orders) == 1 else "the name"
