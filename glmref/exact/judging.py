@@ -12,7 +12,6 @@ import importlib.util
 import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from fractions import Fraction as StandardFraction
 from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -35,8 +34,10 @@ RATIONAL = (flint.fmpq, int, flint.fmpz)
 
 def rational_of(text: str) -> flint.fmpq:
     """Return the rational of a decimal such as -1.25e-3."""
-    found = StandardFraction(text)
-    return flint.fmpq(found.numerator, found.denominator)
+    number, _, exponent = text.partition("e")
+    whole, _, places = number.partition(".")
+    n, power = int(whole + places), int(exponent or 0) - len(places)
+    return flint.fmpq(n * 10**power) if power >= 0 else flint.fmpq(n, 10**-power)
 
 
 def _upper(x: flint.arb) -> flint.fmpq:

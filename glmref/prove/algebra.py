@@ -14,15 +14,13 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..method.stage_order import dependency_blocks
-from ..system.budget import spend
 from ..theory import polynomials as poly
-from ..theory.root_location import is_nonnegative, is_schur, real_roots, unimodular_roots
+from ..theory.root_location import is_nonnegative, is_schur, real_roots
+from ..theory.spectrum import power_bounded
 from ..theory.stability import schur_cohn
 from .ranges import Known
 
 _ZERO, _ONE = Exact(0), Exact(1)
-#: Most places that the search for exchanges of stages looks at before it gives up, open.
-MAX_PLACES = 50_000
 
 
 def all_of(answers: Sequence[bool | None]) -> bool | None:
@@ -53,16 +51,6 @@ def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
 def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:
     """Return whether no ball stands in the matrices."""
     return all(isinstance(x, Exact) for m in matrices for row in m for x in row)
-
-
-def scaled(d: Sequence[Scalar], a: Matrix) -> Matrix:
-    """Return diag(d) a."""
-    return tuple(tuple(x * y for y in row) for x, row in zip(d, a, strict=True))
-
-
-def bilinear(u: Vector, G: Matrix, v: Vector) -> Scalar:
-    """Return u^* G v."""
-    return linalg.dot([x.conjugate() for x in u], linalg.matvec(G, v))
 
 
 def constants(U: Matrix, V: Matrix, output: Vector | None = None) -> list[Vector]:
@@ -144,51 +132,25 @@ def inside_circle(p: Any) -> bool | None:
 def bounded(V: Matrix) -> bool | None:
     """Return whether the powers of a matrix are bounded.
 
-    Exact: with the characteristic polynomial p = q h, all roots of h inside the circle and those
-    of q on it, this is so exactly if rad(q)(V) h(V) = 0 (Hairer, Norsett, Wanner 1993, III.3): q is
-    what p shares with its mirror image, divided out until nothing is shared.
-
-    Balls: V is block triangular in some order of its values, where exact zeros say so. The powers
-    of V are bounded if every diagonal block has all eigenvalues inside the circle but at most one,
-    which is exact and has bounded powers (the others have no eigenvalue in common with it on the
-    circle, so V is similar to the direct sum); they are not if those of a block are not.
+    Exact: see :func:`.spectrum.power_bounded`. Balls: V is block triangular in some order of its
+    values, where exact zeros say so. The powers of V are bounded if every diagonal block has all
+    eigenvalues inside the circle but at most one, which is exact and has bounded powers (the others
+    have no eigenvalue in common with it on the circle, so V is similar to the direct sum); they are
+    not if those of a block are not.
     """
     if is_exact(V):
-        return bounded_exactly(V)
+        return power_bounded(V).holds
     answers: list[bool | None] = []
     on_circle = 0
     for block in diagonal_blocks(V):
         if is_exact(block):
-            answer: bool | None = bounded_exactly(block)
+            answer: bool | None = power_bounded(block).holds
             on_circle += not is_schur(poly.characteristic_polynomial(block))
         else:
             answer = inside_circle(poly.characteristic_polynomial(block))
         answers.append(answer)
     truth = all_of(answers)
     return None if truth is True and on_circle > 1 else truth
-
-
-def bounded_exactly(V: Matrix) -> bool:
-    """Return the exact case of :func:`bounded`."""
-    h = poly.characteristic_polynomial(V)
-    zeros = 0
-    while h[0].is_zero():
-        h, zeros = h[1:], zeros + 1
-    q: Any = (_ONE,)
-    while len(h) > 1:
-        shared = poly.gcd(h, poly.reciprocal(h))
-        if len(shared) <= 1:
-            break
-        h, q = poly.divide(h, shared)[0], poly.mul(q, shared)
-    if not is_schur(h):
-        return False
-    once = poly.squarefree(q)
-    if unimodular_roots(once) < len(once) - 1:
-        return False
-    if len(once) == len(q):
-        return True
-    annihilator = poly.mul(once, (*((_ZERO,) * zeros), *h))
-    return vanishes(poly.evaluate_matrix(annihilator, V)) is True
 
 
 def diagonal_blocks(V: Matrix) -> list[Matrix]:
@@ -206,68 +168,6 @@ def full_rank(rows: Matrix, r: int) -> bool | None:
     """Return whether the rows span everything; ``None`` where balls leave it open."""
     full = len(linalg.independent_rows(rows, r)) == r
     return True if full else False if is_exact(rows) else None
-
-
-def involutions(
-    relations: Sequence[tuple[Matrix, Matrix, int, int]], sizes: Sequence[int]
-) -> list[tuple[int, ...]] | None:
-    """Return every involution P with A[i][j] + A[Pi][Pj] = target[i][j] as far as balls can tell.
-
-    Parameters
-    ----------
-    relations : Sequence[tuple[Matrix, Matrix, int, int]]
-        (A, target, number of the first row, of the first column).
-    sizes : Sequence[int]
-        Stages are exchanged within groups of these sizes.
-
-    Returns
-    -------
-    list[tuple[int, ...]] or None
-        All of them, or ``None`` where the search was cut off.
-    """
-    group = [k for k, n in enumerate(sizes) for _ in range(n)]
-    order = [-1] * len(group)
-    found: list[tuple[int, ...]] = []
-    places = 0
-    known: dict[tuple[int, int, int, int, int], bool] = {}
-
-    def fits(k: int, i: int, j: int) -> bool:
-        A, target, a, b = relations[k]
-        if not (a <= i < a + len(A) and b <= j < b + len(A[0])):
-            return True
-        key = (k, i, j, order[i], order[j])
-        if key not in known:
-            value = A[i - a][j - b] + A[order[i] - a][order[j] - b] - target[i - a][j - b]
-            known[key] = value.is_zero() is not False
-        return known[key]
-
-    def place() -> bool:
-        nonlocal places
-        spend()
-        places += 1
-        if places > MAX_PLACES:
-            return False
-        if -1 not in order:
-            found.append(tuple(order))
-            return len(found) <= 200
-        i = order.index(-1)
-        for k in range(i, len(order)):
-            if order[k] >= 0 or group[k] != group[i]:
-                continue
-            order[i], order[k] = k, i
-            placed = [m for m in range(len(order)) if order[m] >= 0]
-            good = all(
-                fits(n, x, m) and fits(n, m, x)
-                for n in range(len(relations))
-                for x in {i, k}
-                for m in placed
-            )
-            if good and not place():
-                return False
-            order[i] = order[k] = -1
-        return True
-
-    return found if place() else None
 
 
 def multiple_on_axis(P: Sequence[Any]) -> bool:

@@ -48,7 +48,9 @@ from ..method.preconsistency import consistency_vector, preconsistency_vector
 from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import difference, is_zero, scalars
+from ..theory.forms import choose_form
 from ..theory.starting_series import StartingSeries
+from ..theory.symplectic import find_forms, form_identities
 from .algebra import (
     bounded,
     diagonal_values,
@@ -591,8 +593,9 @@ class _Writer:
             return [self._vectors(v=False), {"rule": "form", "witness": witness}]
         if proposed.get("given"):
             fails = {"rule": "given-form-fails", "witness": {}}
-            residuals = self.kernel._form_residuals(*proposed["form"])
-            entries = (x for M in residuals for _, _, x in linalg.entries(M))
+            G, diagonals = proposed["form"]
+            residuals = form_identities(self.kernel.method, G, *diagonals)
+            entries = (x for _, M in residuals for _, _, x in linalg.entries(M))
             if any(x.is_zero() is False for x in entries):
                 return [fails]
             return [self._vectors(v=False), fails]
@@ -620,19 +623,16 @@ class _Writer:
         return [{"rule": f"{name}-{which}", "witness": {"q": q}}
                 for which, q in bounds.items() if q is not None]  # fmt: skip
 
-    def _eliminated_form(self) -> tuple[Matrix, list[Vector]]:
+    def _eliminated_form(self) -> tuple[Matrix, tuple[Vector, ...]]:
         """Return a form that no finder proposes."""
-        vectors = [preconsistency_vector(c) for c in self.kernel.method.components]
-        u, u_hat = vectors[0], vectors[-1]
-        assert u is not None and u_hat is not None
-        found = self.kernel.some_form(u, u_hat)
+        found = choose_form(find_forms(self.kernel.method))
         assert found is not None
-        return found
+        return found.G, found.D
 
     def _no_form(self) -> list[Part]:
         if any(preconsistency_vector(c) is None for c in self.kernel.method.components):
             return [self._no_vector()]
-        if not self.kernel.is_real:
+        if not self.kernel.method.is_real:
             raise ExactnessError("that a complex method has no form is not written out")
         return [self._vectors(v=False), {"rule": "no-form", "witness": {}}]
 

@@ -94,7 +94,7 @@ def _g_symplectic(facts: Facts) -> Proposal:
     def witness() -> Mapping[str, Any]:
         found = facts.g_symplecticity
         if found.G is None:
-            return {}
+            return {"none": found.holds is False}
         # where the form of the file has no D and no u gives one, another form was looked for
         given = facts.method.G is not None and found.dimension is None
         return {"form": (found.G, found.diagonals), "given": given}

@@ -65,7 +65,7 @@ from ..theory.coefficients import (
     weighted,
 )
 from ..theory.order import MANY_STARTS, highest_order
-from ..theory.reduction import observed_rows, reached_rows
+from ..theory.reduction import reduction
 from ..theory.series import Series, compose, shift
 from ..theory.starting_series import (
     NoOrderOne,
@@ -80,7 +80,6 @@ from ..theory.trees import Tree, counted, single, trees
 from .algebra import (
     all_of,
     compared,
-    full_rank,
     is_exact,
 )
 from .digits import DigitRules, Sized, rounded_up
@@ -1046,13 +1045,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
 
     def _reducible(self, witness: Mapping[str, Any]) -> Known:
         """Judge whether a value is never reached (u, B by V) or seen (U V^k): Kalman 1963."""
-        answers = [
-            full_rank(rows, len(c.V))
-            for c in self.method.components
-            for rows in (reached_rows(c), observed_rows(c))
-        ]
-        full = all_of(answers)
-        return Known(None if full is None else not full, self.exact)
+        return Known(reduction(self.method).reducible, self.exact)
 
 
 def _as_balls(matrix: Matrix) -> Matrix:

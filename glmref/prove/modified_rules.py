@@ -36,7 +36,6 @@ class ModifiedRules:
         method: Any
         exact: bool
         one_step: bool
-        is_real: bool
         blocks: dict[str, tuple[Matrix, Matrix, Matrix, Matrix]]
 
         def _symplectic(self, witness: Mapping[str, Any]) -> Known: ...
@@ -81,7 +80,7 @@ class ModifiedRules:
     def _conjugate_symplectic(self, witness: Mapping[str, Any]) -> Known:
         """Judge by the form, which is enough: D'Ambrosio, Hairer, Zbinden, BIT 53 (2013) 867."""
         form = self._symplectic if self.one_step else self._g_symplectic
-        if self._underlying and self.is_real and form(witness).truth:
+        if self._underlying and self.method.is_real and form(witness).truth:
             return Known(True)
         found = self._conjugate_symplectic_order
         return Known(None if found.upper is None else False, reason=found.sentence)

@@ -64,7 +64,7 @@ _NAMES = {"o": "", "f": " of q", "k": " of p"}
 
 def reduction(m: Method) -> Reduction:
     """Count the values that are reached and seen, in every component."""
-    reached, seen, faults, certain = [], [], [], True
+    reached, seen, faults, certain = [], [], [], False
     for c in m.components:
         r, whose = len(c.V), _NAMES.get(c.colour, f" of part {c.colour}")
         for what, rows, found in (
@@ -74,8 +74,8 @@ def reduction(m: Method) -> Reduction:
             found.append(len(linalg.independent_rows(rows, r)))
             if found[-1] < r:
                 faults.append(f"{found[-1]} of the {r} values{whose} are ever {what}")
-                certain = certain and all(isinstance(x, Exact) for row in rows for x in row)
-    reducible = bool(faults) if certain else None
+                certain = certain or all(isinstance(x, Exact) for row in rows for x in row)
+    reducible = certain if certain or not faults else None
     witness = "only " + "; ".join(faults) if faults else ""
     return Reduction(reducible, tuple(reached), tuple(seen), witness)
 

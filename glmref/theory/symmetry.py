@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import islice, product
 from typing import cast
 
@@ -188,10 +189,11 @@ def _observed_L(half: _Half, rows: Sequence[int]) -> Matrix | None:
     return None
 
 
-def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> list[Matrix]:
+def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> tuple[list[Matrix], bool]:
     """Return candidates for L where the stages do not see all values: all conditions together.
 
-    The affine solutions are walked with factors 0, 1 and -1; none is a proof of absence.
+    The affine solutions are walked with factors 0, 1 and -1; none is a proof of absence. The second
+    result tells whether no other L satisfies the conditions than the one given.
     """
     r = len(half.V)
     equations: list[tuple[Exact, ...]] = []
@@ -217,14 +219,14 @@ def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> list[Mat
         add(coefficients, exact(0))
     solution = solve_affine(tuple(equations), tuple(right))
     if solution.failed is not None:
-        return []
+        return [], True
     found: list[Matrix] = []
     for factors in islice(product((0, 1, -1), repeat=len(solution.directions)), 81):
         flat = list(solution.point)
         for t, direction in zip(factors, solution.directions, strict=True):
             flat = [x + t * y for x, y in zip(flat, direction, strict=True)]
         found.append(tuple(tuple(flat[a * r : a * r + r]) for a in range(r)))
-    return found
+    return found, not solution.directions
 
 
 def _judge_half(
@@ -232,7 +234,7 @@ def _judge_half(
 ) -> tuple[bool | None, Matrix | None, float, str]:
     """Find L for one half and given permutations: decision, L, residual, witness."""
     L = _observed_L(half, rows)
-    candidates = [L] if L is not None else _all_L(half, rows, columns)
+    candidates, only = ([L], True) if L is not None else _all_L(half, rows, columns)
     if not candidates:
         return False, None, 0.0, f"no matrix L{half.hat} satisfies the linear conditions"
     first = None
@@ -242,7 +244,7 @@ def _judge_half(
             return True, candidate, 0.0, ""
         first = first or (judged[0], candidate, *judged[1:])
     assert first is not None
-    if L is None and first[0] is False:
+    if not only and first[0] is False:
         return None, first[1], first[2], "the values that no stage sees leave L open"
     if first[0] is False:
         text = f"the linear conditions allow one matrix L{half.hat} only, and {first[3]}"
@@ -250,7 +252,9 @@ def _judge_half(
     return first
 
 
-def _symmetry_as_given(m: Method) -> Symmetry:
+@lru_cache(maxsize=4)
+def symmetry_as_given(m: Method) -> Symmetry:
+    """Decide the symmetry of a method with all its values and stages: see :func:`symmetry`."""
     try:
         halves = [_half(c) for c in m.components]
     except ExactnessError as error:
@@ -269,7 +273,8 @@ def _symmetry_as_given(m: Method) -> Symmetry:
     ]
     kinds = [n for n, c in enumerate(colours[:1] if m.shared else colours) for _ in range(sizes[c])]
     best: Symmetry | None = None
-    for order in islice(involutions(relations, kinds), MAX_PERMUTATIONS):
+    found_orders = list(islice(involutions(relations, kinds), MAX_PERMUTATIONS + 1))
+    for order in found_orders[:MAX_PERMUTATIONS]:
         exchanges = {
             c: tuple(i - first[c] for i in order[first[c] : first[c] + sizes[c]]) for c in colours
         }
@@ -277,6 +282,8 @@ def _symmetry_as_given(m: Method) -> Symmetry:
         if found.holds is True or (found.holds is None and not m.is_exact):
             return found  # no other exchange of stages can decide more about balls
         best = _better(best, found)
+    if len(found_orders) > MAX_PERMUTATIONS:
+        return Symmetry(None, witness="the search for an exchange of stages was cut off")
     if best is not None:
         return best
     reversal = {c: tuple(range(n)[::-1]) for c, n in sizes.items()}
@@ -334,14 +341,14 @@ def symmetry(m: Method) -> Symmetry:
 
     References: Butcher, "B-Series" (2021), section 7.6; Khan (2018), section 2.3.1, corrected.
     """
-    found = _symmetry_as_given(m)
+    found = symmetry_as_given(m)
     if found.holds is True or not m.is_exact or len(m.components) > 1:
         return found
     m = cast("GLM", m)
     smaller = reduce(m)
     if (smaller.s, smaller.r) == (m.s, m.r):
         return found
-    second = _symmetry_as_given(smaller)
+    second = symmetry_as_given(smaller)
     if second.holds is False and found.holds is False:
         return found
     return replace(second, reduced=True)

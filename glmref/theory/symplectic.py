@@ -209,16 +209,23 @@ def _shared_stages(m: Method, diagonals: Sequence[Sequence[Scalar]]) -> list[tup
     return [("D_P - D_Q", (tuple(x - y for x, y in zip(*diagonals, strict=True)),))]
 
 
-def check_g_symplectic(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> GSymplecticity:
-    """Check a given form: real diagonals (of one method Hermitian G), and what it sees."""
+def form_identities(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> list[tuple[str, Matrix]]:
+    """Return all that a form satisfies: :func:`g_symplectic_residual`, D real, G Hermitian.
+
+    Of a partitioned method with shared stages D_P = D_Q instead of the last.
+    """
     imaginary: Matrix = (tuple(x.imag for d in diagonals for x in d),)
     if len(diagonals) == 1:
         residuals = [("G - G*", linalg.sub(G, linalg.conjugate_transpose(G)))]
         residuals += [("the imaginary part of D", imaginary)]
     else:
         residuals = [("the imaginary part of D_P and D_Q", imaginary)]
-    residuals += g_symplectic_residual(m, G, *diagonals) + _shared_stages(m, diagonals)
-    holds, size, witness = judge_identities(residuals)
+    return residuals + g_symplectic_residual(m, G, *diagonals) + _shared_stages(m, diagonals)
+
+
+def check_g_symplectic(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> GSymplecticity:
+    """Check a given form: real diagonals (of one method Hermitian G), and what it sees."""
+    holds, size, witness = judge_identities(form_identities(m, G, *diagonals))
     form = Form(G, tuple(map(tuple, diagonals)))
     nondegenerate = is_nondegenerate(form)
     if holds is not False:

@@ -276,21 +276,6 @@ def test_a_form_is_found_by_elimination_where_none_is_proposed():
     both = PartitionedGLM(n.A, n.U, n.B, n.V, n.A, n.U, n.B, n.V)
     for method in (turned, n, both, load("stormer-verlet")):
         assert Kernel(method)._g_symplectic({}).truth is True
-    kernel = Kernel(load("gauss-1"))
-    assert len(Kernel(n).form_system((one, one), (one, one))[0]) == 3 + 2
-    assert len(Kernel(turned).form_system((one, one), (one, one))[0]) == 4 + 2
-    values, equations = kernel.form_system((one,), (one,))
-    assert len(values) == len(equations) == 2
-    assert all(len(row) == 5 for row in equations)
-
-
-def test_an_exchange_that_is_no_permutation_proves_nothing():
-    one = Exact(1)
-    method = single([["1/4", "1/4"]] * 2, [["1"], ["1"]], [["1/2", "1/2"]], [["1"]])
-    kernel = Kernel(method)
-    for P, truth in (((0, 0), None), ((1, 0), True)):
-        known = kernel._symmetric({"involutions": ([((one,),)], {"o": P})})
-        assert known.truth is truth, P
 
 
 def test_a_scheme_of_two_colours_is_exact_where_both_are():

@@ -15,7 +15,6 @@ from glmref.prove.algebra import (
     diagonal_values,
     in_right_half,
     inside_circle,
-    involutions,
     leaves_disc,
 )
 from glmref.theory import polynomials as poly
@@ -90,23 +89,6 @@ def test_where_the_ends_agree_roots_may_lie_on_the_circle(middle: str) -> None:
     for sign in (1, -1):
         p = (exact(sign), SMALL + Fraction(middle), exact(1))
         assert inside_circle(p) is None
-
-
-def test_a_search_for_exchanges_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of n stages that are alike there are 1, 2, 4, 10, 26, 76, 232 involutions."""
-
-    def alike(n: int) -> list[tuple[int, ...]] | None:
-        zero = ((exact(0),) * n,) * n
-        return involutions([(zero, zero, 0, 0)], [n])
-
-    for n, count in ((1, 1), (2, 2), (4, 10), (6, 76)):
-        found = alike(n)
-        assert found is not None and len(set(found)) == len(found) == count
-        assert all(P[P[i]] == i for P in found for i in range(n))
-    assert alike(7) is None
-    monkeypatch.setattr(algebra, "MAX_PLACES", 20)
-    assert alike(4) is None
-    assert alike(2) == [(0, 1), (1, 0)]
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from glmref.theory.symmetry import (
     _better,
     adjoint,
     symmetry,
+    symmetry_as_given,
     symmetry_residual,
 )
 from glmref.theory.symplectic import judge_identities
@@ -229,3 +230,18 @@ def test_a_value_without_a_mirror_image_that_no_stage_sees_is_left_out(a, holds)
     assert found.holds is False
     if holds:
         assert found.witness == "no matrix L satisfies the linear conditions"
+
+
+def test_a_search_that_is_cut_off_leaves_symmetry_open(monkeypatch):
+    """Of stages that are alike all 4 or 10 exchanges fit A, and V = diag(1, 2) has no L."""
+
+    def alike(n: int) -> GLM:
+        return GLM(
+            A=[[f"1/{2 * n}"] * n] * n, U=[["1", "0"]] * n, B=[[f"1/{n}"] * n, ["0"] * n],
+            V=[["1", "0"], ["0", "2"]],
+        )  # fmt: skip
+
+    assert symmetry_as_given(alike(3)).holds is False
+    monkeypatch.setattr("glmref.theory.symmetry.MAX_PERMUTATIONS", 5)
+    assert symmetry_as_given(alike(3)).holds is False
+    assert symmetry_as_given(alike(4)).holds is None
