@@ -6,7 +6,7 @@ from functools import cached_property, partial
 
 from .arithmetic import Fraction
 from .linalg import apply, combine, diagonal, dot, inverse_matrix, less, minus, placewise, times
-from .numbers import apart, conj, vanishes
+from .numbers import apart, conj, real, vanishes
 from .rule import NoWitness, Rule, Space
 from .rules_growth import GrowthCase
 from .rules_modified import Underlying
@@ -32,12 +32,17 @@ class SecondCase(GrowthCase):
         return less(self.underlying.stages(PATH), [x * x * Fraction(1, 2) for x in c])
 
     @cached_property
+    def terms(self) -> list[tuple]:
+        """Return I1, the coefficient of z^2, and I3 of every eigenvalue other than 1."""
+        return [self.of_simple(x) for x in self.others("o")]
+
+    @property
     def invariants(self) -> list:
         """Return I1 and I3 of one eigenvalue other than 1 after the other."""
-        return [y for x in self.others("o") for y in self.of_simple(x)]
+        return [y for I1, _, I3 in self.terms for y in (I1, I3)]
 
-    def of_simple(self, x: Space) -> list:
-        """Return I1 and I3 of a simple eigenvalue: z^3 in lambda(z)/zeta, where z has 0."""
+    def of_simple(self, x: Space) -> tuple:
+        """Return I1 and z^2 and z^3 in lambda(z)/zeta of a simple eigenvalue, where z has 0."""
         m, (W,), N = self.method.single(), x.W, [row[0] for row in x.N]
         slopes, moved = [apply(m.U, N)], []
         I1 = dot(W, apply(m.B, placewise(len(m.A), [slopes[0], self.bend])))
@@ -48,7 +53,7 @@ class SecondCase(GrowthCase):
             moved.append(apply(reduced, apply(m.B, slopes[-1])))
             inner, outer = apply(m.A, slopes[-1]), apply(m.U, moved[-1])
             slopes.append([a + b for a, b in zip(inner, outer, strict=True)])
-        return [conj(x.zeta) * I1, conj(x.zeta) * dot(W, apply(m.B, slopes[-1]))]
+        return tuple(conj(x.zeta) * y for y in (I1, *(dot(W, apply(m.B, y)) for y in slopes[1:])))
 
     @cached_property
     def gap(self) -> list:
@@ -74,6 +79,11 @@ def growth_parameters_are_0(case: SecondCase) -> bool:
     return all(vanishes(x.matrices) for x in case.parasitic.values())
 
 
+def terms_of_first_order_rotate(case: SecondCase) -> bool:
+    """The term of z^2 in lambda(z)/zeta is imaginary, so that h f' f' phi rotates."""
+    return all(vanishes(real(x)) for _, x, _ in case.terms)
+
+
 def invariants_are_those_declared(case: SecondCase) -> bool:
     """I1 and I3 of each eigenvalue other than 1 are declared, and no other numbers."""
     return len(case.claimed) == len(case.invariants) and vanishes(case.gap)
@@ -85,10 +95,11 @@ def another_number_is_declared(case: SecondCase) -> bool:
 
 
 _SUPPOSED = (one_map_of_order_2_underlies_the_method, eigenvalues_are_simple,
-             growth_parameters_are_0)  # fmt: skip
+             growth_parameters_are_0, terms_of_first_order_rotate)  # fmt: skip
 _THEOREM = (
-    "where the growth parameters are 0, a parasitic component obeys phi' = h^2 (I3 f' f' f' phi + "
-    "I1 f''(f' f, phi)), but for rotations, commutators and total derivatives along the solution"
+    "where the growth parameters are 0 and the terms of z^2 imaginary, a parasitic component obeys "
+    "phi' = h^2 (I3 f' f' f' phi + I1 f''(f' f, phi)), but for rotations, commutators and total "
+    "derivatives along the solution"
 )
 
 SECOND_RULES = (

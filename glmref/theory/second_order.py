@@ -70,7 +70,8 @@ def second_order(m: Method, series: UnderlyingMethod | None = None) -> tuple[Sec
     Raises
     ------
     ExactnessError
-        Where a growth parameter is not zero, or that or the eigenvalues are open, or where the
+        Where a growth parameter is not zero, or that or the eigenvalues are open; where z^2 in
+        lambda(z)/zeta has a real part: ``h f' f' phi`` grows before I1 and I3 do; or where the
         underlying one-step method is not shown to have order 2: then f'' along the solution is no
         total derivative.
     """
@@ -99,6 +100,7 @@ def _second_order_at(m: Component, zeta: Exact, bend: Sequence[Scalar]) -> Secon
     )
     stages, marked = linalg.matvec(m.U, right), right
     I1 = linalg.dot(reads, [x * y for x, y in zip(stages, bend, strict=True)]) / zeta
+    terms: list[Scalar] = []
     for _ in range(2):  # xi([x]), xi([[x]])
         after = linalg.matvec(m.B, stages)
         seen = linalg.dot(left, after)
@@ -106,4 +108,8 @@ def _second_order_at(m: Component, zeta: Exact, bend: Sequence[Scalar]) -> Secon
         marked = [row[0] for row in linalg.solve(near, tuple(map(tuple, rest)))]
         inner, outer = linalg.matvec(m.A, stages), linalg.matvec(m.U, marked)
         stages = tuple(x + y for x, y in zip(inner, outer, strict=True))
-    return SecondOrder(zeta, I1, linalg.dot(reads, stages) / zeta)
+        terms.append(linalg.dot(reads, stages) / zeta)
+    turn, I3 = terms
+    if is_zero(plus(turn, turn.conjugate())) is False:
+        raise ExactnessError("growth of second order needs terms of z^2 that are imaginary")
+    return SecondOrder(zeta, I1, I3)

@@ -674,6 +674,8 @@ class Oracle:
             moved = [a * b for a, b in zip(at(m.U, n), bend, strict=True)]
             logs = [mp.log(min(mp.eig(mp.matrix(self.at(h)), left=False, right=False),
                                key=lambda y: abs(y - z)) / z) for h in (step, -step)]  # fmt: skip
+            if abs(mp.re(logs[0] + logs[1])) > step**3:
+                raise Undecided("a part grows by h f' f'")
             found += [dot(w, at(m.B, moved)) / dot(w, n) / z, (logs[0] - logs[1]) / (2 * step**3)]
         given = [Reader({})(x) for x in declared]
         close = [abs(x - y) for x, y in zip(found, given, strict=False)]
