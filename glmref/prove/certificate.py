@@ -598,6 +598,9 @@ class _Writer:
             entries = (x for _, M in residuals for _, _, x in linalg.entries(M))
             if any(x.is_zero() is False for x in entries):
                 return [fails]
+            for c in self.kernel.method.components:
+                if is_exact(c.U, c.V) and preconsistency_vector(c) is None:
+                    return [self._no_vector()]
             return [self._vectors(v=False), fails]
         return self._no_form()
 
