@@ -1,0 +1,167 @@
+"""Search for methods whose parasitic parts do not grow at second order: I3 = 0 at every eigenvalue.
+
+``python -m campaigns.second_order_search FILE`` searches and writes ``FILE`` (the one shipped is
+``data/measurements/second-order-search.json``). The methods are those of
+:mod:`glmref.derive.ansatz`: symmetric, G-symplectic, A lower triangular; V has -1, a pair on the
+unit circle, or both. By the trace rule (``docs/modified.md``) the I3 have the sum (2/3) tr A^3, and
+those of a pair are equal: ``tr A^3 = 0`` is one condition, I3(-1) = 0 another where there is a
+pair too. With *both* the I1 are to vanish as well. A start counts as in
+:mod:`campaigns.order8_search`, and where a value is not just carried along (a row of X that is 0);
+that nothing was found is no proof.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.order8_search import LARGEST, SCALE, SOLVED
+from glmref.derive.ansatz import Ansatz, Value
+from glmref.derive.search import search
+from glmref.exact import Exact, ball, linalg
+from glmref.prove.system import SweepSystem
+from glmref.theory.trees import Tree, single
+
+STARTS, SEED = 128, 1
+#: A row of X below this is 0: its value is carried along and seen by no stage.
+UNSEEN = 1e-4
+
+_W3, _I, _W3P = Value("exp(2*pi*i/3)"), Value("i"), Value("exp(2*pi*i/3)", 1)
+_EVEN, _ODD, _MINUS = Value("-1", 1, 1), Value("-1", 1, -1), Value("-1", -1, 1)
+_PATH = Tree("[o]")
+
+#: Order, stages, values, explicit stages, whether the I1 are to vanish.
+ANSATZES: Sequence[tuple[int, int, Sequence[Value], Sequence[int], bool]] = (
+    (4, 3, (_EVEN,), (), False),
+    (4, 3, (_MINUS,), (), False),
+    (4, 3, (_W3,), (), False),
+    (4, 4, (_MINUS,), (), False),
+    (4, 4, (_W3,), (), False),
+    (4, 5, (_MINUS,), (2,), False),
+    (4, 5, (_W3,), (2,), False),
+    (6, 5, (_MINUS,), (), False),
+    (6, 5, (_W3,), (), False),
+    (6, 5, (_I,), (), False),
+    (6, 5, (_W3, _ODD), (), False),
+    (6, 5, (_W3P, _MINUS), (), False),
+    (6, 5, (_W3, _ODD), (), True),
+    (6, 5, (_W3P, _MINUS), (), True),
+    (6, 6, (_W3,), (1,), False),
+    (6, 6, (_W3, _ODD), (1,), False),
+    (6, 7, (_W3,), (2, 3), False),
+)
+
+
+def second_order(system: SweepSystem, *, both: bool) -> Callable[[Sequence[Any]], list[Any]]:
+    """Return what must vanish beside the equations: tr A^3, and I3(-1) beside a pair.
+
+    Parameters
+    ----------
+    system : SweepSystem
+        Of an ansatz; where -1 and a pair are eigenvalues -1 has the last value.
+    both : bool
+        Whether the I1 are to vanish, too; those of a pair are equal and real.
+    """
+    V = system.V["o"]
+    r = len(V)
+    last = tuple((Exact(int(j == r - 1)),) for j in range(r))
+    onto = linalg.matmul(last, linalg.transpose(last))
+    back = linalg.inverse(linalg.sub(onto, linalg.add(linalg.identity(r), V)))
+    reduced = [list(map(ball, row)) for row in linalg.sub(back, onto)]  # of -1 - V
+    turned = [list(map(ball, row)) for row in linalg.inverse(V)]
+    blocks = ([(1, 2)] if r > 2 else []) + ([(r - 1,)] if r != 3 else [])
+
+    def residuals(values: Sequence[Any]) -> list[Any]:
+        form, principal = system.read(dict(zip(system.unknowns, values, strict=True)))
+        A, U, B, _ = form.blocks[0].matrices
+        found = [sum((row[i] * row[i] * row[i] for i, row in enumerate(A)), Exact(0))]
+        if r == 4:
+            stages = [row[-1] for row in U]
+            for _ in range(2):
+                moved = [_dot(row, [_dot(x, stages) for x in B]) for row in reduced]
+                stages = [_dot(a, stages) + _dot(u, moved) for a, u in zip(A, U, strict=True)]
+            found.append(_dot(B[-1], stages))
+        if both:
+            eta = system.series(form, principal, 3).eta
+            bend = [
+                x - y * y * Fraction(1, 2) for x, y in zip(eta[_PATH], eta[single()], strict=True)
+            ]
+            seen = [[_dot(b, [x * u[j] for x, u in zip(bend, U, strict=True)]) for j in range(r)]
+                    for b in B]  # fmt: skip
+            found += [_dot([turned[i][j] for i in k for j in k], [seen[j][i] for i in k for j in k])
+                      for k in blocks]  # fmt: skip
+        return found
+
+    return residuals
+
+
+def _dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
+    return sum((b * a for a, b in zip(x, y, strict=True)), Exact(0))
+
+
+def attempt(
+    order: int, stages: int, values: Sequence[Value], explicit: Sequence[int], both: bool
+) -> dict[str, Any]:
+    """Search one ansatz and say what came out."""
+    system = SweepSystem(Ansatz("x", stages, order, values, explicit=explicit).document())
+    more, size = second_order(system, both=both), len(system.unknowns)
+
+    def residuals(point: Sequence[Any]) -> list[Any]:
+        return [*system.residuals(point), *more(point)]
+
+    def draw(generator: np.random.Generator) -> np.ndarray:
+        return generator.normal(size=size) * SCALE
+
+    def seen(point: Sequence[float]) -> bool:
+        form, _ = system.read(
+            {k: ball(Fraction(x)) for k, x in zip(system.unknowns, point, strict=True)}
+        )
+        return all(max(abs(float(x)) for x in row) > UNSEEN for row in form.X["o"])
+
+    ends = list(search(residuals, draw, seed=SEED, starts=STARTS))
+    good = [x for x in ends if max(map(abs, x.point)) < LARGEST]
+    solved = [x for x in good if x.residual < SOLVED]
+    return {
+        "order": order,
+        "stages": stages,
+        "implicit": stages - sum(1 + (2 * k != stages + 1) for k in explicit),
+        "values": len(system.G),
+        "eigenvalues": [x.eigenvalue for x in values],
+        "signs": [x.sign for x in values],
+        "parity": [x.parity for x in values if not x.is_pair],
+        "explicit": list(explicit),
+        "I1": both,
+        "unknowns": size,
+        "conditions": len(system.equations) + len(more([ball(0)] * size)),
+        "starts": len(ends),
+        "solved": len(solved),
+        "unseen": sum(not seen(x.point) for x in solved),
+        "smallest_residual": float(f"{min((x.residual for x in good), default=np.inf):.2g}"),
+    }
+
+
+def attempt_case(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Search the ansatz of a number."""
+    return attempt(*ANSATZES[case["ansatz"]])
+
+
+def main(path: Path) -> None:
+    """Search every ansatz and write the file."""
+    cases = ({"ansatz": k} for k in range(len(ANSATZES)))
+    found = carried_out(attempt_case, cases, beside=path)
+    title = "No growth of second order: conditions and what random starts gave"
+    about = {"seed": SEED, "scale": SCALE, "solved_below": SOLVED}
+    complete(
+        path,
+        record_of("second_order_search", "second-order-search", title, **about, ansatzes=found),
+    )
+
+
+if __name__ == "__main__":
+    main(Path(arguments(sys.argv[1:])[0]))
