@@ -15,7 +15,7 @@ from typing import Any
 from ..system.budget import spend
 from .folding import Entries, Folder, Record, flattened, plain
 from .lexer import Language, Token, tokens
-from .values import Number, Unread
+from .values import Number, Unread, whole_number
 
 _TYPES_OF_INTEGERS = frozenset(
     "int auto let const var static constexpr unsigned size_t long short uint integer PetscInt mut "
@@ -690,7 +690,7 @@ class Collector:
         for name, value in record.fields.items():
             last = max(last, self._field(block, name, value, line))
         for name, value in record.values:
-            whole = _whole(
+            whole = whole_number(
                 value[0] if value and isinstance(value, list) and len(value) < 3 else value
             )
             block.arguments.append((name, whole))
@@ -797,15 +797,6 @@ class Collector:
                 item.value = plain(value)
                 if isinstance(block.names.get(item.name), Unread):
                     block.names[item.name] = item.value
-
-
-def _whole(x: Any) -> int | None:
-    if not isinstance(x, Number):
-        return None
-    try:
-        return x.whole()
-    except Unread:
-        return None
 
 
 def _places(x: Any) -> Iterator[int]:

@@ -21,7 +21,7 @@ from .compositions import of_weights
 from .entries import Array, size
 from .folding import flattened
 from .table import ZERO, Rows, Table
-from .values import Number, Unread
+from .values import Number, Unread, whole_number
 
 #: How near a sum must be to 1 for a list to be taken for weights.
 LOOSE = 4e-3
@@ -405,7 +405,7 @@ def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
     Half of them are known by their sum and that of their cubes, 1 and 0, which a list of other
     numbers has not; with a word, or with the number of steps beside them, by one of the two.
     """
-    steps = {_whole(x.value) for x in block.items if re.search("stage|step", x.name)}
+    steps = {whole_number(x.value) for x in block.items if re.search("stage|step", x.name)}
     for x in vectors:
         word = _WEIGHTS.search(" ".join([*block.path(), x.name])) is not None
         values = [size(y) for y in x.value]
@@ -430,11 +430,6 @@ def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
             table.kind, table.b = made.kind, made.b
 
         yield from _guarded("", x.line, [x], make)
-
-
-def _whole(x: Any) -> int | None:
-    value = x.value.as_fraction() if isinstance(x, Number) else None
-    return value.numerator if value is not None and value.denominator == 1 else None
 
 
 _WEIGHTS = re.compile(r"suzuki|yoshida|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE)

@@ -23,7 +23,7 @@ from .plain import from_csv, from_json
 from .principia import structs
 from .stepper import procedures
 from .table import ZERO, Rows, Table, vector
-from .values import Number, Scope, Sparse, Unread, assign, evaluate
+from .values import Number, Scope, Sparse, Unread, assign, evaluate, whole_number
 
 
 def _square(value: Any, s: int, *, base: int = 0) -> Rows:
@@ -45,13 +45,6 @@ def _square(value: Any, s: int, *, base: int = 0) -> Rows:
     if len(flat) != s * s:
         raise Unread(f"A has {len(flat)} entries where b has {s}")
     return [flat[i * s : i * s + s] for i in range(s)]
-
-
-def _whole(value: Any) -> int | None:
-    try:
-        return value.whole() if isinstance(value, Number) else None
-    except Unread:
-        return None
 
 
 def _words(node: ast.expr) -> str:
@@ -190,10 +183,10 @@ def _need(value: Any) -> Any:
 
 def _petsc_rk(name: str, line: int, v: list[Any]) -> Table:
     """Read TSRKRegister and TSDIRKRegister: name, order, s, A, b, c, embedded b."""
-    s = _whole(v[2]) or 0
+    s = whole_number(v[2]) or 0
     A = _square(_need(v[3]), s)
     b = A[-1] if _need(v[4]) is None else vector(v[4])
-    table = Table(name, line, A=[A], b=[b], order=_whole(v[1]))
+    table = Table(name, line, A=[A], b=[b], order=whole_number(v[1]))
     table.c = [None if _need(v[5]) is None else vector(v[5])]
     if _need(v[6]) is not None:
         table.rows = [("embedded", vector(v[6]), None)]
@@ -201,13 +194,13 @@ def _petsc_rk(name: str, line: int, v: list[Any]) -> Table:
 
 
 def _petsc_ark(name: str, line: int, v: list[Any]) -> Table:
-    s = _whole(v[2]) or 0
+    s = whole_number(v[2]) or 0
     if _need(v[6]) is None:
         return _petsc_rk(name, line, [*v[:6], v[9]])
     At, A = _square(_need(v[3]), s), _square(_need(v[6]), s)
     bt = At[-1] if _need(v[4]) is None else vector(v[4])
     b = bt if _need(v[7]) is None else vector(v[7])
-    table = Table(name, line, "additive", [A, At], [b, bt], order=_whole(v[1]))
+    table = Table(name, line, "additive", [A, At], [b, bt], order=whole_number(v[1]))
     table.c = [None if _need(x) is None else vector(x) for x in (v[8], v[5])]
     low = _need(v[9])
     if low is not None and _need(v[10]) in (None, low):
@@ -216,8 +209,8 @@ def _petsc_ark(name: str, line: int, v: list[Any]) -> Table:
 
 
 def _petsc_rosw(name: str, line: int, v: list[Any]) -> Table:
-    s = _whole(v[2]) or 0
-    table = Table(name, line, "rosenbrock", order=_whole(v[1]))
+    s = whole_number(v[2]) or 0
+    table = Table(name, line, "rosenbrock", order=whole_number(v[1]))
     table.A = [_square(_need(v[3]), s), _square(_need(v[4]), s)]
     table.b, table.c = [vector(_need(v[5]), s)], [None]
     if _need(v[6]) is not None:
@@ -230,7 +223,7 @@ def _petsc_glee(name: str, line: int, v: list[Any]) -> Table:
 
     Constantinescu (2016), "Estimating global errors in time stepping", arXiv:1503.05166.
     """
-    order, s, r = (_whole(_need(x)) or 0 for x in v[1:4])
+    order, s, r = (whole_number(_need(x)) or 0 for x in v[1:4])
     A = _square(_need(v[5]), s)
     flat = [vector(_need(x)) for x in v[6:11]]
     B, U, V = (
@@ -417,12 +410,12 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         A, c, b, n = (run.value(x) for x in call.args[:4])
         s = len(vector(b))
         table = Table(name, line, A=[_square(A, s)], b=[vector(b)], c=[vector(c)])
-        table.order = _whole(n)
+        table.order = whole_number(n)
         key = next((x for x in words if x in ("αEEst", "aEEst", "bEEst")), "")
         if key:
             low = run.value(words[key])
             least = words.get("adaptiveorder")
-            table.rows = [("αEEst", vector(low), _whole(run.value(least)))]
+            table.rows = [("αEEst", vector(low), whole_number(run.value(least)))]
         return table
     if kind == "TableauRKExplicit":
         if len(call.args) != 6 or not isinstance(call.args[0], ast.Constant):
@@ -433,7 +426,7 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         s = len(times)
         flat = vector(weights)
         rows = [flat[k : k + s] for k in range(0, len(flat), s)]
-        known = [_whole(x) for x in orders]
+        known = [whole_number(x) for x in orders]
         table = Table(title, line, A=[_square(A, s)], b=[rows[0]], c=[times], order=known[0])
         table.rows = [("second row", x, n) for x, n in zip(rows[1:], known[1:], strict=True)]
         return table
@@ -444,7 +437,7 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         n, A, b, c = (run.value(x) for x in call.args[1:5])
         s = len(vector(b))
         return Table(title, line, A=[_square(A, s)], b=[vector(b)], c=[vector(c)],
-                     order=_whole(n))  # fmt: skip
+                     order=whole_number(n))  # fmt: skip
     if kind == "ExplicitTableau" and "a" in words:
         A = run.value(words["a"])
         b = vector(run.value(words["b"])) if "b" in words else vector(A[-1])
@@ -532,7 +525,7 @@ def _esdirk(run: _Run, call: ast.Call, name: str, order: int | None) -> Table:
     Ai, bi, Ae, be, c, bt, ebt = (run.value(x) for x in args[:7])
     s = len(vector(bi))
     words = _keywords(call)
-    given = _whole(run.value(args[8]))
+    given = whole_number(run.value(args[8]))
     if not any(complex(x.value) for x in vector(be)):  # the implicit half alone
         table = Table(name, run.line, A=[_square(Ai, s)], b=[vector(bi)], c=[vector(c)])
     else:
@@ -854,7 +847,7 @@ def _of_desolver(run: _Run, name: str, line: int) -> Table:
         table = Table(name, line, A=[_square([x[1:] for x in rows], s)], b=[final[0][1:]])
         table.c = [[x[0] for x in rows]]
         table.rows = [("second row", x[1:], None) for x in final[1:]]
-    table.order = _whole(order) if isinstance(order, Number) else None
+    table.order = whole_number(order) if isinstance(order, Number) else None
     return table
 
 
@@ -939,7 +932,7 @@ def _of_rk(run: _Run, name: str, line: int) -> Table:
 
 
 def _of_kpp(run: _Run, name: str, line: int) -> Table:
-    s = _whole(run.scope.get("ros_S", run.scope.get("rosS"))) or 0
+    s = whole_number(run.scope.get("ros_S", run.scope.get("rosS"))) or 0
 
     def low(key: str) -> Rows:
         held = _need(run.scope.get(key))
@@ -960,7 +953,7 @@ def _of_kpp(run: _Run, name: str, line: int) -> Table:
     g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
     table = transformed(name, line, g, A, C, m, e)
     table.order = _order_of_kpp(run.text, name)
-    elo = _whole(run.scope.get("ros_ELO", run.scope.get("rosELO")))
+    elo = whole_number(run.scope.get("ros_ELO", run.scope.get("rosELO")))
     if elo is not None and elo > 1:  # "the minimum between the two orders plus 1"
         table.rows = [(label, row, elo - 1) for label, row, _ in table.rows]
     return table

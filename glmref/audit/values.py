@@ -66,6 +66,14 @@ class Number:
         return f"{complex(self.value).real:.17g}"
 
 
+def whole_number(x: Any) -> int | None:
+    """Return the integer that a value is, or ``None``."""
+    try:
+        return x.whole() if isinstance(x, Number) else None
+    except Unread:
+        return None
+
+
 def literal(text: str) -> Number:
     """Return a number as it is written."""
     if len(text) > _MOST_DIGITS or not _NUMERAL.fullmatch(text):
