@@ -74,7 +74,7 @@ def eigenvalues_are_simple(case: SecondCase) -> bool:
     return all(len(x.W) == 1 for x in case.others("o"))
 
 
-def growth_parameters_are_0(case: SecondCase) -> bool:
+def parasitic_matrices_are_0(case: SecondCase) -> bool:
     """Every growth parameter is 0."""
     return all(vanishes(x.matrices) for x in case.parasitic.values())
 
@@ -95,7 +95,7 @@ def another_number_is_declared(case: SecondCase) -> bool:
 
 
 _SUPPOSED = (one_map_of_order_2_underlies_the_method, eigenvalues_are_simple,
-             growth_parameters_are_0, terms_of_first_order_rotate)  # fmt: skip
+             parasitic_matrices_are_0, terms_of_first_order_rotate)  # fmt: skip
 _THEOREM = (
     "where the growth parameters are 0 and the terms of z^2 imaginary, a parasitic component obeys "
     "phi' = h^2 (I3 f' f' f' phi + I1 f''(f' f, phi)), but for rotations, commutators and total "

@@ -49,7 +49,7 @@ MORE = (
     "dormand-prince-rkn-6-4-fd", "milne-predictor", "lobatto-iiia-iiib-4", "g6245",
 )  # fmt: skip
 #: Rules of which the catalogue has no statement; hostile certificates have them.
-UNUSED = {"absent", "no-dense-end", "not-dense"}
+UNUSED = {"absent", "no-dense-end", "not-dense", "other-second-order"}
 #: Minutes each: asked for by the environment variable GLMREF_LONG. ``verify --no-cache`` has all
 #: statements judged over FLINT's numbers.
 LONG = pytest.mark.skipif("GLMREF_LONG" not in os.environ, reason="GLMREF_LONG is not set")
