@@ -89,7 +89,7 @@ def invariants_are_those_declared(case: SecondCase) -> bool:
     return len(case.claimed) == len(case.invariants) and vanishes(case.gap)
 
 
-def another_number_is_declared(case: SecondCase) -> bool:
+def another_invariant_is_declared(case: SecondCase) -> bool:
     """More or fewer numbers than I1 and I3 of each eigenvalue are declared, or another one."""
     return len(case.claimed) != len(case.invariants) or any(map(apart, case.gap))
 
@@ -109,6 +109,6 @@ SECOND_RULES = (
     ),
     Rule(
         "other-second-order", "second-order-growth", "fails", _THEOREM, SOURCE, NoWitness,
-        SecondCase, (*_SUPPOSED, another_number_is_declared),
+        SecondCase, (*_SUPPOSED, another_invariant_is_declared),
     ),
 )  # fmt: skip
