@@ -58,7 +58,9 @@ class RungeKutta(Enclosed):
         """Return an equation ("column", j), ("stage", (i, k)) or (row, tree)."""
         found = matched(RK_EQUATION, text, f"{str(text)[:40]!r} is no equation")
         first, row, second, column, *stage = found.groups()
-        require(len(self.below) == 1 or not (column or stage[0]), "an equation of another class")
+        numbers = [int(x) for x in (column, *stage) if x]
+        require(len(self.below) == 1 or not numbers, "an equation of another class")
+        require(max(numbers, default=0) <= self.s, "an equation names another stage")
         if stage[0]:
             i, k = map(int, stage)
             return "stage", (i - 1, k)

@@ -153,6 +153,11 @@ class Reached:
     q: Order
 
 
+def underlying_of(case: Case) -> Underlying:
+    """Return the series of the underlying one-step method, one for all parts about a method."""
+    return case.proof.of_method(("underlying",), partial(Underlying, case.method))
+
+
 class UnderlyingCase(Case):
     """A part about the underlying one-step method."""
 
@@ -161,7 +166,7 @@ class UnderlyingCase(Case):
     def underlying(self, order: int) -> Underlying:
         """Return the series of the map, which is looked at through an order."""
         require(order <= LARGEST, "beyond the limits of this checker")
-        return self.proof.of_method(("underlying",), partial(Underlying, self.method))
+        return underlying_of(self)
 
     def gaps(self, order: int) -> list[Number]:
         """Return what must vanish at an order."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import cached_property
 
 from .arithmetic import Fraction
 from .linalg import apply, combine, diagonal, dot, inverse_matrix, less, minus, placewise, times
 from .numbers import apart, conj, real, vanishes
 from .rule import NoWitness, Rule, Space
 from .rules_growth import GrowthCase
-from .rules_modified import Underlying
+from .rules_modified import Underlying, underlying_of
 from .trees import LEAF, Tree
 
 PATH: Tree = ("o", (LEAF,))
@@ -22,7 +22,7 @@ class SecondCase(GrowthCase):
     @cached_property
     def underlying(self) -> Underlying:
         """Return the series of the underlying one-step method."""
-        return self.proof.record.known(("underlying",), partial(Underlying, self.method))
+        return underlying_of(self)
 
     @cached_property
     def bend(self) -> list:

@@ -54,3 +54,11 @@ def test_a_row_violates_one_hypothesis(name: str, monkeypatch: pytest.MonkeyPatc
 def test_each_hypothesis_of_a_rule_has_its_row(rule: Rule) -> None:
     own = [x.__name__ for x in rule.hypotheses]
     assert not [x for x in own if (rule.name, x) not in VIOLATES.values()]
+
+
+@pytest.mark.parametrize("equation", ["stage 3 1", "stage 1 3", "column 3"])
+def test_an_equation_about_a_stage_beyond_the_last_is_told(equation: str) -> None:
+    certificate = certificate_of(ROWS["order-5-of-gauss-2"])
+    certificate["document"]["enclosure"]["equations"][1] = equation
+    with pytest.raises(Refused, match="an equation names another stage"):
+        Proof(certificate, statements.RULES).root()

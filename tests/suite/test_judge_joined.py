@@ -23,6 +23,10 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def test_the_modules_join_to_one_program(program: Path) -> None:
+    compile(program.read_text(encoding="utf-8"), str(program), "exec")
+
+
 def is_unreadable(case: object) -> bool:
     try:
         command.check(json.dumps(case))
