@@ -273,8 +273,9 @@ def symmetry_as_given(m: Method) -> Symmetry:
     ]
     kinds = [n for n, c in enumerate(colours[:1] if m.shared else colours) for _ in range(sizes[c])]
     best: Symmetry | None = None
-    found_orders = list(islice(involutions(relations, kinds), MAX_PERMUTATIONS + 1))
-    for order in found_orders[:MAX_PERMUTATIONS]:
+    for tried, order in enumerate(involutions(relations, kinds)):
+        if tried == MAX_PERMUTATIONS:
+            return Symmetry(None, witness="the search for an exchange of stages was cut off")
         exchanges = {
             c: tuple(i - first[c] for i in order[first[c] : first[c] + sizes[c]]) for c in colours
         }
@@ -282,8 +283,6 @@ def symmetry_as_given(m: Method) -> Symmetry:
         if found.holds is True or (found.holds is None and not m.is_exact):
             return found  # no other exchange of stages can decide more about balls
         best = _better(best, found)
-    if len(found_orders) > MAX_PERMUTATIONS:
-        return Symmetry(None, witness="the search for an exchange of stages was cut off")
     if best is not None:
         return best
     reversal = {c: tuple(range(n)[::-1]) for c, n in sizes.items()}
