@@ -9,7 +9,7 @@ to a family that contains other solutions. That nothing was found is no proof.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +50,23 @@ ANSATZES: Sequence[tuple[int, Sequence[Value], int, Sequence[int]]] = (
 )
 
 
+Task = Callable[[Mapping[str, Any]], dict[str, Any]]
+
+
+def start_of(size: int) -> Callable[[np.random.Generator], np.ndarray]:
+    """Return what draws a start of so many unknowns."""
+    return lambda generator: generator.normal(size=size) * SCALE
+
+
+def told(values: Sequence[Value]) -> dict[str, Any]:
+    """Return what a record says of the values carried beside the solution."""
+    return {
+        "eigenvalues": [x.eigenvalue for x in values],
+        "signs": [x.sign for x in values],
+        "parity": [x.parity for x in values if not x.is_pair],
+    }
+
+
 def attempt(
     stages: int, values: Sequence[Value], stage_order: int, explicit: Sequence[int]
 ) -> dict[str, Any]:
@@ -57,18 +74,12 @@ def attempt(
     ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
     system = SweepSystem(ansatz.document())
     size = len(system.unknowns)
-
-    def draw(generator: np.random.Generator) -> np.ndarray:
-        return generator.normal(size=size) * SCALE
-
-    ends = list(search(system.residuals, draw, seed=SEED, starts=STARTS))
+    ends = list(search(system.residuals, start_of(size), seed=SEED, starts=STARTS))
     good = [x for x in ends if max(abs(v) for v in x.point) < LARGEST]
     return {
         "stages": stages,
         "values": len(system.G),
-        "eigenvalues": [x.eigenvalue for x in values],
-        "signs": [x.sign for x in values],
-        "parity": [x.parity for x in values if not x.is_pair],
+        **told(values),
         "stage_order": stage_order,
         "explicit": list(explicit),
         "unknowns": size,
@@ -84,13 +95,17 @@ def attempt_case(case: Mapping[str, Any]) -> dict[str, Any]:
     return attempt(*ANSATZES[case["ansatz"]])
 
 
+def store(path: Path, name: str, title: str, task: Task, number: int) -> None:
+    """Search the ansatzes 0, 1, .. below a number and write the record of a name."""
+    found = carried_out(task, ({"ansatz": k} for k in range(number)), beside=path)
+    about = {"seed": SEED, "scale": SCALE, "solved_below": SOLVED}
+    complete(path, record_of(name.replace("-", "_"), name, title, **about, ansatzes=found))
+
+
 def main(path: Path) -> None:
     """Search every ansatz and write the file."""
-    cases = ({"ansatz": k} for k in range(len(ANSATZES)))
-    found = carried_out(attempt_case, cases, beside=path)
     title = "Order 8: conditions and what random starts gave"
-    about = {"seed": SEED, "scale": SCALE, "solved_below": SOLVED}
-    complete(path, record_of("order8_search", "order8-search", title, **about, ansatzes=found))
+    store(path, "order8-search", title, attempt_case, len(ANSATZES))
 
 
 if __name__ == "__main__":

@@ -20,15 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete, record_of
-from campaigns.order8_search import LARGEST, SCALE, SOLVED
+from campaigns.driver import arguments
+from campaigns.order8_search import LARGEST, SEED, SOLVED, STARTS, start_of, store, told
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
 from glmref.exact import Exact, ball, linalg
 from glmref.prove.system import SweepSystem
 from glmref.theory.trees import Tree, single
 
-STARTS, SEED = 128, 1
 #: A row of X below this is 0: its value is carried along and seen by no stage.
 UNSEEN = 1e-4
 
@@ -115,16 +114,13 @@ def attempt(
     def residuals(point: Sequence[Any]) -> list[Any]:
         return [*system.residuals(point), *more(point)]
 
-    def draw(generator: np.random.Generator) -> np.ndarray:
-        return generator.normal(size=size) * SCALE
-
     def seen(point: Sequence[float]) -> bool:
         form, _ = system.read(
             {k: ball(Fraction(x)) for k, x in zip(system.unknowns, point, strict=True)}
         )
         return all(max(abs(float(x)) for x in row) > UNSEEN for row in form.X["o"])
 
-    ends = list(search(residuals, draw, seed=SEED, starts=STARTS))
+    ends = list(search(residuals, start_of(size), seed=SEED, starts=STARTS))
     good = [x for x in ends if max(map(abs, x.point)) < LARGEST]
     solved = [x for x in good if x.residual < SOLVED]
     return {
@@ -132,9 +128,7 @@ def attempt(
         "stages": stages,
         "implicit": stages - sum(1 + (2 * k != stages + 1) for k in explicit),
         "values": len(system.G),
-        "eigenvalues": [x.eigenvalue for x in values],
-        "signs": [x.sign for x in values],
-        "parity": [x.parity for x in values if not x.is_pair],
+        **told(values),
         "explicit": list(explicit),
         "I1": both,
         "unknowns": size,
@@ -153,14 +147,8 @@ def attempt_case(case: Mapping[str, Any]) -> dict[str, Any]:
 
 def main(path: Path) -> None:
     """Search every ansatz and write the file."""
-    cases = ({"ansatz": k} for k in range(len(ANSATZES)))
-    found = carried_out(attempt_case, cases, beside=path)
     title = "No growth of second order: conditions and what random starts gave"
-    about = {"seed": SEED, "scale": SCALE, "solved_below": SOLVED}
-    complete(
-        path,
-        record_of("second_order_search", "second-order-search", title, **about, ansatzes=found),
-    )
+    store(path, "second-order-search", title, attempt_case, len(ANSATZES))
 
 
 if __name__ == "__main__":
