@@ -69,32 +69,18 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class RoundOff:
-    """Growth of the round-off in invariants that are exact but for it.
+    """Growth of the round-off in invariants that are exact but for it."""
 
-    Attributes
-    ----------
-    method, kernel, h
-        What ran.
-    steps : tuple[int, ...]
-        Numbers of steps n, each twice the one before.
-    rms : tuple[float, ...]
-        Root mean square of the relative deviations over n/2 .. n steps, over all invariants.
-    exponent : float
-        Least squares slope of log rms against log n.
-    mean : float
-        Mean deviation over the last stretch, with its sign; a drift shows here.
-    runs : int
-        How many invariants of how many problems went into it.
-    """
-
+    #: What ran.
     method: str
     kernel: str
     h: float
-    steps: tuple[int, ...]
+    steps: tuple[int, ...]  #: Numbers of steps n, each twice the one before.
+    #: Root mean square of the relative deviations over n/2 .. n steps, over all invariants.
     rms: tuple[float, ...]
-    exponent: float
-    mean: float
-    runs: int
+    exponent: float  #: Least squares slope of log rms against log n.
+    mean: float  #: Mean deviation over the last stretch, with its sign; a drift shows here.
+    runs: int  #: How many invariants of how many problems went into it.
 
 
 def round_off(

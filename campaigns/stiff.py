@@ -46,62 +46,29 @@ PEERS = (("Radau", 1e-4), ("Radau", 1e-6), ("BDF", 1e-4), ("BDF", 1e-6))
 
 @dataclass(frozen=True)
 class Matrices:
-    """Newton matrices of a compiled kernel.
+    """Newton matrices of a compiled kernel."""
 
-    Attributes
-    ----------
-    size : int
-        Rows of the largest.
-    distinct : int
-        How many are factored for each Jacobian.
-    inline : bool
-        Whether they are written out and inverted in place, afresh at every stage (up to three
-        unknowns), instead of kept from step to step.
-    """
-
-    size: int
-    distinct: int
+    size: int  #: Rows of the largest.
+    distinct: int  #: How many are factored for each Jacobian.
+    #: Whether they are written out and inverted in place, afresh at every stage (up to three
+    #: unknowns), instead of kept from step to step.
     inline: bool
 
 
 @dataclass(frozen=True)
 class StiffCost:
-    """What one run cost, and how good it was.
+    """What one run cost, and how good it was."""
 
-    Attributes
-    ----------
-    name : str
-        Method or solver.
-    problem : str
-        What was solved.
-    t_end : float
-        End of the run.
-    h : float or None
-        Step size, or ``None`` for an adaptive solver.
-    tolerance : float or None
-        Relative, of an adaptive one.
-    outcome : str
-        How it ended.
-    error : float or None
-        Of the last state, relative.
-    evaluations : int
-        Of the right-hand side.
-    jacobians : int
-        evaluated.
-    matrices : int
-        Factored, each of ``size`` rows.
-    """
-
-    name: str
-    problem: str
-    t_end: float
-    h: float | None
-    tolerance: float | None
-    outcome: str
-    error: float | None
-    evaluations: int
-    jacobians: int
-    matrices: int
+    name: str  #: Method or solver.
+    problem: str  #: What was solved.
+    t_end: float  #: End of the run.
+    h: float | None  #: Step size, or ``None`` for an adaptive solver.
+    tolerance: float | None  #: Relative, of an adaptive one.
+    outcome: str  #: How it ended.
+    error: float | None  #: Of the last state, relative.
+    evaluations: int  #: Of the right-hand side.
+    jacobians: int  #: evaluated.
+    matrices: int  #: Factored, each of ``size`` rows.
     size: int
 
 

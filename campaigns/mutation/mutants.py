@@ -19,29 +19,19 @@ _EACH = {"all": "any", "any": "all"}
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change.
+    """One change."""
 
-    Attributes
-    ----------
-    line, column : int
-        Where what is changed begins.
-    kind : str
-        What was changed: ``comparison``, ``arithmetic``, ``connective``, ``quantifier``,
-        ``negation``, ``constant``, ``statement`` or ``return``.
-    before, after : str
-        The text, and what stands in its place.
-    source : str
-        The module with the change.
-    function : str
-        Qualified name of the function that is changed, ``""`` for what is computed on import.
-    """
-
+    #: Where what is changed begins.
     line: int
     column: int
+    #: What was changed: ``comparison``, ``arithmetic``, ``connective``, ``quantifier``,
+    #: ``negation``, ``constant``, ``statement`` or ``return``.
     kind: str
+    #: The text, and what stands in its place.
     before: str
     after: str
-    source: str
+    source: str  #: The module with the change.
+    #: Qualified name of the function that is changed, ``""`` for what is computed on import.
     function: str
 
 

@@ -57,27 +57,13 @@ METHODS: Mapping[str, Sequence[str]] = {
 
 @dataclass(frozen=True)
 class Case:
-    """One problem of the comparison.
+    """One problem of the comparison."""
 
-    Attributes
-    ----------
-    name : str
-        Key of the record.
-    build : Callable[[], Problem]
-        The problem.
-    t_end : float
-        Final time.
-    first : int
-        Step number of the first rung.
-    methods : Sequence[str]
-        Those compared on it; all where empty.
-    """
-
-    name: str
-    build: Callable[[], Problem]
-    t_end: float
-    first: int
-    methods: Sequence[str] = ()
+    name: str  #: Key of the record.
+    build: Callable[[], Problem]  #: The problem.
+    t_end: float  #: Final time.
+    first: int  #: Step number of the first rung.
+    methods: Sequence[str] = ()  #: Those compared on it; all where empty.
 
 
 #: A few of each kind, for large systems: the best on the orbits, and the fewest implicit stages.

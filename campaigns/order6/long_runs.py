@@ -59,43 +59,23 @@ RUNS: Mapping[str, Callable[[], Problem]] = {
 
 @dataclass(frozen=True)
 class LongRun:
-    """What a long run showed.
+    """What a long run showed."""
 
-    Attributes
-    ----------
-    method, run : str
-        What was run.
-    h : float
-        Step size.
-    steps : int
-        completed.
-    outcome : str
-        By name.
-    energy : float
-        Largest relative error of H.
-    energy_early : float
-        The same in the first hundredth.
-    parasitic : float
-        Largest Euclidean norm of the parasitic part, relative to y_0; parasitic_early.
-    bounded : bool
-        Whether both stay within :data:`FACTOR` of their early size.
-    lost : float or None
-        Time at which the parasitic part first exceeds FACTOR times its early size.
-    rate : float or None
-        Exponential rate of growth of a nudged parasitic part, for each unit of time.
-    """
-
+    #: What was run.
     method: str
     run: str
-    h: float
-    steps: int
-    outcome: str
-    energy: float
-    energy_early: float
+    h: float  #: Step size.
+    steps: int  #: completed.
+    outcome: str  #: By name.
+    energy: float  #: Largest relative error of H.
+    energy_early: float  #: The same in the first hundredth.
+    #: Largest Euclidean norm of the parasitic part, relative to y_0; parasitic_early.
     parasitic: float
     parasitic_early: float
-    bounded: bool
+    bounded: bool  #: Whether both stay within :data:`FACTOR` of their early size.
+    #: Time at which the parasitic part first exceeds FACTOR times its early size.
     lost: float | None
+    #: Exponential rate of growth of a nudged parasitic part, for each unit of time.
     rate: float | None = None
 
 

@@ -75,16 +75,10 @@ def strokes(method: str) -> list[tuple[int, float]]:
 
 @dataclass(eq=False)
 class Copies:
-    """The points u = (q, y) and w = (x, p), each moved by the slope at the other.
-
-    Attributes
-    ----------
-    points : np.ndarray
-        (2, 2m) u and w.
-    """
+    """The points u = (q, y) and w = (x, p), each moved by the slope at the other."""
 
     f: Any
-    points: np.ndarray
+    points: np.ndarray  #: (2, 2m) u and w.
     evaluations: int = 0
     _slopes: list[np.ndarray | None] = field(default_factory=lambda: [None, None])
 

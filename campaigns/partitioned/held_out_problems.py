@@ -23,33 +23,19 @@ from glmref.problems.table import from_table
 
 @dataclass(frozen=True)
 class Held:
-    """A problem and how far it is solved.
+    """A problem and how far it is solved."""
 
-    Attributes
-    ----------
-    t_end, longer : float
-        The short and the long horizon.
-    least : int
-        Evaluations at which the grid of the short horizon begins.
-    H, y0, parameters
-        As in a problem of a user's own; without H, the parameters of Kepler's problem.
-    quadratic : bool
-        Whether T is quadratic.
-    most : int
-        No run takes more evaluations.
-    about : str
-        What it is, where the name does not say it.
-    """
-
+    #: The short and the long horizon.
     t_end: float
     longer: float
-    least: int
+    least: int  #: Evaluations at which the grid of the short horizon begins.
+    #: As in a problem of a user's own; without H, the parameters of Kepler's problem.
     H: str = ""
     y0: Any = None
     parameters: Mapping[str, Any] | None = None
-    quadratic: bool = True
-    most: int = 1_000_000
-    about: str = ""
+    quadratic: bool = True  #: Whether T is quadratic.
+    most: int = 1_000_000  #: No run takes more evaluations.
+    about: str = ""  #: What it is, where the name does not say it.
 
 
 _FILE = Path(__file__).with_suffix(".json")

@@ -94,26 +94,16 @@ MANY = 30
 
 @dataclass(frozen=True)
 class Long:
-    """One long run.
+    """One long run."""
 
-    Attributes
-    ----------
-    pair, problem, h, steps
-        What was run.
-    outcome : str
-        How it ended.
-    marks : tuple[int, ...]
-        Numbers of steps.
-    energy, carried : tuple[float, ...]
-        Largest relative energy error and largest absolute entry of the values 2..r up to each.
-    """
-
+    #: What was run.
     pair: str
     problem: str
     h: float
     steps: int
-    outcome: str
-    marks: tuple[int, ...]
+    outcome: str  #: How it ended.
+    marks: tuple[int, ...]  #: Numbers of steps.
+    #: Largest relative energy error and largest absolute entry of the values 2..r up to each.
     energy: tuple[float, ...]
     carried: tuple[float, ...]
 

@@ -330,20 +330,11 @@ def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
 
 @dataclass(frozen=True)
 class Scan:
-    """Energy errors at many step sizes.
+    """Energy errors at many step sizes."""
 
-    Attributes
-    ----------
-    sizes : tuple[float, ...]
-        Step sizes.
-    errors : tuple[float, ...]
-        Largest relative energy error of each run.
-    holes : tuple[float, ...]
-        Step sizes whose error exceeds a hundred times the median of the twenty regular ones below.
-    """
-
-    sizes: tuple[float, ...]
-    errors: tuple[float, ...]
+    sizes: tuple[float, ...]  #: Step sizes.
+    errors: tuple[float, ...]  #: Largest relative energy error of each run.
+    #: Step sizes whose error exceeds a hundred times the median of the twenty regular ones below.
     holes: tuple[float, ...]
 
 

@@ -60,20 +60,11 @@ APART, FROM_ONE = 3.6, 22
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """A method.
+    """A method."""
 
-    Attributes
-    ----------
-    angles : np.ndarray
-        (m,) of the pairs of roots, for a whole step, in radians, in (0, pi).
-    abscissae : np.ndarray
-        (s,) of the kicks, mirrored about 0, in (-1/2, 1/2).
-    kicks : np.ndarray
-        (s, m) complex, mirrored by conjugation. The kicks of the sum have the weight 1 / s.
-    """
-
-    angles: np.ndarray
-    abscissae: np.ndarray
+    angles: np.ndarray  #: (m,) of the pairs of roots, for a whole step, in radians, in (0, pi).
+    abscissae: np.ndarray  #: (s,) of the kicks, mirrored about 0, in (-1/2, 1/2).
+    #: (s, m) complex, mirrored by conjugation. The kicks of the sum have the weight 1 / s.
     kicks: np.ndarray
 
     @property

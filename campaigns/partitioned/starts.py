@@ -45,22 +45,13 @@ FURTHER = 10
 
 @dataclass(frozen=True)
 class Misses:
-    """Largest differences to the run from exact starting values.
+    """Largest differences to the run from exact starting values."""
 
-    Attributes
-    ----------
-    carried : tuple[float, float]
-        Of the values 2..r at the start.
-    first : tuple[float, float]
-        Of the first values at the end, over the last two steps. Each for the zero start and for
-        that of the file.
-    evaluations : tuple[int, int]
-        Of k and of f by the start of the file.
-    """
-
-    carried: tuple[float, float]
+    carried: tuple[float, float]  #: Of the values 2..r at the start.
+    #: Of the first values at the end, over the last two steps. Each for the zero start and for that
+    #: of the file.
     first: tuple[float, float]
-    evaluations: tuple[int, int]
+    evaluations: tuple[int, int]  #: Of k and of f by the start of the file.
 
 
 def misses(name: str, h: Fraction, *, of: str = "pendulum", end: int = 1) -> Misses:

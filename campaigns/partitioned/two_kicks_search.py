@@ -62,19 +62,12 @@ DENOMINATOR = 2048
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """A method.
+    """A method."""
 
-    Attributes
-    ----------
-    angles, phases : np.ndarray
-        (m,) of the pairs of roots, and of their weights in the first drift; radians.
-    weight : float
-        Of the first kick in the sum.
-    """
-
+    #: (m,) of the pairs of roots, and of their weights in the first drift; radians.
     angles: np.ndarray
     phases: np.ndarray
-    weight: float
+    weight: float  #: Of the first kick in the sum.
 
 
 @dataclass(frozen=True, eq=False)

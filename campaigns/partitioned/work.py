@@ -60,35 +60,19 @@ METHODS = SPLITTINGS + PAIRS
 
 @dataclass(frozen=True)
 class Case:
-    """A problem, how far it is solved, and what is measured.
+    """A problem, how far it is solved, and what is measured."""
 
-    Attributes
-    ----------
-    name : str
-        One word.
-    problem, parameters
-        Of the catalogue, or a name of :data:`PROBLEMS`.
-    t_end : float
-        Time, from its beginning.
-    least : int
-        Evaluations at which the grid begins.
-    measure : str
-        ``"state"``: Euclidean error of the last state, relative; ``"energy"``: largest error of H
-        over 64 samples, relative (where the motion is chaotic or the time long).
-    timed : bool
-        Whether times are taken too.
-    most : int
-        No run takes more force evaluations than this.
-    """
-
-    name: str
+    name: str  #: One word.
+    #: Of the catalogue, or a name of :data:`PROBLEMS`.
     problem: str
-    t_end: float
-    least: int
+    t_end: float  #: Time, from its beginning.
+    least: int  #: Evaluations at which the grid begins.
     parameters: tuple[tuple[str, str], ...] = ()
+    #: ``"state"``: Euclidean error of the last state, relative; ``"energy"``: largest error of H
+    #: over 64 samples, relative (where the motion is chaotic or the time long).
     measure: str = "state"
-    timed: bool = False
-    most: int = 2_000_000
+    timed: bool = False  #: Whether times are taken too.
+    most: int = 2_000_000  #: No run takes more force evaluations than this.
 
     def built(self) -> Problem:
         """Return the problem."""
@@ -134,29 +118,16 @@ LEFT_OUT = {
 
 @dataclass(frozen=True)
 class Need:
-    """What one method needs in one case.
+    """What one method needs in one case."""
 
-    Attributes
-    ----------
-    method : str
-        Its name.
-    start : str
-        ``"zero"`` or ``"enhanced"`` for pairs, ``""`` for splittings.
-    curve : tuple[tuple[int, float], ...]
-        (evaluations of the steps, error) for each step size, coarse to fine.
-    start_evaluations : int
-        What the start costs.
-    needed : dict[float, float]
-        Tolerance -> evaluations of the steps; missing where it was not reached.
-    seconds : dict[float, float]
-        Tolerance -> median time of the steps at that many evaluations.
-    """
-
-    method: str
-    start: str
+    method: str  #: Its name.
+    start: str  #: ``"zero"`` or ``"enhanced"`` for pairs, ``""`` for splittings.
+    #: (evaluations of the steps, error) for each step size, coarse to fine.
     curve: tuple[tuple[int, float], ...]
-    start_evaluations: int
+    start_evaluations: int  #: What the start costs.
+    #: Tolerance -> evaluations of the steps; missing where it was not reached.
     needed: dict[float, float]
+    #: Tolerance -> median time of the steps at that many evaluations.
     seconds: dict[float, float] = field(default_factory=dict)
 
     def counted(self) -> dict[str, Any]:

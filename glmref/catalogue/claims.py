@@ -594,18 +594,9 @@ class Said:
 
 
 class PlainClaims(dict[str, Any]):
-    """Claims of a plain document.
+    """Claims of a plain document."""
 
-    Attributes
-    ----------
-    said : tuple of Said
-        The orders, each the least that the method has.
-    name : str
-        What the owner calls the method.
-    times : tuple or None
-        Of an additive method where each part is evaluated in time, as it is given.
-    """
-
-    said: tuple[Said, ...] = ()
-    name: str = ""
+    said: tuple[Said, ...] = ()  #: The orders, each the least that the method has.
+    name: str = ""  #: What the owner calls the method.
+    #: Of an additive method where each part is evaluated in time, as it is given.
     times: tuple[Any, ...] | None = None

@@ -35,24 +35,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Shipped:
-    """An adapter that comes with the package; its library is imported on first use.
+    """An adapter that comes with the package; its library is imported on first use."""
 
-    Attributes
-    ----------
-    place : str
-        Module of ``glmref.conformance.adapters`` and class.
-    packages : str
-        Packages of PyPI that it needs, in addition to glmref.
-    system : str
-        Packages of Debian that it needs.
-    build : str
-        Commands of a container recipe for what is no package.
-    """
-
-    place: str
-    packages: str = ""
-    system: str = ""
-    build: str = ""
+    place: str  #: Module of ``glmref.conformance.adapters`` and class.
+    packages: str = ""  #: Packages of PyPI that it needs, in addition to glmref.
+    system: str = ""  #: Packages of Debian that it needs.
+    build: str = ""  #: Commands of a container recipe for what is no package.
 
     @property
     def target(self) -> str:

@@ -28,18 +28,11 @@ _DEFECT = re.compile(r".* \(off by \S+, rounding explains \S+\); (?P<defect>.+)"
 
 @dataclass(frozen=True)
 class Cell:
-    """What all checks of one property of one integrator say.
+    """What all checks of one property of one integrator say."""
 
-    Attributes
-    ----------
-    verdict : Verdict or None
-        ``fails`` where one fails, ``open`` where one is open, ``None`` where there is no check.
-    said : str
-        The defect, or the reason why it is open; how many hold otherwise.
-    """
-
+    #: ``fails`` where one fails, ``open`` where one is open, ``None`` where there is no check.
     verdict: Verdict | None
-    said: str
+    said: str  #: The defect, or the reason why it is open; how many hold otherwise.
 
 
 @dataclass(frozen=True)
@@ -75,27 +68,13 @@ def claim_of(finding: Finding) -> str:
 
 @dataclass(frozen=True)
 class Run:
-    """What the suite found of one adapter.
+    """What the suite found of one adapter."""
 
-    Attributes
-    ----------
-    name : str
-        Of the adapter.
-    release : str
-        Name and version of its library, or ``""``.
-    command : str
-        What repeats the run.
-    rows : tuple of Row
-        Nothing where it did not run.
-    reason : str
-        Why it did not run, or ``""``.
-    """
-
-    name: str
-    release: str
-    command: str
-    rows: tuple[Row, ...] = ()
-    reason: str = ""
+    name: str  #: Of the adapter.
+    release: str  #: Name and version of its library, or ``""``.
+    command: str  #: What repeats the run.
+    rows: tuple[Row, ...] = ()  #: Nothing where it did not run.
+    reason: str = ""  #: Why it did not run, or ``""``.
 
     @property
     def as_it_should_be(self) -> bool:

@@ -52,21 +52,11 @@ def remainder(name: str, row: Sequence[str]) -> str:
 
 @dataclass(frozen=True)
 class Value:
-    """One eigenvalue of V other than 1: a complex pair (two values) or -1.
+    """One eigenvalue of V other than 1: a complex pair (two values) or -1."""
 
-    Attributes
-    ----------
-    eigenvalue : str
-        Expression on the unit circle, such as ``"exp(2*pi*i/3)"`` or ``"-1"``.
-    sign : int
-        +1 or -1, its entry in G.
-    parity : int
-        Of its row of X under stage reversal; only for -1.
-    """
-
-    eigenvalue: str
-    sign: int = -1
-    parity: int = 1
+    eigenvalue: str  #: Expression on the unit circle, such as ``"exp(2*pi*i/3)"`` or ``"-1"``.
+    sign: int = -1  #: +1 or -1, its entry in G.
+    parity: int = 1  #: Of its row of X under stage reversal; only for -1.
 
     @property
     def is_pair(self) -> bool:
@@ -76,48 +66,24 @@ class Value:
 
 @dataclass(frozen=True)
 class Ansatz:
-    """An ansatz; :meth:`document` states it as a method document without digits.
+    """An ansatz; :meth:`document` states it as a method document without digits."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the method to be.
-    stages : int
-        s.
-    order : int
-        even.
-    values : Sequence[Value]
-        Eigenvalues of V besides 1.
-    fixed : Mapping[str, str]
-        Exact expressions for some of the unknowns.
-    stage_order : int
-        q; every stage then satisfies eta(t) = c^|t| / gamma(t) for |t| <= q.
-    explicit : Sequence[int]
-        Stages (from 1, one of each mirror pair) that need no equation solved.
-    abscissae : Mapping[int, str]
-        Stage -> exact abscissa.
-    parasitism_free : bool
-        Whether the growth parameters are to vanish.
-    equations : Sequence[str] or None
-        The equations, where the usual ones are not wanted.
-    xi : bool
-        Whether the principal start is free (a conjugation) where the order allows it.
-    title : str
-        One line for the file.
-    """
-
-    name: str
-    stages: int
-    order: int = 6
+    name: str  #: Name of the method to be.
+    stages: int  #: s.
+    order: int = 6  #: even.
+    #: Eigenvalues of V besides 1.
     values: Sequence[Value] = (Value("exp(2*pi*i/3)"), Value("-1", 1))
+    #: Exact expressions for some of the unknowns.
     fixed: Mapping[str, str] = field(default_factory=dict)
-    stage_order: int = 1
+    stage_order: int = 1  #: q; every stage then satisfies eta(t) = c^|t| / gamma(t) for |t| <= q.
+    #: Stages (from 1, one of each mirror pair) that need no equation solved.
     explicit: Sequence[int] = ()
-    abscissae: Mapping[int, str] = field(default_factory=dict)
-    parasitism_free: bool = True
-    equations: Sequence[str] | None = None
+    abscissae: Mapping[int, str] = field(default_factory=dict)  #: Stage -> exact abscissa.
+    parasitism_free: bool = True  #: Whether the growth parameters are to vanish.
+    equations: Sequence[str] | None = None  #: The equations, where the usual ones are not wanted.
+    #: Whether the principal start is free (a conjugation) where the order allows it.
     xi: bool = True
-    title: str = ""
+    title: str = ""  #: One line for the file.
 
     def __post_init__(self) -> None:
         if not 1 <= self.stages <= 12:

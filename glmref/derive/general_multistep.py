@@ -82,21 +82,14 @@ _ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
 class GeneralHalf:
     """One half: a linear multistep formula given by its roots.
 
-    Attributes
-    ----------
-    cosines : tuple[Fraction, ...]
-        c_1, .., c_m of the pairs of roots, different, in (-1, 1).
-    minus_one : bool
-        Whether -1 is a root.
-
     Raises
     ------
     UsageError
         For cosines that are equal or out of range, or none.
     """
 
-    cosines: tuple[Fraction, ...]
-    minus_one: bool = False
+    cosines: tuple[Fraction, ...]  #: c_1, .., c_m of the pairs of roots, different, in (-1, 1).
+    minus_one: bool = False  #: Whether -1 is a root.
 
     def __post_init__(self) -> None:
         c = self.cosines
@@ -198,15 +191,9 @@ class GeneralHalf:
 
 @dataclass(frozen=True)
 class EndedHalf(GeneralHalf):
-    """One half with values in the middle of an update, so that a step ends at the solution.
+    """One half with values in the middle of an update, so that a step ends at the solution."""
 
-    Attributes
-    ----------
-    explicit : bool
-        Whether q_n, or p_n, does not contain the slope at the same time.
-    """
-
-    explicit: bool = True
+    explicit: bool = True  #: Whether q_n, or p_n, does not contain the slope at the same time.
 
     @property
     def order(self) -> int:

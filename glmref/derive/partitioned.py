@@ -45,39 +45,19 @@ STARTS = {
 
 @dataclass(frozen=True)
 class PairAnsatz:
-    """What to look for.
+    """What to look for."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the method to be.
-    n : int
-        Stages Q, that is evaluations of k in a step.
-    order : int
-        even.
-    nystrom : bool
-        Whether it is meant for second-order systems only.
-    outer : str
-        ``"P"`` (n + 1 stages P) or ``"Q"`` (n - 1 stages P).
-    g : int
-        +1 or -1, the second entry of G.
-    starts : str
-        ``"q"``, ``"p"``, ``"qp"`` or ``""``: whose first starting value is asked to vanish.
-    fixed : Mapping[str, str]
-        Exact expressions for some of the unknowns.
-    title : str
-        One line for the file.
-    """
-
-    name: str
-    n: int
-    order: int
-    nystrom: bool = False
-    outer: str = "P"
-    g: int = 1
+    name: str  #: Name of the method to be.
+    n: int  #: Stages Q, that is evaluations of k in a step.
+    order: int  #: even.
+    nystrom: bool = False  #: Whether it is meant for second-order systems only.
+    outer: str = "P"  #: ``"P"`` (n + 1 stages P) or ``"Q"`` (n - 1 stages P).
+    g: int = 1  #: +1 or -1, the second entry of G.
+    #: ``"q"``, ``"p"``, ``"qp"`` or ``""``: whose first starting value is asked to vanish.
     starts: str = ""
+    #: Exact expressions for some of the unknowns.
     fixed: Mapping[str, str] = field(default_factory=dict)
-    title: str = ""
+    title: str = ""  #: One line for the file.
 
     def __post_init__(self) -> None:
         if not 2 <= self.n <= 40:

@@ -141,21 +141,11 @@ def _cost(values: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Found:
-    """Where one start ended.
+    """Where one start ended."""
 
-    Attributes
-    ----------
-    number : int
-        Which start: the draw depends on the seed and on this alone.
-    point : tuple[float, ...]
-        (n,) unknowns.
-    residual : float
-        Largest absolute residual.
-    """
-
-    number: int
-    point: tuple[float, ...]
-    residual: float
+    number: int  #: Which start: the draw depends on the seed and on this alone.
+    point: tuple[float, ...]  #: (n,) unknowns.
+    residual: float  #: Largest absolute residual.
 
 
 def search(

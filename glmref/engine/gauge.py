@@ -40,26 +40,17 @@ _DENOMINATOR = 10**6
 
 @dataclass(frozen=True)
 class Gauge:
-    """What a shear p -> p + G q changes of the growth of a parasitic part.
+    """What a shear p -> p + G q changes of the growth of a parasitic part."""
 
-    Attributes
-    ----------
-    G : tuple[tuple[float, ...], ...]
-        (m, m), symmetric, the best one that was found.
-    before, after : float
-        Largest absolute real part of an eigenvalue of the mean of H_pq, and of H_pq - H_pp G: the
-        mean rate of growth of a parasitic part, for each unit of its residue and of time.
-    taken : bool
-        Whether the run was done in the new coordinates: where the shear removes half of the rate or
-        more, in both halves of the pilot orbit.
-    evaluations : int
-        Right-hand-side evaluations of the pilot orbit; its derivatives are not counted.
-    """
-
-    G: tuple[tuple[float, ...], ...]
+    G: tuple[tuple[float, ...], ...]  #: (m, m), symmetric, the best one that was found.
+    #: Largest absolute real part of an eigenvalue of the mean of H_pq, and of H_pq - H_pp G: the
+    #: mean rate of growth of a parasitic part, for each unit of its residue and of time.
     before: float
     after: float
+    #: Whether the run was done in the new coordinates: where the shear removes half of the rate or
+    #: more, in both halves of the pilot orbit.
     taken: bool
+    #: Right-hand-side evaluations of the pilot orbit; its derivatives are not counted.
     evaluations: int
 
     def __str__(self) -> str:

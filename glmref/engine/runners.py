@@ -38,48 +38,20 @@ _FIRST_CHUNK = 64
 
 @dataclass(frozen=True, eq=False)
 class EnsembleSolution:
-    """What an ensemble computed.
+    """What an ensemble computed."""
 
-    Attributes
-    ----------
-    t : np.ndarray
-        (m,) times kept.
-    y : np.ndarray
-        (m, N, d) solutions; a trajectory that ended early keeps its last good value.
-    outcomes : np.ndarray
-        (N,) of :class:`.outcome.Outcome`.
-    steps : np.ndarray
-        (N,) steps completed.
-    values : np.ndarray
-        (N, r, d) values carried at the end, in the method's basis.
-    evaluations : int
-        Right-hand-side evaluations in all, start included.
-    seconds : float
-        Wall clock time of the steps.
-    build_seconds : float
-        Of generating and compiling.
-    width : int
-        Lanes per block (1: one by one).
-    threads : int
-        How many.
-    kernel : str
-        What was built, in words.
-    notices : tuple[str, ...]
-        Sentences worth knowing.
-    """
-
-    t: np.ndarray
-    y: np.ndarray
-    outcomes: np.ndarray
-    steps: np.ndarray
-    values: np.ndarray
-    evaluations: int
-    seconds: float
-    build_seconds: float
-    width: int
-    threads: int
-    kernel: str
-    notices: tuple[str, ...] = ()
+    t: np.ndarray  #: (m,) times kept.
+    y: np.ndarray  #: (m, N, d) solutions; a trajectory that ended early keeps its last good value.
+    outcomes: np.ndarray  #: (N,) of :class:`.outcome.Outcome`.
+    steps: np.ndarray  #: (N,) steps completed.
+    values: np.ndarray  #: (N, r, d) values carried at the end, in the method's basis.
+    evaluations: int  #: Right-hand-side evaluations in all, start included.
+    seconds: float  #: Wall clock time of the steps.
+    build_seconds: float  #: Of generating and compiling.
+    width: int  #: Lanes per block (1: one by one).
+    threads: int  #: How many.
+    kernel: str  #: What was built, in words.
+    notices: tuple[str, ...] = ()  #: Sentences worth knowing.
 
     @property
     def completed(self) -> bool:

@@ -16,18 +16,11 @@ from ..views.tables import counted
 
 @dataclass(frozen=True)
 class Comment:
-    """How a language writes a comment of several lines.
+    """How a language writes a comment of several lines."""
 
-    Attributes
-    ----------
-    begin, end : str
-        Lines before and after, "" where there are none.
-    margin : str
-        What each line begins with.
-    """
-
+    #: Lines before and after, "" where there are none.
     begin: str
-    margin: str
+    margin: str  #: What each line begins with.
     end: str
 
     def of(self, lines: Sequence[str]) -> str:

@@ -51,31 +51,17 @@ def additive_palette(k: int) -> Palette:
 
 @dataclass(frozen=True, eq=False)
 class Component:
-    """One right-hand side of a method with its block.
+    """One right-hand side of a method with its block."""
 
-    Attributes
-    ----------
-    colour : str
-        Root of the trees that belong to it.
-    A : Matrix
-        (n, m) stages from slopes.
-    U : Matrix
-        (n, r) stages from values.
-    B : Matrix
-        (r', m) values from slopes.
-    V : Matrix
-        (r', r) values from values. In a method r' = r; a start makes r' values of one, a finish one
-        of one.
-    output : Vector or None
-        (r,) functional that reads the solution off the values, ``None`` where the method says
-        nothing: see :mod:`glmref.method.preconsistency`.
-    """
-
-    colour: str
-    A: Matrix
-    U: Matrix
-    B: Matrix
+    colour: str  #: Root of the trees that belong to it.
+    A: Matrix  #: (n, m) stages from slopes.
+    U: Matrix  #: (n, r) stages from values.
+    B: Matrix  #: (r', m) values from slopes.
+    #: (r', r) values from values. In a method r' = r; a start makes r' values of one, a finish one
+    #: of one.
     V: Matrix
+    #: (r,) functional that reads the solution off the values, ``None`` where the method says
+    #: nothing: see :mod:`glmref.method.preconsistency`.
     output: Vector | None = None
 
     @property

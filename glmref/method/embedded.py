@@ -22,25 +22,15 @@ def quoted(name: str) -> str:
 
 @dataclass(frozen=True)
 class EmbeddedRow:
-    """One embedded row.
+    """One embedded row."""
 
-    Attributes
-    ----------
-    name : str
-        What its claims call it.
-    weights : tuple of Vector
-        For each component of the method one weight for each stage.
-    difference : bool
-        Whether these are the weights of the error estimate itself, ``b`` less those of the embedded
-        solution, instead of the latter.
-    values : Vector, optional
-        Of a method that carries several values one weight for each of them: the embedded solution
-        is ``h weights F + values y``.
-    """
-
-    name: str
-    weights: tuple[Vector, ...]
+    name: str  #: What its claims call it.
+    weights: tuple[Vector, ...]  #: For each component of the method one weight for each stage.
+    #: Whether these are the weights of the error estimate itself, ``b`` less those of the embedded
+    #: solution, instead of the latter.
     difference: bool = False
+    #: Of a method that carries several values one weight for each of them: the embedded solution is
+    #: ``h weights F + values y``.
     values: Vector | None = None
 
     def other(self, b: Sequence[Vector]) -> tuple[Matrix, ...]:

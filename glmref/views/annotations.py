@@ -24,28 +24,15 @@ class Level(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """What is to be said about a line of a file.
+    """What is to be said about a line of a file."""
 
-    Attributes
-    ----------
-    path : str
-        File, seen from the root of the repository, with ``/`` between folders.
-    line : int
-        Line, counted from 1.
-    level : Level
-        An error is a claim that fails, a warning a question or what is open, a note what could not
-        be read.
-    rule : str
-        What was checked: ``order``, ``embedded``, ``table``, ..
-    message : str
-        One sentence.
-    """
-
-    path: str
-    line: int
+    path: str  #: File, seen from the root of the repository, with ``/`` between folders.
+    line: int  #: Line, counted from 1.
+    #: An error is a claim that fails, a warning a question or what is open, a note what could not
+    #: be read.
     level: Level
-    rule: str
-    message: str
+    rule: str  #: What was checked: ``order``, ``embedded``, ``table``, ..
+    message: str  #: One sentence.
 
 
 def text(remarks: Sequence[Remark]) -> str:

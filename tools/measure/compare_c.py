@@ -59,43 +59,24 @@ Loop = Callable[..., int]
 
 @dataclass(frozen=True)
 class Row:
-    """One method on one problem.
+    """One method on one problem."""
 
-    Attributes
-    ----------
-    method, problem : str
-        What was run.
-    same_bits : bool
-        Whether C and engine end in the same state.
-    evaluations : float
-        Evaluations of the force per step, of the arithmetic that C has as well.
-    nanoseconds : dict[str, tuple[float, float, float]]
-        Name of the competitor -> quartiles of the time of one step; ``force`` is one evaluation of
-        the force, ``chosen`` the engine with the solver named in ``solver``, ``contracted`` the C
-        loop compiled with contraction, ``fused`` the engine with it.
-    level : str
-        Optimisation level of the C loop, the better one.
-    c_over_engine : tuple[float, float, float]
-        Quartiles of the ratio of times; 1 and above: the engine is no slower than C.
-    contracted_over_fused : tuple[float, float, float]
-        The same for both with contraction.
-    engine_over_force : float
-        Time of a step over that of its evaluations alone, medians.
-    reference_over_engine : float
-        How much slower the numpy reference is, medians.
-    """
-
+    #: What was run.
     method: str
     problem: str
     solver: str
-    level: str
-    same_bits: bool
-    evaluations: float
+    level: str  #: Optimisation level of the C loop, the better one.
+    same_bits: bool  #: Whether C and engine end in the same state.
+    evaluations: float  #: Evaluations of the force per step, of the arithmetic that C has as well.
+    #: Name of the competitor -> quartiles of the time of one step; ``force`` is one evaluation of
+    #: the force, ``chosen`` the engine with the solver named in ``solver``, ``contracted`` the C
+    #: loop compiled with contraction, ``fused`` the engine with it.
     nanoseconds: dict[str, tuple[float, float, float]]
+    #: Quartiles of the ratio of times; 1 and above: the engine is no slower than C.
     c_over_engine: tuple[float, float, float]
-    contracted_over_fused: tuple[float, float, float]
-    engine_over_force: float
-    reference_over_engine: float
+    contracted_over_fused: tuple[float, float, float]  #: The same for both with contraction.
+    engine_over_force: float  #: Time of a step over that of its evaluations alone, medians.
+    reference_over_engine: float  #: How much slower the numpy reference is, medians.
 
 
 def compiler() -> str | None:

@@ -43,33 +43,16 @@ KEPLER = problem("kepler", eccentricity="3/5")
 
 @dataclass(frozen=True)
 class Row:
-    """An integrator at one goal.
+    """An integrator at one goal."""
 
-    Attributes
-    ----------
-    name : str
-        Method or peer.
-    goal : float
-        Energy error asked for.
-    setting : float
-        Steps per period, or tolerance; ``nan`` where no setting reached the goal.
-    error : float
-        Energy error reached there, else the smallest one seen.
-    milliseconds : tuple[float, float, float] or tuple[()]
-        Quartiles of the run, empty where the goal was not reached.
-    evaluations : int
-        Right-hand-side evaluations of the run, 0 where it is not told.
-    note : str
-        What happened where the goal was not reached, or the solver.
-    """
-
-    name: str
-    goal: float
-    setting: float
-    error: float
+    name: str  #: Method or peer.
+    goal: float  #: Energy error asked for.
+    setting: float  #: Steps per period, or tolerance; ``nan`` where no setting reached the goal.
+    error: float  #: Energy error reached there, else the smallest one seen.
+    #: Quartiles of the run, empty where the goal was not reached.
     milliseconds: tuple[float, float, float] | tuple[()]
-    evaluations: int
-    note: str
+    evaluations: int  #: Right-hand-side evaluations of the run, 0 where it is not told.
+    note: str  #: What happened where the goal was not reached, or the solver.
 
 
 def energy_error(y: np.ndarray) -> float:

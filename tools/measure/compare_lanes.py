@@ -56,23 +56,14 @@ PROBLEMS = {
 
 @dataclass(frozen=True)
 class Row:
-    """One method on one problem.
-
-    Attributes
-    ----------
-    nanoseconds : dict[str, tuple[float, float, float]]
-        Quartiles of the time of one step of one trajectory: in lanes, one by one.
-    gain : float
-        The second over the first, medians.
-    width : int
-        Lanes per block.
-    """
+    """One method on one problem."""
 
     method: str
     problem: str
-    width: int
+    width: int  #: Lanes per block.
+    #: Quartiles of the time of one step of one trajectory: in lanes, one by one.
     nanoseconds: dict[str, tuple[float, float, float]]
-    gain: float
+    gain: float  #: The second over the first, medians.
 
 
 def measure(name: str, of: str, *, repeats: int) -> Row:

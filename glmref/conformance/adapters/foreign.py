@@ -78,20 +78,11 @@ class Built:
     ----------
     sources : Mapping
         Method -> the files to be compiled, the main one first, and the text of each.
-
-    Attributes
-    ----------
-    compiler : Sequence of str
-        The command; ``-o LIBRARY FILE`` and the libraries are appended.
-    libraries : Sequence of str
-        What is linked, as words of the compiler.
-    methods
-        As of every adapter.
     """
 
-    compiler: Sequence[str]
-    libraries: Sequence[str] = ()
-    methods: Sequence[str] | Mapping[str, Mapping[str, object]]
+    compiler: Sequence[str]  #: The command; ``-o LIBRARY FILE`` and the libraries are appended.
+    libraries: Sequence[str] = ()  #: What is linked, as words of the compiler.
+    methods: Sequence[str] | Mapping[str, Mapping[str, object]]  #: As of every adapter.
 
     def __init__(self, sources: Mapping[str, Mapping[str, str]]) -> None:
         if shutil.which(self.compiler[0]) is None:

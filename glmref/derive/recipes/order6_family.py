@@ -182,30 +182,14 @@ def _square_root(value: Fraction) -> tuple[Fraction, int]:
 
 @dataclass(frozen=True)
 class Forms:
-    """Squares and ratios that give alpha, beta and gamma.
+    """Squares and ratios that give alpha, beta and gamma."""
 
-    Attributes
-    ----------
-    alpha_square : Fraction
-        alpha1^2.
-    alpha_ratio : Fraction
-        alpha2 / alpha1.
-    beta_square : Quadratic
-        beta1^2.
-    beta_ratios : tuple[Quadratic, Quadratic]
-        beta2 / beta1, beta3 / beta1.
-    gamma_square : Quadratic
-        gamma1^2.
-    gamma_ratios : tuple[Quadratic, Quadratic]
-        gamma2 / gamma1, gamma3 / gamma1.
-    """
-
-    alpha_square: Fraction
-    alpha_ratio: Fraction
-    beta_square: Quadratic
-    beta_ratios: tuple[Quadratic, Quadratic]
-    gamma_square: Quadratic
-    gamma_ratios: tuple[Quadratic, Quadratic]
+    alpha_square: Fraction  #: alpha1^2.
+    alpha_ratio: Fraction  #: alpha2 / alpha1.
+    beta_square: Quadratic  #: beta1^2.
+    beta_ratios: tuple[Quadratic, Quadratic]  #: beta2 / beta1, beta3 / beta1.
+    gamma_square: Quadratic  #: gamma1^2.
+    gamma_ratios: tuple[Quadratic, Quadratic]  #: gamma2 / gamma1, gamma3 / gamma1.
 
     def is_real(self) -> bool:
         """Return whether alpha1, beta1 and gamma1 are real."""

@@ -115,24 +115,12 @@ class Statement:
 
 @dataclass(frozen=True)
 class Derivation:
-    """What a recipe found.
+    """What a recipe found."""
 
-    Attributes
-    ----------
-    recipe : str
-        Its name.
-    documents : Sequence[Mapping[str, Any]]
-        Method documents, complete and proved.
-    statements : Sequence[Statement]
-        What was proved on the way.
-    refused : bool
-        Whether the requested method does not exist.
-    """
-
-    recipe: str
-    documents: Sequence[Mapping[str, Any]]
-    statements: Sequence[Statement]
-    refused: bool = False
+    recipe: str  #: Its name.
+    documents: Sequence[Mapping[str, Any]]  #: Method documents, complete and proved.
+    statements: Sequence[Statement]  #: What was proved on the way.
+    refused: bool = False  #: Whether the requested method does not exist.
 
 
 #: Makes a document with what was proved of it.

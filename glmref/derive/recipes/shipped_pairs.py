@@ -15,19 +15,11 @@ from .record import stored
 
 @dataclass(frozen=True)
 class Shipped:
-    """An ansatz with as many unknowns as equations, and a dozen digits of each unknown.
-
-    Attributes
-    ----------
-    start : str
-        In the order of the document.
-    notes : Sequence[str]
-        For the file.
-    """
+    """An ansatz with as many unknowns as equations, and a dozen digits of each unknown."""
 
     ansatz: PairAnsatz
-    start: str
-    notes: Sequence[str] = ()
+    start: str  #: In the order of the document.
+    notes: Sequence[str] = ()  #: For the file.
 
 
 #: Notes of the files, by their names in ``rough.json``. `tests/unit/test_pairs.py` compares the

@@ -32,26 +32,13 @@ from .record import (
 
 @dataclass(frozen=True)
 class Rough:
-    """An ansatz with a solution to about ten digits.
+    """An ansatz with a solution to about ten digits."""
 
-    Attributes
-    ----------
-    ansatz : Ansatz
-        What is solved.
-    start : str
-        Value of each unknown, in the order of the document.
-    where : str
-        What the method is, for its source record.
-    claims : Mapping[str, Any]
-        Claims besides the usual ones.
-    grows : str
-        How much its parasitic part grows in data/measurements/long-runs.json, in a word.
-    """
-
-    ansatz: Ansatz
-    start: str
-    where: str
-    claims: Mapping[str, Any] = field(default_factory=dict)
+    ansatz: Ansatz  #: What is solved.
+    start: str  #: Value of each unknown, in the order of the document.
+    where: str  #: What the method is, for its source record.
+    claims: Mapping[str, Any] = field(default_factory=dict)  #: Claims besides the usual ones.
+    #: How much its parasitic part grows in data/measurements/long-runs.json, in a word.
     grows: str = ""
 
 
