@@ -21,6 +21,7 @@ myst_heading_anchors = 3
 exclude_patterns = ["_build", "audit/*", "campaigns/*", "nonseparable/*"]
 
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "description"
 autodoc_type_aliases = {"Matrix": "Matrix", "Vector": "Vector"}
 napoleon_use_rtype = False

@@ -59,8 +59,8 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "second order, q'' = g(q)",
         ("multistep-rkn-8", "blanes-moan-rkn-6-14", "kahan-li-8", "pair-rkn-6-8b"),
-        "no stage equation, and the fewest force evaluations, at small constant steps; not "
-        "symplectic (the splittings are)",
+        "fewest force evaluations, at small constant steps; not symplectic (the splittings are), "
+        "but bounded over ten million steps",
         "second order",
         ("multistep-rkn-10", "stormer-verlet", "blanes-moan-rkn-6-11", "gauss-4", "gauss-5"),
         "Shorter runs, or `renew=10_000`, also take `multistep-rkn-10` ({doc}`multivalue`). Of the "
@@ -71,7 +71,8 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "separable p' = -V'(q), q' = T'(p)",
         ("multistep-8", "blanes-moan-6", "kahan-li-8", "pair-6-8"),
-        "explicit, and needs the fewest evaluations; not symplectic (the splittings are)",
+        "explicit, with the fewest evaluations; not symplectic (the splittings are), but bounded "
+        "over ten million steps",
         "separable",
         ("stormer-verlet", "blanes-moan-4", "gauss-4", "gauss-5"),
         "For up to 100,000 steps also `pair-6-9`. At 1e-9 the best general pair needs fewer force "
@@ -95,8 +96,8 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "charges in fields, rotating frames: q' = f(p), p' = g(q, p)",
         ("multistep-kinetic-8", "gauss-4"),
-        "explicit; 0.29 of the evaluations of the best Gauss method at 1e-9; can be lost, with a "
-        "notice",
+        "explicit; 0.29 of the evaluations of the best Gauss method at 1e-9; an orbit can be lost, "
+        "with a notice",
         "semi-separable",
         ("multistep-kinetic-6", "multistep-kinetic-10", "gauss-5", "cooper-verner-8"),
         "The system has to be written in velocities. Three of seven such systems were lost within "
@@ -126,7 +127,8 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "not stiff, short time, no invariant to conserve",
         ("dormand-prince-5", "rk4"),
-        "explicit; in an adaptive code such as scipy's DOP853 where there is one",
+        "explicit; better still is an adaptive code, such as scipy's RK45 (the same tableau) or "
+        "DOP853",
         "general",
         ("cooper-verner-8", "gauss-4", "radau-iia-3", "sdirk-4"),
         "Conservation properties do not help there.",

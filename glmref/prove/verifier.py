@@ -65,8 +65,8 @@ def verify(
         Seconds of processor time for all of them; by default 60 for a file of the user and no limit
         else. What is not decided when they are spent is open.
     tell : callable
-        Is given each claim as an open finding without a witness before the first is decided, and
-        each finding as soon as it is decided.
+        Is called with every claim as an open finding at the start, then with each finding as soon
+        as it is decided.
 
     Raises
     ------

@@ -184,13 +184,14 @@ def test_the_page_prints_what_is_measured() -> None:
     g = [mean[name, "gauss", t] for t in (1e-9, 1e-6) for name in (eight, ten)]
     d = [mean[name, "dop853", 1e-9] for name in (eight, ten)]
     assert f"needs {g[0]} and `{ten}` {g[1]} of the best Gauss" in page
-    assert f"$10^{{-6}}$ {g[2]} and {g[3]}; and {d[0]} and {d[1]} of DOP853" in page
+    assert f"$10^{{-6}}$ the means are {g[2]} and {g[3]} (`-8`, `-10`)" in page
+    assert f"of DOP853, where that reached $10^{{-9}}$, they are {d[0]} and {d[1]}." in page
     (advice,) = (x for x in ADVICE if x.kind == "semi-separable")
     assert advice.take[0] == eight and f"{g[0]} of the evaluations" in advice.why
     lost = {x["problem"] for x in record["long"] if x["method"] == eight and x["reported"]}
     assert len(lost) == 3 and len(counts) == 2 * 7 and "Three of seven" in advice.more
     general = [mean[f"multistep-general-{x}", "gauss", 1e-9] for x in ("8", "8b")]
-    assert f"come to {general[0]} and {general[1]}" in page
+    assert f"need {general[0]} and {general[1]} of Gauss here" in page
     for problem_, *cells in _table("semi-separable"):
         found = counts[problem_, 1e-9]
         gauss = min(x for k, x in found.items() if k.startswith("gauss") and x)
