@@ -134,7 +134,8 @@ class Ansatz:
                     f"{', '.join(cls.__dataclass_fields__)}"
                 )
         try:
-            table["values"] = [Value(**x) for x in table.get("values", [])] or list(cls.values)
+            if "values" in table:
+                table["values"] = [Value(**x) for x in table["values"]]
             table["abscissae"] = {int(k): str(v) for k, v in table.get("abscissae", {}).items()}
             table["fixed"] = {k: str(v) for k, v in table.get("fixed", {}).items()}
             return cls(**table)

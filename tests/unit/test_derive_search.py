@@ -114,6 +114,13 @@ def test_ansatz_refuses_what_cannot_be() -> None:
         Ansatz("x", 3, 6, fixed={"b9": "1"}).document()
 
 
+def test_an_empty_list_of_values_is_a_runge_kutta_method(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    for text, values in (("", Ansatz.values), ("values = []\n", ())):
+        path.write_text(f'name = "x"\nstages = 3\norder = 4\n{text}', encoding="utf-8")
+        assert tuple(Ansatz.from_toml(path).values) == tuple(values)
+
+
 def test_ansatz_files_are_checked(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     for text, match in (
