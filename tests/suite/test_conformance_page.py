@@ -25,20 +25,23 @@ if not PAGES[0].is_file():
     pytest.skip("the documentation is not part of this copy", allow_module_level=True)
 TEXT = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+#: The files of the pages: a block of Python behind its name.
+FILES = dict(re.findall(r"`(\w+\.py)`:\n\n```python\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL))
+assert FILES.keys() == {"mine.py", "method_n.py", "midpoint.py"}
 
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder with the files of the pages."""
-    adapters, program = [block for kind, block in BLOCKS if kind == "python"]
-    (tmp_path / "mine.py").write_text(adapters, encoding="utf-8")
-    (tmp_path / "midpoint.py").write_text(program, encoding="utf-8")
+    for name, block in FILES.items():
+        (tmp_path / name).write_text(block, encoding="utf-8")
+        monkeypatch.delitem(sys.modules, Path(name).stem, raising=False)
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     importlib.invalidate_caches()
-    monkeypatch.delitem(sys.modules, "mine", raising=False)
     yield tmp_path
-    sys.modules.pop("mine", None)
+    for name in FILES:
+        sys.modules.pop(Path(name).stem, None)
 
 
 def commands() -> list[tuple[list[str], int, str]]:
