@@ -64,19 +64,11 @@ def carried_out(
     beside: Path | None = None,
     limits: Limits | None = None,
 ) -> list[Any]:
-    """Return what a function gives for each case, in order.
+    """Return what a function of a module gives for each case, in order.
 
-    Parameters
-    ----------
-    function : callable
-        Of a module; its result is what JSON can hold.
-    cases : iterable of mapping
-        No two with the same content.
-    beside : Path, optional
-        The file that will hold the results. Beside it they are kept as they end, until
-        all are there; what other sources or versions have measured is measured again.
-    limits : Limits, optional
-        What each may take; :data:`TIMED` for what is timed.
+    No two cases have the same content. Beside the file that will hold the results they are kept as
+    they end, until all are there; what other sources or versions have measured is measured again.
+    Of what is timed the limits are :data:`TIMED`.
 
     Raises
     ------
@@ -119,16 +111,10 @@ def in_json(record: Any, number: Callable[[float], float | None] = finite) -> di
 
 
 def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:
-    """Return the document of a measurement.
+    """Return the document of a measurement with what was measured.
 
-    Parameters
-    ----------
-    module : str
-        What follows ``python -m campaigns.`` in the command that measures it, without the file.
-    name, title, notes : str
-        What the document says of itself.
-    **rest :
-        What was measured.
+    ``module`` is what follows ``python -m campaigns.`` in the command that measures it, without the
+    file.
     """
     return {
         "format": "glmref-measurement-1", "name": name, "title": title,
@@ -179,26 +165,11 @@ def renew(
     cases: Iterable[Case],
     row: Callable[[Case], Mapping[str, Any]],
 ) -> int:
-    """Bring a file up to date.
+    """Bring a file up to date; return how many rows of its field were measured.
 
-    Parameters
-    ----------
-    path : Path
-        The file; it need not exist.
-    head : Mapping[str, Any]
-        The keys before the rows.
-    field : str
-        Key of the rows.
-    cases : Iterable[Case]
-        What there is to be a row about: keys and values by which a row is known to be of this case
-        and current; among them its ``fingerprint``.
-    row : Callable[[Case], Mapping[str, Any]]
-        A function of a module; measures the row of a case, without the case.
-
-    Returns
-    -------
-    int
-        How many rows were measured; ``where`` says on what the last ones were.
+    ``head`` are the keys before the rows. A case holds keys and values by which a row is known to
+    be of this case and current, among them its ``fingerprint``; ``row``, a function of a module,
+    measures the rest of it. ``where`` says on what the last ones were measured.
     """
     file = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     stored = file.get(field, [])

@@ -82,19 +82,11 @@ def _constants(result: OrderResult) -> dict[str, Any]:
 def along_paths(method: Method, order: int) -> dict[str, Any]:
     """Return the constants of a pair whose stages are the solution, from trees without branches.
 
-    Parameters
-    ----------
-    method : Method
-        A pair of multistep formulas of one evaluation, for systems of two colours that may follow
-        in any order; its order is proved.
-    order : int
-        p, at least :data:`LARGEST`, so that the largest residuals are those of trees whose root has
-        leaves only.
-
-    Notes
-    -----
-    The residual of a tree t of order n = p + 1 is n! / gamma(t) R, where R is that of the tree
-    without branches with its root (see ``_along_paths`` of :mod:`glmref.prove.kernel`).
+    The pair, of multistep formulas of one evaluation, is for systems of two colours that may follow
+    in any order, and has a proved order p of at least :data:`LARGEST`, so that the largest
+    residuals are those of trees whose root has leaves only. The residual of a tree t of order n = p
+    + 1 is n! / gamma(t) R, where R is that of the tree without branches with its root (see
+    ``_along_paths`` of :mod:`glmref.prove.kernel`).
     """
     series = StartingSeries.of(method, free=False, along_paths=True)
     n, level = order + 1, {}

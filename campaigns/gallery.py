@@ -31,12 +31,7 @@ Costs = Mapping[str, float]
 def costs(kind: str, tolerance: str) -> Iterator[Costs]:
     """Yield, problem by problem, the evaluations of each method that reaches a tolerance.
 
-    Parameters
-    ----------
-    kind : str
-        A key of :data:`CLASSICAL`.
-    tolerance : str
-        A key of :data:`TOLERANCES`.
+    Kinds are the keys of :data:`CLASSICAL`, tolerances those of :data:`TOLERANCES`.
     """
     if CLASSICAL[kind] == "splitting":
         for case in measured("held-out-digits")["cases"]:
@@ -61,13 +56,9 @@ def is_classical(kind: str, name: str) -> bool:
 def shares(kind: str, tolerance: str) -> tuple[dict[str, float], int]:
     """Return what methods need, as parts of the best classical method of each problem.
 
-    Returns
-    -------
-    dict of str to float
-        Method -> the geometric mean over the problems, of the methods that reach the tolerance on
-        all of them. Codes of others, which are not in the catalogue, are left out.
-    int
-        The number of problems: those on which a classical and another method reach the tolerance.
+    That is the geometric mean over the problems, of the methods that reach the tolerance on all of
+    them, without codes of others, which are not in the catalogue; and the number of problems: those
+    on which a classical and another method reach the tolerance.
     """
     problems = []
     for found in costs(kind, tolerance):

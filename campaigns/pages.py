@@ -54,14 +54,7 @@ def markdown(head: Sequence[object], rows: Iterable[Iterable[object]]) -> str:
 
 
 def filled(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
-    """Return a page with its tables computed anew.
-
-    Parameters
-    ----------
-    text
-        The page, in Markdown.
-    tables
-        Name of a table -> what writes it. Every name must have exactly one place in the page.
+    """Return a page in Markdown with its tables computed anew, by their names.
 
     Raises
     ------

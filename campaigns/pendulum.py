@@ -37,14 +37,11 @@ CHECKPOINTS = tuple(ROWS * 4**k for k in range(20))
 
 
 def long_run(name: str, *, steps: int, h: float) -> dict[str, Any]:
-    """Run one method for many steps and say how its energy fared.
+    """Run one method for many steps and say how its energy fared, as a record.
 
-    Returns
-    -------
-    dict[str, Any]
-        A JSON-ready record: outcome, seconds, memory, law of the energy deviation, and the root
-        mean square of the deviation over each doubling of time, with the size of the values beyond
-        the solution where there are any; and the values (r, d) at the checkpoints.
+    It has outcome, seconds, memory, law of the energy deviation, and the root mean square of the
+    deviation over each doubling of time, with the size of the values beyond the solution where
+    there are any; and the values (r, d) at the checkpoints.
     """
     subject, method = problem("pendulum", q0=ANGLE), load(name)
     follow(subject, method, h=h, steps=max(1, steps // 100))

@@ -181,14 +181,9 @@ PICTURES: Mapping[str, Callable[[], str]] = {
 
 
 def grown(h: float, part: float = 1.0) -> dict[str, Any]:
-    """Return the parasitic part along a run, and what is predicted of it.
+    """Return the parasitic part along a run with the step h, and what is predicted of it.
 
-    Parameters
-    ----------
-    h : float
-        Step size.
-    part : float
-        How much of the way to the predicted loss is run.
+    The run takes this part of the way to the predicted loss.
     """
     method, target = load(GROWING), problem("pendulum", q0="23/10")
     (found,) = predict(method, target, h, 1e4).parts

@@ -92,22 +92,10 @@ def round_off(
     first: int = 10_000,
     **options: Any,
 ) -> RoundOff:
-    """Measure how the round-off in exactly kept quadratic invariants grows.
+    """Measure how the round-off in exactly kept quadratic invariants grows from ``first`` steps on.
 
-    Parameters
-    ----------
-    method : GLM
-        Symplectic with one value, or with a form G.
-    problems : Sequence[Problem]
-        With quadratic invariants; several, because one walk tells little.
-    h : float
-        Step size.
-    steps : int
-        Number of steps.
-    first : int
-        Number of steps from which growth is fitted.
-    **options : Any
-        ``engine``, ``arithmetic``, ``form`` and ``solver`` of :func:`glmref.solve`.
+    The method is symplectic with one value, or has a form G. There are several problems with such
+    invariants, because one walk tells little. The options are those of :func:`glmref.solve`.
 
     Raises
     ------

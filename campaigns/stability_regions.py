@@ -46,15 +46,11 @@ Point = tuple[float, float]
 def row(method: Any) -> dict[str, Any]:
     """Return the stability of one method, in short numbers.
 
-    Polygons are texts "x,y x,y .." as SVG has them.
-
-    Returns
-    -------
-    dict[str, Any]
-        ``reach``, half the side of the box; ``rings``, polygons in it; ``imaginary`` and ``real``,
-        ends of the stable parts of the imaginary and the negative real axis, :data:`FAR` where none
-        was seen. Of a pair ``reach``, ``moduli``, curves of moduli against h omega, and
-        ``oscillation``, the end of the stable part.
+    Polygons are texts "x,y x,y .." as SVG has them. ``reach`` is half the side of the box,
+    ``rings`` are polygons in it, ``imaginary`` and ``real`` ends of the stable parts of the
+    imaginary and the negative real axis, :data:`FAR` where none was seen. Of a pair there are
+    ``reach``, ``moduli``, curves of moduli against h omega, and ``oscillation``, the end of the
+    stable part.
     """
     if isinstance(method, PartitionedGLM):
         whole = oscillator(method)

@@ -170,16 +170,10 @@ def _forget() -> None:
 
 
 class Bench:
-    """Tests that are collected, what each calls, and how long it takes.
+    """Tests of a session that has collected, what each calls, and how long it takes.
 
-    Parameters
-    ----------
-    session : pytest.Session
-        A session that has collected.
-    modules : sequence of Path
-        Modules whose calls are of interest, as paths in the tree.
-    known : Path or None
-        File in which calls and seconds of tests are kept, for a next run.
+    The modules whose calls are of interest are paths in the tree; in the file ``known`` calls and
+    seconds of tests are kept, for a next run.
     """
 
     def __init__(

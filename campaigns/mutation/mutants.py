@@ -36,17 +36,9 @@ class Mutant:
 
 
 def mutants(source: str) -> Iterator[Mutant]:
-    """Yield every mutant of a module.
+    """Yield every mutant of the text of a module, in the order of the syntax tree.
 
-    Parameters
-    ----------
-    source : str
-        Its text.
-
-    Yields
-    ------
-    Mutant
-        In the order of the syntax tree; docstrings, annotations and imports stay as they are.
+    Docstrings, annotations and imports stay as they are.
     """
     tree = ast.parse(source)
     still, functions = _left_alone(tree), _functions(tree)

@@ -42,10 +42,7 @@ T_END = 20.0
 def begin(kind: str, engine: Stepper, y0: np.ndarray, h: Any) -> tuple[np.ndarray, int]:
     """Return starting values (r, d) and the evaluations they cost.
 
-    Parameters
-    ----------
-    kind : str
-        ``"zero"``, ``"explicit"``, ``"enhanced k"`` or ``"iterated k"``.
+    The kind is ``"zero"``, ``"explicit"``, ``"enhanced k"`` or ``"iterated k"``.
     """
     name, _, passes = kind.partition(" ")
     if name == "enhanced":

@@ -115,14 +115,8 @@ def run(
 ) -> tuple[np.ndarray, int]:
     """Return the solution (2m,) at the end and the evaluations of both gradients it took.
 
-    Parameters
-    ----------
-    method : str
-        A symmetric splitting; a composition of Störmer-Verlet steps where copies are bound.
-    copies : str
-        One of :data:`METHODS`.
-    omega : float
-        The constant of the binding.
+    The method is a symmetric splitting, a composition of Störmer-Verlet steps where ``copies``, one
+    of :data:`METHODS`, are bound with the constant omega.
     """
     y0 = np.array(one.y0, dtype=float)
     two, h, flows = Copies(one.f, np.array([y0, y0])), end / steps, strokes(method)

@@ -161,23 +161,11 @@ def follow_pair(name: str, case: Case, steps: int = STEPS, *, start: str | None 
 def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0) -> Long:
     """Run any method from its default start and record energy and carried values.
 
-    Parameters
-    ----------
-    name
-        Of a method of the catalogue.
-    case
-        The problem, with the step size in units of :data:`UNITS`.
-    steps
-        A power of ten from 10^4 on.
-    restart
-        Take the solution as a new initial value, from which the method starts anew, every so many
-        steps; 0: never. A divisor of `steps`.
-
-    Returns
-    -------
-    Long
-        Its ``carried`` is empty for methods that carry one value, and the norm of the parasitic
-        part (:func:`.long_order6.parasitic_part`) for general linear methods.
+    The number of steps is a power of ten from 10^4 on, the step size in :data:`UNITS`. With
+    ``restart``, a divisor of it, the solution is taken as a new initial value, from which the
+    method starts anew, every so many steps. ``carried`` is empty for methods that carry one value,
+    and the norm of the parasitic part (:func:`.long_order6.parasitic_part`) for general linear
+    methods.
     """
     return _followed(name, case, step_size(name, case), steps, restart=restart)
 

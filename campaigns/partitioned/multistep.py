@@ -297,10 +297,7 @@ def long_table(document: Mapping[str, Any]) -> str:
 def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
     """Return what to know of each shipped method, in Markdown.
 
-    Parameters
-    ----------
-    documents
-        Records of ``multistep-long``, ``multistep-growth`` and ``multistep-resonances``.
+    From the records ``multistep-long``, ``multistep-growth`` and ``multistep-resonances``.
     """
     rows = []
     first = {

@@ -234,16 +234,9 @@ def descend(
 ) -> Found:
     """Change some or all angles at random, and keep what is better.
 
-    Parameters
-    ----------
-    kind : str
-        ``"separable"`` with so many pairs in each half, or ``"rkn"``.
-    pairs : int
-        Of roots.
-    start : Sequence[float]
-        Angles in degrees, those of q first; evenly spread ones by default.
-    penalty : float
-        For each factor ten of growth.
+    ``separable`` methods have so many pairs of roots in each half, ``rkn`` ones in one. Angles at
+    the start are in degrees, those of q first, evenly spread by default; the penalty is for each
+    factor ten of growth.
     """
     generator = np.random.default_rng(seed)
     count = 2 * pairs if kind == "separable" else pairs

@@ -167,13 +167,9 @@ def solved(x: np.ndarray, order: int, s: int = 2) -> np.ndarray | None:
     """Solve for a method of an order beyond 2 m + 2, from near unknowns.
 
     A drift that is its own mirror image has to match each further odd power of x, another one each
-    further power. With two kicks two orders more cost two conditions on 2 m + 1 unknowns.
-    Levenberg and Marquardt's method.
-
-    Returns
-    -------
-    np.ndarray or None
-        The unknowns, ``None`` where they are not found or :func:`allowed` refuses the method.
+    further power. With two kicks two orders more cost two conditions on 2 m + 1 unknowns. Levenberg
+    and Marquardt's method. ``None`` where no unknowns are found or :func:`allowed` refuses the
+    method.
     """
     pairs = (len(x) - s // 2) // s
     rows = [(i, k) for i in range(s // 2) for k in range(2 * pairs + 2, order)

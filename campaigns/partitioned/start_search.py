@@ -85,10 +85,7 @@ def fixed_start(
 ) -> dict[str, list[list[str]]]:
     """Fix as many coefficients at short fractions as are free; the others are rough decimals.
 
-    Parameters
-    ----------
-    point : Sequence[float]
-        A solution that :func:`search_start` found.
+    The point is a solution that :func:`search_start` found.
     """
     residuals, _ = _weighted(pairs, target)
     _, jacobians = evaluate(residuals, np.array([point], dtype=float))

@@ -57,12 +57,7 @@ class Misses:
 def misses(name: str, h: Fraction, *, of: str = "pendulum", end: int = 1) -> Misses:
     """Compare both starts with exact starting values, see the module docstring.
 
-    Parameters
-    ----------
-    h : Fraction
-        Step size; ``end / h`` is a whole number of steps.
-    of : str
-        A key of :data:`SUBJECTS`.
+    Of one of :data:`SUBJECTS`; ``end / h`` is a whole number of steps.
     """
     pair = load(name)
     assert isinstance(pair, PartitionedGLM) and pair.starting is not None

@@ -42,16 +42,9 @@ _SECOND = (
 def best(
     case: Mapping[str, Any], names: Sequence[str], tolerance: str, key: str = "needed"
 ) -> tuple[str, float] | None:
-    """Return the method that needs least, from zero starts, with the number.
+    """Return the method that needs least in an entry of ``cases`` of pairs.json, from zero starts.
 
-    Parameters
-    ----------
-    case : Mapping[str, Any]
-        An entry of ``cases`` in data/measurements/pairs.json.
-    tolerance : str
-        ``"1e-09"``.
-    key : str
-        ``"needed"`` for evaluations, ``"seconds"`` for times.
+    The number with it is one of evaluations (``key`` is ``"needed"``) or of ``"seconds"``.
     """
     found = [
         (row[key][tolerance], row["method"])
@@ -171,11 +164,7 @@ def _growth(runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 def shipped_table(records: Mapping[str, Mapping[str, Any]]) -> str:
     """Tabulate every pair: order, cost against the best splitting, and where it grows.
 
-    Parameters
-    ----------
-    records
-        Name of a measurement -> its file: ``pairs``, ``pairs-long``, ``pairs-starts`` and
-        ``kepler-long``.
+    From the records ``pairs``, ``pairs-long``, ``pairs-starts`` and ``kepler-long``.
     """
     own, kepler = records["pairs-starts"], records["kepler-long"]
     started = {run["method"] for run in own["runs"]}

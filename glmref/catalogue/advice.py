@@ -143,15 +143,7 @@ def candidates(kind: str) -> tuple[str, ...]:
 
 
 def long_runs(method: Method, notes: Sequence[str]) -> str:
-    """Return how a method does on long runs: what its file records, else what its structure says.
-
-    Parameters
-    ----------
-    method : Method
-        The method.
-    notes : sequence of str
-        Notes of its file.
-    """
+    """Return how a method does on long runs: what its notes record, else by its structure."""
     said = " ".join(notes)
     if "has a notice" in said:
         return WATCHED

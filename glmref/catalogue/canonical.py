@@ -149,16 +149,10 @@ def checksums(root: Path) -> str:
 
 
 def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the datapackage document: its ``head`` and every file with size and hash.
+    """Return the datapackage document: its ``head`` and every file of the data with size and hash.
 
-    Parameters
-    ----------
-    root : Path
-        The data folder.
-    head : Mapping[str, Any]
-        The document without ``resources``, or an older one whose ``resources`` are replaced.
-
-    References: Data Package (v2), https://datapackage.org/standard/data-package/.
+    The head may be an older document: its ``resources`` are replaced. Data Package (v2),
+    https://datapackage.org/standard/data-package/.
     """
     resources = []
     for path in _files(root, _SUMS, _PACKAGE):
@@ -176,12 +170,9 @@ def datapackage(root: Path, head: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def refresh(root: Path) -> list[Path]:
-    """Bring the method files into canonical form, lay out the hostile ones, update the hashes.
+    """Bring method files into canonical form, lay out the hostile ones, update the hashes.
 
-    Returns
-    -------
-    list[Path]
-        The files that were written: those whose text was another one.
+    Returns the files that were written: those whose text was another one.
 
     Raises
     ------

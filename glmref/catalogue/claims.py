@@ -570,11 +570,8 @@ def meant_order(claims: Mapping[str, Any]) -> int | None:
 def stated_orders(claims: Mapping[str, Any]) -> dict[str, int]:
     """Return the orders that a file states, exactly or of rounded coefficients, by name of weights.
 
-    Returns
-    -------
-    dict[str, int]
-        ``b`` is the solution (:data:`SOLUTION`), the others are rows of ``embedded``, which have
-        other names; what is not stated is left out.
+    ``b`` is the solution (:data:`SOLUTION`), the others are rows of ``embedded``, which have other
+    names; what is not stated is left out.
     """
     found = {name: order for name, (order, _) in claims.get(ORDER_TO_DIGITS.key, {}).items()}
     found |= claims.get(EMBEDDED_ORDER.key, {})

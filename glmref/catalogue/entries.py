@@ -37,12 +37,7 @@ def _strings(value: object) -> Iterator[str]:
 class Entries:
     """Reads entries of one document, with the constants and digits it declares.
 
-    Parameters
-    ----------
-    doc : Mapping[str, Any]
-        The parsed JSON object.
-    where : str
-        File name, for messages.
+    Messages call it ``where``, the name of its file.
     """
 
     def __init__(self, doc: Mapping[str, Any], where: str) -> None:

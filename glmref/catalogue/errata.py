@@ -137,19 +137,10 @@ def find_errata(
     proof: str | None = None,
     method: str | None = None,
 ) -> tuple[Erratum, ...]:
-    """Select records.
+    """Select records by a text, a verdict, a kind of proof and the name of a data file.
 
-    Parameters
-    ----------
-    text : str
-        Found, without regard to case, in the id, the place, the printed or the right text;
-        ``"3.8"`` finds what concerns equation (3.8).
-    verdict : str or None
-        One of :data:`VERDICTS`.
-    proof : str or None
-        One of :data:`PROOFS`.
-    method : str or None
-        Name of a data file.
+    The text is found, without regard to case, in the id, the place, the printed or the right text;
+    ``"3.8"`` finds what concerns equation (3.8).
 
     Raises
     ------

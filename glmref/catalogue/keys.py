@@ -193,10 +193,7 @@ def without_meaning(kind: str) -> frozenset[str]:
 def fault_of_texts(doc: Mapping[str, Any]) -> str:
     """Say what is wrong with the texts and objects that hold no numbers; ``""`` where all is well.
 
-    Parameters
-    ----------
-    doc : Mapping[str, Any]
-        A method document whose keys are known to be allowed.
+    The keys of the method document are known to be allowed.
     """
     for key, kinds in TEXTS.items():
         if key in doc and not _is_text(doc[key], kinds):

@@ -77,12 +77,7 @@ def is_shipped(path: Path) -> bool:
 
 
 def read_method(path: Path) -> tuple[dict[str, Any], Any]:
-    """Read a method file, and a user's in bounded time.
-
-    Parameters
-    ----------
-    path : Path
-        An existing file, as :func:`path_of` gives it.
+    """Read an existing method file, and a user's in bounded time.
 
     Raises
     ------

@@ -50,13 +50,9 @@ _NYSTROM_ROW = '{"b": [1, 0], "b_prime": [1, 0], "order": 1}'
 def normalised(document: Mapping[str, Any], where: str) -> tuple[dict[str, Any], PlainClaims]:
     """Turn a plain document into one of the format, with what it says of itself.
 
-    Parameters
-    ----------
-    document : Mapping
-        Its keys are those of a class of the format, and ``order``, ``w_order``, ``dense_order``,
-        ``digits``. Entries may be numbers of any kind, also of numpy, mpmath, sympy.
-    where : str
-        Name of its file, after which the method is called where it has no name.
+    Its keys are those of a class of the format, and ``order``, ``w_order``, ``dense_order``,
+    ``digits``. Entries may be numbers of any kind, also of numpy, mpmath, sympy. A method without a
+    name is called after its file, ``where``.
 
     Raises
     ------

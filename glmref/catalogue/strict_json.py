@@ -83,16 +83,9 @@ def read_json(path: Path) -> Any:
 
 
 def parse_json(text: str, name: str, parse_float: Callable[[str], Any] | None = None) -> Any:
-    """Parse JSON as :func:`read_json` does.
+    """Parse JSON as :func:`read_json` does, from a text that messages call ``name``.
 
-    Parameters
-    ----------
-    text : str
-        The document.
-    name : str
-        What it is called in messages.
-    parse_float : callable, optional
-        Makes a value of a number with a point; without it such a number is refused.
+    ``parse_float`` makes a value of a number with a point; without it such a number is refused.
     """
     if text.startswith("\ufeff"):
         raise DataError(f"{name}: the file begins with a byte order mark; save it as UTF-8 without")

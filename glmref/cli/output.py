@@ -126,20 +126,8 @@ def said_when_interrupted(store: Sized, wanted: int, what: str) -> Iterator[None
 class Progress:
     """Tasks done, running and failed, their rate and the time left, in one line of a terminal.
 
-    Off a terminal nothing is shown.
-
-    Parameters
-    ----------
-    total : int
-        How many tasks there are.
-    name, unit : str
-        What they are for, and what each is called.
-
-    Attributes
-    ----------
-    out, done, threads : int
-        How many were handed out, where that is known, how many have ended, and how many can run at
-        the same time.
+    Off a terminal nothing is shown. ``out``, ``done`` and ``threads`` count how many tasks of the
+    total were handed out, where that is known, have ended, and can run at the same time.
     """
 
     def __init__(self, total: int, name: str, unit: str) -> None:

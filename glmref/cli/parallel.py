@@ -53,12 +53,8 @@ def check(
 ) -> Checked:
     """Check one data file in a budget of processor time; every outcome is a record.
 
-    Parameters
-    ----------
-    keep : bool
-        Whether what was found before for the same bytes is taken, and what is found kept.
-    certificates : str or None
-        Folder for the certificates that the judge accepts; then nothing found before is taken.
+    With ``keep`` what was found before for the same bytes is taken, and what is found kept; but
+    with a folder for the ``certificates`` that the judge accepts nothing found before is taken.
     """
     asked = question(name, only, budget) if keep and certificates is None else None
     known = None if asked is None else look_up(asked)
@@ -153,26 +149,11 @@ def check_all(
     certificates: str | None = None,
     function: Function = check_task,
 ) -> Iterator[Checked]:
-    """Check data files in order.
+    """Check data files, or some of their claims, in order; the options are those of :func:`check`.
 
-    Where nothing is said about the place, they are checked here until it is seen that what is left
-    takes longer than starting processes.
-
-    Parameters
-    ----------
-    names : Sequence[str]
-        Names or paths.
-    only : Sequence[str]
-        Claims to check; all by default.
-    on : str or None
-        Where, see :mod:`glmref.compute.executors`.
-    budget : float or None
-        Seconds of processor time for the proofs of each file, see
-        :func:`~glmref.prove.verifier.verify_file`.
-    keep, certificates : bool, str or None
-        See :func:`check`.
-    function : Function
-        Carries out the task of one file.
+    Where nothing is said about the place (see :mod:`glmref.compute.executors`), they are checked
+    here until it is seen that what is left takes longer than starting processes. ``function``
+    carries out the task of one file.
     """
     same = {"only": list(only), "budget": budget, "keep": keep, "certificates": certificates}
     tasks = [{"name": x, **same} for x in names]

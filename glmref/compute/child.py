@@ -114,13 +114,7 @@ class Child:
     """A process for one task after another; it is started when it is needed, and again if it died.
 
     It is a pool of one: where several tasks share a pool, one that kills its process ends them all.
-
-    Parameters
-    ----------
-    limits : Limits
-        What each task may take.
-    folder : str
-        Where relative paths begin, if there is such a folder; by default as in this process.
+    Relative paths begin in ``folder``, if there is such a folder; by default as in this process.
     """
 
     def __init__(self, limits: Limits, folder: str = "") -> None:
@@ -242,13 +236,9 @@ _core: list[socket.socket] = []
 def _ready(pinned: bool) -> bool:
     """Stay on a physical core that no other timed task of this user has; wait a while for one.
 
-    A core is held by a name among the local sockets of Linux, which ends with its process and is
-    no file. Nothing is sent.
-
-    Returns
-    -------
-    bool
-        Whether there is a core; elsewhere than on Linux, and where no core is needed, always.
+    A core is held by a name among the local sockets of Linux, which ends with its process and is no
+    file. Nothing is sent. False where there is no core; elsewhere than on Linux, and where no core
+    is needed, always true.
     """
     if not pinned or not hasattr(os, "sched_setaffinity"):
         return True

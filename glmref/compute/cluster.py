@@ -41,11 +41,7 @@ def carry_out(
 ) -> Done | str:
     """Carry out a task in the child of this thread of a worker, in the client's folder.
 
-    Returns
-    -------
-    Done or str
-        What became of the task, or the end of the sentence that refuses it, where this worker is
-        not what the client is.
+    A text is the end of the sentence that refuses it, where this worker is not what the client is.
     """
     if wrong := difference(identity(), expected):
         return wrong
@@ -58,15 +54,7 @@ def carry_out(
 
 
 class Dask:
-    """A Dask cluster.
-
-    Parameters
-    ----------
-    client : distributed.Client
-        Connected to its scheduler.
-    name : str
-        As it is chosen.
-    """
+    """A Dask cluster, by a client that is connected to its scheduler, and how it is chosen."""
 
     def __init__(self, client: Any, name: str) -> None:
         self.client, self.name, self.threads = client, name, 1
@@ -158,11 +146,8 @@ def _lost() -> UsageError:
 def cluster(where: str) -> Iterator[Dask]:
     """Connect to a cluster, or start one on this machine.
 
-    Parameters
-    ----------
-    where : str
-        Empty or a number: workers of a cluster that is started here and closed in the end. The
-        address of a scheduler, or the file that it wrote.
+    ``where`` is empty or a number, for workers of a cluster that is started here and closed in the
+    end, or the address of a scheduler, or the file that it wrote.
 
     Raises
     ------

@@ -50,21 +50,9 @@ class Executor(Protocol):
     def run(
         self, function: Function, tasks: Iterable[Task], limits: Limits = UNLIMITED
     ) -> Iterator[Results]:
-        """Carry out tasks.
+        """Carry out tasks, which are read when needed, and yield those that have ended.
 
-        Parameters
-        ----------
-        function : callable
-            A function of a module: from a task to what JSON can hold.
-        tasks : iterable of mapping
-            They are read when they are needed.
-        limits : Limits
-            What each task may take.
-
-        Yields
-        ------
-        list of (task, Done)
-            Those that have ended since the last list. Each task comes once.
+        The function, of a module, makes of a task what JSON can hold. Each task comes once.
 
         Raises
         ------
@@ -90,10 +78,7 @@ class Here:
 class Local:
     """Processes on this machine, one task each at a time.
 
-    Parameters
-    ----------
-    processes : int or None
-        How many; by default as many as there are cores, physical ones where tasks are pinned.
+    By default as many as there are cores, physical ones where tasks are pinned.
     """
 
     dashboard = ""
@@ -146,12 +131,7 @@ class Local:
 def in_order(results: Iterable[Results], tasks: Iterable[Task]) -> Iterator[tuple[Task, Done]]:
     """Give results the order of their tasks; what comes early is kept until its turn.
 
-    Parameters
-    ----------
-    results : iterable of list of (task, Done)
-        From an executor that was given exactly these tasks.
-    tasks : iterable of mapping
-        The same objects in order.
+    The executor was given exactly these tasks, the same objects.
     """
     early: dict[int, Done] = {}
     waiting = iter(results)
@@ -163,18 +143,15 @@ def in_order(results: Iterable[Results], tasks: Iterable[Task]) -> Iterator[tupl
 
 @contextmanager
 def executor(text: str | None = None) -> Iterator[Executor]:
-    """Open the executor that a text chooses, and close it in the end.
+    """Open the executor that a text chooses (see the module), and close it in the end.
 
-    Parameters
-    ----------
-    text : str or None
-        See the module; by default what :data:`ENVIRONMENT` says, else ``"here"``.
+    By default that of :data:`ENVIRONMENT`, else ``"here"``.
 
     Raises
     ------
     UsageError
-        For a text that chooses nothing, a cluster that does not answer, or Dask where it is not
-        installed.
+        For a text that chooses nothing, a cluster that does not answer, or Dask where it is
+        not installed.
     """
     asked = text or os.environ.get(ENVIRONMENT) or "here"
     kind, _, rest = asked.partition(":")

@@ -102,13 +102,9 @@ def parsed(text: bytes) -> Record:
 
 
 def lines_of(path: Path) -> Iterator[tuple[int, Record | None, str]]:
-    """Read a file of records one a line.
+    """Read records one a line: its number from 1, the record, and why there is none.
 
-    Yields
-    ------
-    tuple of int, dict or None, str
-        The number of a line from 1, its record, and why it has none, as the rest of a sentence
-        that begins with "it".
+    The reason is the rest of a sentence that begins with "it".
 
     Raises
     ------
@@ -342,14 +338,7 @@ class Records:
 
 
 def _connected(path: Path, mode: str) -> sqlite3.Connection:
-    """Open a file of records, or an empty one.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    mode : str
-        ``"ro"``, or ``"rwc"`` to write it.
+    """Open a file of records, or an empty one, to read (``"ro"``) or to write it (``"rwc"``).
 
     Raises
     ------

@@ -24,28 +24,16 @@ def measure(
     """Carry out the tasks that a store lacks, and return their number.
 
     This process alone writes. Results that have ended together are written together, with one call
-    that brings them to the disk, and are counted after it.
-
-    Parameters
-    ----------
-    function, executor, limits
-        See :class:`~.executors.Executor`; in this process by default.
-    tasks : iterable of mapping
-        No two with the same content.
-    store : Records
-        Where results are kept.
-    record : callable
-        Makes the record of what became of a task.
-    advance : callable, optional
-        Called with each task and its record when it is on the disk.
-    stop : callable
-        Asked before a task is handed out: whether no more shall be.
+    that brings them to the disk, and are counted after it. No two tasks have the same content.
+    ``record`` makes the record of what became of a task, ``advance`` is called with each task and
+    its record when it is on the disk, and ``stop`` is asked before a task is handed out whether no
+    more shall be.
 
     Raises
     ------
     UsageError
-        Where another process writes to the store, a record cannot be written, or the executor
-        fails; the records up to then are kept.
+        Where another process writes to the store, a record cannot be written, or the
+        executor fails; the records up to then are kept.
     """
     number = 0
     with store.exclusive():

@@ -145,11 +145,8 @@ class Adapter(Protocol):
 def load_adapter(text: str) -> Any:
     """Find the adapter a user names.
 
-    Parameters
-    ----------
-    text : str
-        ``package.module:Name`` (a class is called without arguments), the name of a shipped
-        adapter, or ``cmd:program argument ...``.
+    ``text`` is ``package.module:Name`` (a class is called without arguments), the name of a shipped
+    adapter, or ``cmd:program argument ...``.
 
     Raises
     ------

@@ -84,19 +84,10 @@ class Run:
 
 
 def board(names: Sequence[str] = (), seconds: float = 600) -> Iterator[Run]:
-    """Run the suite on adapters, one after the other.
+    """Run the suite on adapters, one after the other, for at most so many seconds each.
 
-    Parameters
-    ----------
-    names : Sequence of str
-        Adapters as ``glmref conformance`` takes them; by default those that are shipped.
-    seconds : float
-        Time limit of each.
-
-    Yields
-    ------
-    Run
-        One for each adapter, also where its library is not installed.
+    Adapters are named as for ``glmref conformance``, by default those that are shipped. Each has a
+    run, also where its library is not installed.
 
     Raises
     ------

@@ -64,18 +64,7 @@ class Check:
 
 
 class Suite:
-    """All checks of one adapter; each is carried out at most once.
-
-    Parameters
-    ----------
-    subject : Subject
-        The adapter.
-
-    Attributes
-    ----------
-    checks
-        In an order in which each comes after those it rests on.
-    """
+    """All checks of one adapter; each is carried out at most once, after those it rests on."""
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject

@@ -30,18 +30,11 @@ def evaluate(
     *,
     number: Callable[[Fraction], Any] = lambda x: x,
 ) -> list[Any]:
-    """Evaluate expressions.
+    """Evaluate expressions, one for each component.
 
-    Parameters
-    ----------
-    texts : Sequence[str]
-        One expression for each component.
-    names : Mapping[str, Any]
-        Values of ``t`` and of the vectors ``y``, ``q``, ``p``.
-    functions : Mapping[str, Callable[[Any], Any]]
-        ``sqrt`` and ``sin`` of the number type.
-    number : Callable[[Fraction], Any]
-        Turns a Fraction into the number type where the type does not mix with Fractions.
+    ``names`` holds the values of ``t`` and of the vectors ``y``, ``q``, ``p``, ``functions`` are
+    ``sqrt`` and ``sin`` of the number type, and ``number`` turns a Fraction into that type where it
+    does not mix with Fractions.
 
     Raises
     ------

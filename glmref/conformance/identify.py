@@ -104,12 +104,7 @@ class Probe:
 
 
 def identify(subject: Subject, method: str | None = None) -> list[Probe]:
-    """Read the methods of an adapter and say what they are.
-
-    Parameters
-    ----------
-    method : str or None
-        One of its methods; all by default.
+    """Read one method of an adapter, or all of them, and say what they are.
 
     Raises
     ------

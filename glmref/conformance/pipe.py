@@ -78,12 +78,7 @@ class BrokenPipe(PipeError):
 
 
 class PipeAdapter:
-    """A program as an adapter.
-
-    Parameters
-    ----------
-    command : str
-        The program and its arguments, as in a shell; no shell is used.
+    """A program as an adapter: the program and its arguments as in a shell, and no shell is used.
 
     Raises
     ------

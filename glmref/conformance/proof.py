@@ -29,10 +29,7 @@ def distance(enclosed: Iterable[Any], printed: Iterable[str]) -> Fraction:
 def bound_of(enclosed: Any, printed: Any, doubt: Fraction = Fraction(0)) -> str:
     """Return the bound of a case: the largest distance of its numbers, rounded up to one digit.
 
-    Parameters
-    ----------
-    doubt : Fraction
-        Largest radius of a coefficient, which a step may magnify a thousandfold.
+    ``doubt`` is the largest radius of a coefficient, which a step may magnify a thousandfold.
     """
     gap = max(
         distance(row, texts)

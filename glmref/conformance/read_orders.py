@@ -77,21 +77,10 @@ class _Weights:
 
 
 def first_defect(reading: Reading, order: int, unit: float) -> Defect | None:
-    """Find the first condition up to an order that coefficients miss.
+    """Find the first condition up to an order that coefficients of one value miss.
 
-    Parameters
-    ----------
-    reading : Reading
-        Coefficients of a method that carries one value.
-    order : int
-        Order that is claimed; conditions up to :data:`HIGHEST` are looked at.
-    unit : float
-        Relative error of the arithmetic in which they were read.
-
-    Returns
-    -------
-    Defect or None
-        ``None`` where all conditions hold within what the reading explains.
+    Conditions up to :data:`HIGHEST` are looked at; ``unit`` is the relative error of the arithmetic
+    in which the coefficients were read. ``None`` where all hold within what the reading explains.
     """
     kinds = [_Weights(reading)]
     if reading.c is not None and np.any(reading.A.sum(axis=1) != reading.c):

@@ -193,10 +193,7 @@ Half = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 def without_idle(halves: Sequence[Half]) -> tuple[list[Half], list[np.ndarray]]:
     """Leave out the stages on which no result depends; of a pair both halves are given.
 
-    Returns
-    -------
-    tuple
-        The blocks that are left, and the numbers of the stages that they have.
+    Returns the blocks that are left, and the numbers of the stages that they have.
     """
     sizes = [len(A) for A, _, _, _ in halves]
     places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])

@@ -29,12 +29,9 @@ _ROUNDS, _INFLATION = 60, Fraction(11, 10)
 
 
 class _TermByTerm(Arithmetic):
-    """Numbers of any type; a coefficient that is exactly zero is the integer 0 and takes no part.
+    """Numbers of any type, into which ``convert`` turns a coefficient.
 
-    Parameters
-    ----------
-    convert : Callable[[Any], Any]
-        Turns a coefficient into the number type.
+    A coefficient that is exactly zero is the integer 0 and takes no part.
     """
 
     def __init__(self, convert: Callable[[Any], Any]) -> None:
@@ -156,17 +153,11 @@ def enclosed_step(
 ) -> tuple[Rows, Rows]:
     """Take one step in ball arithmetic and prove that the stage equations have a solution there.
 
-    A box X around the guesses of a block with ``F(X)`` in its interior, F the right-hand side of
-    ``Y = h A f(Y) + U y``, contains a solution by Brouwer's theorem, and so does F(X). When the
-    first box is not mapped into itself, the next one is F(X), a little larger: its sides take the
-    proportions that F asks for (epsilon inflation: Rump, Acta Numerica 19 (2010), section 10.4).
-
-    Parameters
-    ----------
-    method : Method
-        A method, a start or a finish.
-    guesses : Sequence[Sequence[Any]]
-        Stage vectors as balls, good to 50 digits.
+    A box X around the guesses of a block (balls, good to 50 digits) with ``F(X)`` in its interior,
+    F the right-hand side of ``Y = h A f(Y) + U y``, contains a solution by Brouwer's theorem, and
+    so does F(X). When the first box is not mapped into itself, the next one is F(X), a little
+    larger: its sides take the proportions that F asks for (epsilon inflation: Rump, Acta Numerica
+    19 (2010), section 10.4). The method may be a start or a finish.
 
     Raises
     ------

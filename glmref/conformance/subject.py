@@ -30,23 +30,10 @@ class NotOffered(GlmrefError):
 
 
 class Subject:
-    """An adapter with its answers checked.
+    """An adapter with its answers checked, called ``name`` in messages.
 
-    Parameters
-    ----------
-    adapter : Any
-        An object as :class:`.adapter.Adapter` says.
-    name : str
-        What messages call it.
-
-    Attributes
-    ----------
-    methods
-        Name -> claims; claims are empty for a method of the catalogue.
-    offers
-        The operations the adapter has.
-    problems
-        The only problems it can do, or ``None``.
+    It has ``methods`` (name -> claims, which are empty for a method of the catalogue), the
+    operations it ``offers``, and the only ``problems`` it can do, or ``None``.
 
     Raises
     ------

@@ -259,26 +259,16 @@ class _Integrator:
 def taylor_states(problem: Problem, times: Sequence[Any], *, digits: int = 30) -> list[np.ndarray]:
     """Return the solution at the given times, each step correct to about ``digits`` digits.
 
-    Parameters
-    ----------
-    problem : Problem
-        In double precision form; its exact y0 and parameters are used.
-    times : Sequence[Any]
-        Increasing or decreasing, on one side of t_span[0]; ints, Fractions or strings.
-    digits : int
-        Tolerance of one step relative to the largest component. How many digits of the state are
-        right follows from comparing two values of ``digits``.
-
-    Returns
-    -------
-    list[np.ndarray]
-        One array (d,) of mpmath numbers per time.
+    The times (ints, Fractions or strings) increase or decrease on one side of t_span[0]; y0 and the
+    parameters are taken exactly. ``digits`` bounds the error of one step relative to the largest
+    component: how many digits of the state are right follows from comparing two values of it. Each
+    state is an array (d,) of mpmath numbers.
 
     Raises
     ------
     UsageError
-        When f is a plain Python function that cannot be expanded, or after 200,000 steps (stiff
-        problems need an implicit method), or at a singularity of the solution.
+        When f is a plain Python function that cannot be expanded, or after 200,000 steps
+        (stiff problems need an implicit method), or at a singularity of the solution.
     """
     engine = _Integrator(problem, digits)
     ctx = engine.context

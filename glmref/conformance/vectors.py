@@ -97,12 +97,7 @@ def file_names() -> list[str]:
 
 @cache
 def vectors_of(name: str) -> Vectors:
-    """Return the vectors of a method, from its file or made now.
-
-    Parameters
-    ----------
-    name : str
-        A name of the catalogue, or the path of a method file.
+    """Return the vectors of a method of the catalogue or a method file, stored or made now.
 
     Raises
     ------

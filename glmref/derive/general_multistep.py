@@ -238,18 +238,10 @@ class EndedHalf(GeneralHalf):
 def matching_cosine(
     half: GeneralHalf, others: Sequence[Fraction], *, minus_one: bool = False
 ) -> Fraction:
-    """Return the cosine that, with the others, makes a half with the error constant of another.
+    """Return the cosine that, with the others, makes a half with the error constant of ``half``.
 
-    The error constant C is affine in u = 1/(2 - 2 c): two values of it give the line.
-
-    Parameters
-    ----------
-    half : GeneralHalf
-        The other half.
-    others : Sequence[Fraction]
-        The other cosines of the half that is looked for.
-    minus_one : bool
-        Whether -1 is one of its roots.
+    The error constant C is affine in u = 1/(2 - 2 c): two values of it give the line. ``minus_one``
+    says whether -1 is one of the roots.
 
     Raises
     ------
@@ -314,19 +306,10 @@ def general_document(
 ) -> dict[str, Any]:
     """Build a method and its start of order p + 1, exact, without claims and source.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    q, p : GeneralHalf
-        The two halves, of one order, with no root but 1 in common.
-    title : str
-        One line for the file.
-
     Raises
     ------
     UsageError
-        For halves of different orders, or with another common root.
+        For halves of different orders, or with another common root than 1.
     """
     if q.order != p.order:
         raise UsageError(f"the halves have the orders {q.order} and {p.order}: give equal ones")

@@ -115,14 +115,8 @@ def linear_start(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Solve for the weights; return the start and the finish that inverts its first value.
 
-    Parameters
-    ----------
-    pairs, moments
-        See :func:`tableau`.
-    target : Target
-        Of a method of that stage order.
-    first : int
-        How many of the pairs (block included) the first value may use: few keep the finish short.
+    The first value may use the first so many of the pairs, block included: few keep the finish
+    short. ``target`` is that of a method with ``moments`` as its stage order, see :func:`tableau`.
 
     Raises
     ------

@@ -115,12 +115,8 @@ def _fraction(x: Any) -> Fraction:
 class Half:
     """One half of a method: its roots, its weights and the series of its values.
 
-    Parameters
-    ----------
-    cosines : Sequence[Fraction]
-        c_1, .., c_m of the pairs of roots, different, in (-1, 1).
-    second : bool
-        Whether the sum of the other half is folded in (second-order systems).
+    The cosines c_1, .., c_m of the pairs of roots differ and lie in (-1, 1); ``second`` says
+    whether the sum of the other half is folded in (second-order systems).
     """
 
     def __init__(self, cosines: Sequence[Fraction], *, second: bool = False) -> None:
@@ -470,16 +466,9 @@ def multistep_document(
 ) -> dict[str, Any]:
     """Build a method and its start, exact, without claims and source.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    title : str
-        One line for it.
-    q, p : Sequence[Fraction]
-        Cosines of the pairs of roots of the two halves. With pairs in both halves, as many and
-        different, the method is for separable systems and its word is P Q P; with none in q it is
-        for second-order systems and its word is Q P Q.
+    ``q`` and ``p`` are the cosines of the pairs of roots of the two halves. With pairs in both
+    halves, as many and different, the method is for separable systems and its word is P Q P; with
+    none in q it is for second-order systems and its word is Q P Q.
 
     Raises
     ------

@@ -24,14 +24,8 @@ def pivots(
 ) -> list[int]:
     """Return the unknowns to fix, so that the rest is determined, by elimination with pivoting.
 
-    Parameters
-    ----------
-    jacobian : np.ndarray
-        (m, n), m <= n.
-    first : Sequence[int]
-        Columns that are eliminated first, so that they are not among those to fix.
-    tolerance : float
-        Smallest pivot, relative to the largest entry.
+    The Jacobian is (m, n), m <= n. Columns ``first`` are eliminated first, so that they are not
+    among those to fix; ``tolerance`` is the smallest pivot, relative to the largest entry.
 
     Raises
     ------
@@ -59,23 +53,10 @@ def pivots(
 def fix_parameters(
     ansatz: Ansatz, point: Sequence[float], *, places: int = 3
 ) -> tuple[Ansatz, list[float]]:
-    """Fix the free parameters at decimals near a solution and solve again.
+    """Fix the free parameters at decimals near a solution and solve again, in double precision.
 
-    Only parameters of the method are fixed, never a principal part ``xi``.
-
-    Parameters
-    ----------
-    ansatz : Ansatz
-        With m equations for n > m unknowns, or as many.
-    point : Sequence[float]
-        (n,) solution in double precision.
-    places : int
-        Decimal places of the fixed values.
-
-    Returns
-    -------
-    tuple[Ansatz, list[float]]
-        The square ansatz and a solution of it, in double precision.
+    From m equations for n >= m unknowns and a solution (n,) it makes a square ansatz and a solution
+    of it. Only parameters of the method are fixed, never a principal part ``xi``.
 
     Raises
     ------

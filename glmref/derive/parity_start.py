@@ -167,12 +167,9 @@ def finishing_block(pairs: int, values: Sequence[str]) -> dict[str, Any]:
 def expanded(half: Mapping[str, Sequence[Sequence[str]]]) -> dict[str, Any]:
     """Return the block of a start from one stage of each pair.
 
-    Parameters
-    ----------
-    half : Mapping[str, Sequence[Sequence[str]]]
-        "A" and "A_hat": rows of the stages 1, 3, ..; "B" and "B_hat": for each value beyond the
-        first the weights of the stages 1, 3, ... Rationals, or decimals of any length for the
-        unknowns: equal decimals are one unknown.
+    "A" and "A_hat" of ``half`` are rows of the stages 1, 3, ..; "B" and "B_hat" for each value
+    beyond the first the weights of the stages 1, 3, ... Rationals, or decimals of any length for
+    the unknowns: equal decimals are one unknown.
     """
     block: dict[str, Any] = {}
     for name in ("A", "A_hat"):

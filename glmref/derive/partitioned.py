@@ -131,17 +131,8 @@ def fix_parameters(
 ) -> tuple[PairAnsatz, list[float]]:
     """Fix as many unknowns rationally as there are free parameters, and keep the rest as a start.
 
-    One unknown after another is fixed, each time the one whose loss leaves the largest smallest
-    singular value to the Jacobian.
-
-    Parameters
-    ----------
-    ansatz : PairAnsatz
-        With more unknowns than equations.
-    point : Sequence[float]
-        A solution, in the order of the document.
-    digits : int
-        After the point, of the numbers that are fixed.
+    One unknown after another is fixed with so many digits after the point, each time the one whose
+    loss leaves the largest smallest singular value to the Jacobian.
     """
     import numpy as np
 
@@ -175,20 +166,10 @@ def complete_pair(
     claims: Mapping[str, Any] | None = None,
     notes: Sequence[str] = (),
 ) -> tuple[dict[str, Any], Enclosure]:
-    """Polish, prove and complete one pair.
+    """Polish, prove and complete one pair of as many unknowns as equations.
 
-    Parameters
-    ----------
-    ansatz : PairAnsatz
-        With as many unknowns as equations.
-    start : Sequence[str or float]
-        About ten digits of each unknown, in the order of the document.
-    source : Mapping[str, Any]
-        The source record.
-    claims : Mapping[str, Any] or None
-        Claims besides the usual ones, or instead of them.
-    notes : Sequence[str]
-        Sentences for the reader of the file.
+    ``start`` holds about ten digits of each unknown, in the order of the document; ``claims`` are
+    those besides the usual ones, or instead of them.
 
     Raises
     ------

@@ -98,13 +98,8 @@ def levenberg_marquardt(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run damped least squares from all rows of ``points`` at once, independently of each other.
 
-    The damping of a row falls by 5 after a step that helps and grows by 6 after one that does
-    not.
-
-    Returns
-    -------
-    tuple[np.ndarray, np.ndarray]
-        points (starts, n) and the largest absolute residual (starts,) of each.
+    The damping of a row falls by 5 after a step that helps and grows by 6 after one that does not.
+    Returns points (starts, n) and the largest absolute residual (starts,) of each.
     """
     points = np.array(points, dtype=float)
     n = points.shape[1]
@@ -159,27 +154,11 @@ def search(
     batch: int = 32,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[Found]:
-    """Run :func:`levenberg_marquardt` from many random starts.
+    """Run :func:`levenberg_marquardt` from random starts, and yield where each ended, in order.
 
-    Parameters
-    ----------
-    residuals : Residuals
-        The system, over any scalar; it may have more unknowns than equations.
-    draw : Callable[[np.random.Generator], np.ndarray]
-        A random start from a generator.
-    seed : int
-        Start k is drawn from ``numpy.random.default_rng([seed, k])``.
-    starts : int
-        How many starts.
-    first : int
-        Number of the first, to resume a search that was stopped.
-    progress : Callable[[int, int], None] or None
-        Called with (done, starts) after each batch.
-
-    Yields
-    ------
-    Found
-        Found: one for each start, in order.
+    Start k is drawn from ``numpy.random.default_rng([seed, k])``; ``first`` is the number of the
+    first, to resume a search that was stopped. ``progress`` is called with (done, starts) after
+    each batch. The system may have more unknowns than equations.
     """
     numbers = range(first, first + starts)
     for at in range(0, starts, batch):

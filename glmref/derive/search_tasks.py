@@ -25,21 +25,9 @@ PARCEL = 32
 def tasks_of(
     ansatz: Ansatz | PairAnsatz, *, seed: int, starts: int, scale: float = 0.7
 ) -> Iterator[dict[str, Any]]:
-    """Yield tasks of a search.
+    """Yield tasks of a search, one for each :data:`PARCEL` of starts.
 
-    Parameters
-    ----------
-    ansatz : Ansatz or PairAnsatz
-        What is searched.
-    seed, starts : int
-        Of the search.
-    scale : float
-        Spread of the starts of an :class:`~.ansatz.Ansatz`.
-
-    Yields
-    ------
-    dict
-        One for each :data:`PARCEL` of starts.
+    ``scale`` is the spread of the starts of an :class:`~.ansatz.Ansatz`.
     """
     table = asdict(ansatz)
     pair = isinstance(ansatz, PairAnsatz)
@@ -58,13 +46,9 @@ def tasks_of(
 
 
 def carry_out(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Run the starts of a parcel.
+    """Run the starts of a parcel: number, residual and point of each as ``ends``.
 
-    Returns
-    -------
-    dict
-        ``ends``: number, residual and point of each start; of one that led nowhere the residual
-        is ``None`` and the point empty.
+    Of one that led nowhere the residual is ``None`` and the point empty.
     """
     return {
         "outcome": "completed",

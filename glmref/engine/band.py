@@ -49,12 +49,9 @@ class Band:
 
 
 def band_of(structure: Structure) -> Band | None:
-    """Return the band of a square structure; ``None`` where a dense matrix is as good.
+    """Return the band of a square structure: the columns of each row that are not zero.
 
-    Parameters
-    ----------
-    structure : list of frozenset of int
-        Columns of each row that are not zero.
+    ``None`` where a dense matrix is as good.
     """
     n = len(structure)
     neighbours: list[set[int]] = [set() for _ in range(n)]
@@ -163,16 +160,10 @@ class _Vector(list):  # type: ignore[type-arg]
 def loop_structure(
     text: str, name: str, size: int, count: int, params: Sequence[float], *, timed: bool
 ) -> Structure | None:
-    """Return components that each result of a loop body reads; ``None`` where that is not known.
+    """Return the components that each of ``count`` results of a loop body reads, if that is known.
 
-    Parameters
-    ----------
-    text, name : str
-        Source of the body ``name(v, params, out)``, or ``name(t, v, params, out)`` if ``timed``.
-    size, count : int
-        Lengths of ``v`` and ``out``.
-    params : sequence of float
-        Constants of the body.
+    ``text`` is the source of the body ``name(v, params, out)``, or ``name(t, v, params, out)`` if
+    ``timed``, with ``size`` components in ``v``.
     """
     out = _Results([0.0] * count)
     out.most = max(8, int(size * _WIDEST))
@@ -260,10 +251,7 @@ def stays_within(text: str, name: str, band: Band, params: Sequence[float]) -> b
 def written(text: str, place: Callable[[str, str], str]) -> str:
     """Return a Jacobian's body that writes entry (i, j) to ``out[place(i, j)]`` instead.
 
-    Returns
-    -------
-    str
-        ``""`` for a body that uses ``out`` in another way.
+    ``""`` for a body that uses ``out`` in another way.
     """
     tree = ast.parse(text)
     function = tree.body[0]

@@ -84,19 +84,12 @@ def build(
     functions: Mapping[str, Callable[..., Any]] | None = None,
     tuning: Tuning = PLAIN,
 ) -> Built:
-    """Compile a module: by the translator, by numba, or not at all.
+    """Compile the ``kernel`` of a module: by the translator, by numba, or not at all.
 
-    Parameters
-    ----------
-    source : str
-        Module text that defines ``kernel``.
-    arguments : Mapping[str, str]
-        Names and kinds of its arguments (:data:`.native.KINDS`).
-    functions : Mapping[str, Callable[..., Any]] or None
-        Python callables the source calls by name; cached on disk where it is known what they read
-        (:func:`~glmref.problems.tracing.fingerprint`).
-    tuning : Tuning
-        What the compiler may do; of it numba knows ``fuse`` only.
+    ``arguments`` are names and kinds (:data:`.native.KINDS`); ``functions`` are Python callables
+    the source calls by name, cached on disk where it is known what they read
+    (:func:`~glmref.problems.tracing.fingerprint`). Of what ``tuning`` allows numba knows ``fuse``
+    only.
 
     Raises
     ------
@@ -148,12 +141,7 @@ def _load(source: str, signature: str, fuse: bool) -> ModuleType:
 def _module_file(text: str, about: str = "") -> Path:
     """Return the file of a generated module, named after all that its machine code depends on.
 
-    Parameters
-    ----------
-    text : str
-        The module.
-    about : str
-        What the functions are that it calls and does not define.
+    ``about`` says what the functions are that the module calls and does not define.
 
     Raises
     ------

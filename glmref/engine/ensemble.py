@@ -159,17 +159,9 @@ def _explicit(start: Method, engine: Stepper) -> bool:
 def _many_starts(
     start: Method, engine: Stepper, y0: np.ndarray, h: float
 ) -> tuple[np.ndarray, int]:
-    """Return an explicit starting method on all initial values, stage by stage.
+    """Return an explicit starting method on all initial values (N, d), stage by stage.
 
-    Parameters
-    ----------
-    y0 : np.ndarray
-        (N, d).
-
-    Returns
-    -------
-    tuple[np.ndarray, int]
-        values (N, r, d) and the evaluations, of k alone for a pair on a separable problem.
+    Returns values (N, r, d) and the evaluations, of k alone for a pair on a separable problem.
     """
     inner, problem = engine.of(start), engine.problem
     t0, evaluations = float(problem.t_span[0]), 0

@@ -187,15 +187,7 @@ class StepForm:
         return tuple(kept)
 
     def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-        """Write p + kick h force and its rounding residual (Knuth's TwoSum).
-
-        Parameters
-        ----------
-        p : np.ndarray
-            (..., r^, m) values of p.
-        force : np.ndarray
-            (..., m).
-        """
+        """Write p + kick h force (..., r^, m) and its rounding residual (Knuth's TwoSum)."""
         more = self._kicks(force, h)
         total = p + more
         share = total - p

@@ -53,10 +53,7 @@ class Inspection:
     def afterwards(self, t: Any, y: np.ndarray) -> list[str]:
         """Call every function again at the start, and twice at the end (t, y) of the run.
 
-        Returns
-        -------
-        list of str
-            All notices, those of the start included.
+        Returns all notices, those of the start included.
         """
         found = list(self.notices)
         try:
@@ -86,20 +83,13 @@ class Inspection:
 
 
 def inspected(engine: Stepper, t0: Any, y0: np.ndarray) -> Inspection:
-    """Call the user's functions of a problem at its start.
-
-    Parameters
-    ----------
-    engine : Stepper
-        Method and problem in the arithmetic of the run.
-    t0, y0 : number, (d,) array
-        The start.
+    """Call the user's functions of a problem at its start, in the arithmetic of the run.
 
     Raises
     ------
     FunctionFailed
-        When one raises (anything but an arithmetic or value error: the method may never evaluate
-        there) or returns what is not real numbers of its shape.
+        When one raises (anything but an arithmetic or value error: the method may never
+        evaluate there) or returns what is not real numbers of its shape.
     UsageError
         When one gives different values at the same point, or f and its parts disagree.
     """

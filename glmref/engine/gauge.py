@@ -172,20 +172,11 @@ def gauge_of(
     problem: Problem, written: Problem, method: Method, steps: int,
     pilot: Callable[[int], tuple[np.ndarray, np.ndarray, int]],
 ) -> tuple[Gauge, Problem]:  # fmt: skip
-    """Return the best shear for a run, and the problem in the coordinates to run in.
+    """Return the best shear for a run of a pair, and the problem in the coordinates to run in.
 
-    Parameters
-    ----------
-    problem : Problem
-        Hamilton's equations.
-    written : Problem
-        The same in expressions, see :func:`.kept.expressed`.
-    method : Method
-        A pair.
-    steps : int
-        Of the run; at most :data:`PILOT` of them are taken for the means.
-    pilot : Callable
-        Number of steps -> times (n,), states (n, 2 m) and evaluations of the first steps.
+    ``written`` is the problem, Hamilton's equations, in expressions (see :func:`.kept.expressed`).
+    ``pilot`` takes the first steps: their number -> times (n,), states (n, 2 m) and evaluations; at
+    most :data:`PILOT` of ``steps`` are taken for the means.
 
     Raises
     ------

@@ -112,16 +112,8 @@ def recalled(
 ) -> T:
     """Return what was computed, by this process or by one before it.
 
-    Parameters
-    ----------
-    kind : str
-        What it is, as part of the name of its file in the cache.
-    key : str
-        Everything it depends on, besides the modules of :func:`_code`.
-    compute : Callable[[], T]
-        Computes it.
-    read, write : Callable
-        From and to what JSON holds.
+    ``kind`` is part of the name of its file in the cache; ``key`` is everything it depends on
+    besides the modules of :func:`_code`; ``read`` and ``write`` turn from and to what JSON holds.
     """
     folder = cache_folder()
     if folder is None:
@@ -171,16 +163,7 @@ _formulas: OrderedDict[int, tuple[Problem, dict[str, Recorded], Problem]] = Orde
 def expressed(problem: Problem) -> Problem:
     """Return a problem in formulas where its right-hand side is Python that can be recorded.
 
-    Parameters
-    ----------
-    problem : Problem
-        In double precision.
-
-    Returns
-    -------
-    Problem
-        With the right-hand side as formulas, the same object as long as the functions compute the
-        same; or the problem itself.
+    It is the same object as long as the functions compute the same; else the problem itself.
     """
     given = {
         key: value

@@ -87,17 +87,10 @@ class Kernel:
         return ", ".join((*words, f"{self.source.target} target"))
 
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
-        """Return the state before the first step.
+        """Return the state before the first step, from values (r, d) in the method's basis.
 
-        Parameters
-        ----------
-        values : np.ndarray
-            (r, d) starting values in the method's basis.
-        slope : np.ndarray
-            (d,) right-hand side at the first value: the force that a pair reuses, or the
-            predictor's first guess (where it is not finite: zero).
-        h : float
-            Step size.
+        ``slope`` (d,) is the right-hand side at the first value: the force that a pair reuses, or
+        the predictor's first guess (where it is not finite: zero).
         """
         work = native.aligned_zeros(self.source.work_size)
         d, rows = self.shape.dimension, self.source.value_rows
@@ -151,19 +144,10 @@ class Kernel:
         self, state: State, last: int, *, t0: float, h: float, every: int, out: np.ndarray,
         pause: Callable[[int], bool] = lambda _: False,
     ) -> tuple[Outcome, float]:  # fmt: skip
-        """Step until ``last`` steps are done, in chunks of about 50 ms.
+        """Step until ``last`` steps are done, in chunks of about 50 ms; return outcome and seconds.
 
-        Parameters
-        ----------
-        every : int
-            Record into ``out`` after every so many steps; 0 for never.
-        pause : Callable[[int], bool]
-            Called between chunks with the steps done; True cancels.
-
-        Returns
-        -------
-        tuple[Outcome, float]
-            The outcome and the seconds spent stepping.
+        After ``every`` steps (0: never) a row is recorded into ``out``; ``pause`` is called between
+        chunks with the steps done and cancels where it is true.
         """
         chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
         if self.built.engine == "python":
@@ -191,12 +175,10 @@ class Kernel:
     def _called(
         self, state: State, t0: float, h: float, until: int, mark: int, every: int, flat: np.ndarray
     ) -> int | None:
-        """Call the kernel for the steps up to ``until``.
+        """Call the kernel for the steps up to ``until``, and return its code.
 
-        Returns
-        -------
-        Its code; the one for a right-hand side that failed in the step after the state; ``None``
-        where it failed after some steps, which are taken back.
+        That of a right-hand side that failed in the step after the state; ``None`` where it failed
+        after some steps, which are taken back.
         """
         kernel, first = self.built.kernel, state.step
         numbers = (t0, h, first, until, mark, every)
@@ -396,10 +378,7 @@ def kept_source(
 ) -> T:
     """Return a generated module of a kind, kept in the process and on disk.
 
-    Parameters
-    ----------
-    about : Hashable
-        What it depends on besides form and shape.
+    ``about`` is what it depends on besides form and shape.
     """
 
     def made() -> T:

@@ -114,21 +114,10 @@ class Map:
     def __call__(
         self, rows: np.ndarray, t0: float, h: float, *, every: int = 1, last: int = 0
     ) -> tuple[int, int]:
-        """Replace rows (m, r, d), contiguous, in place.
+        """Replace contiguous rows (m, r, d) in place; of each the first value is given.
 
-        Parameters
-        ----------
-        rows : ndarray
-            The first value of each is the one that comes in.
-        t0, h : float
-            Time of step 0 and step size.
-        every, last : int
-            Row n belongs to step ``min(n every, last)``.
-
-        Returns
-        -------
-        tuple of int
-            Rows that became numbers, and evaluations.
+        Row n belongs to step ``min(n every, last)``, step 0 to ``t0``. Returns how many rows became
+        numbers, and the evaluations.
         """
         tally, work = np.zeros(6, dtype=np.int64), native.aligned_zeros(self.work_size)
         numbers = (t0, h, 0, len(rows), last, every)

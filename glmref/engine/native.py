@@ -65,24 +65,10 @@ PLAIN = Tuning()
 def compile_kernel(
     source: str, arguments: Mapping[str, str], cached: Path | None, tuning: Tuning = PLAIN
 ) -> Callable[..., int]:
-    """Compile the function ``kernel`` of a generated module.
+    """Compile the function ``kernel`` of a module whose arguments have these kinds, in order.
 
-    Parameters
-    ----------
-    source : str
-        Module text.
-    arguments : Mapping[str, str]
-        Name -> kind (:data:`KINDS`), in order.
-    cached : Path or None
-        File with the object code; read where it exists, else written.
-    tuning : Tuning
-        What the compiler may do.
-
-    Returns
-    -------
-    Callable[..., int]
-        A function of numpy arrays and numbers that returns an integer; it holds no lock while it
-        runs.
+    The object code is read from the file ``cached`` where that exists, else written there. The
+    result takes numpy arrays and numbers, returns an integer, and holds no lock while it runs.
 
     Raises
     ------

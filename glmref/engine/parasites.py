@@ -175,12 +175,7 @@ class Watch:
     def large(self, solutions: np.ndarray, step: int) -> bool:
         """Return whether the parasitic part is large against the truncation error so far.
 
-        Parameters
-        ----------
-        solutions : np.ndarray
-            (WINDOW, d) solutions of successive steps.
-        step : int
-            Number of the last one.
+        ``solutions`` (WINDOW, d) are those of successive steps, the last with number ``step``.
         """
         if not np.isfinite(solutions).all():
             return True

@@ -243,11 +243,9 @@ class Stepper:
     ) -> Step:  # fmt: skip
         """Take one step of size h from the values at time t.
 
-        Parameters
-        ----------
-        settle : what finds the slopes of coupled stages; by default iteration to round-off. Of
-            methods with one component only.
-        enclose : what finds coupled stages themselves, in place of iteration.
+        ``settle`` finds the slopes of coupled stages, by default by iteration to round-off, for
+        methods with one component; ``enclose`` finds coupled stages themselves, in place of
+        iteration.
         """
         return _Step(self, t, values, h).taken(settle, enclose)
 
@@ -459,12 +457,7 @@ def _check(method: Method, problem: Problem) -> None:
 
 
 def stepper(method: Method, problem: Problem, *, digits: int | None = None) -> Stepper:
-    """Return the stepper for a method on a problem.
-
-    Parameters
-    ----------
-    digits : int or None
-        ``None`` for double precision, else decimal digits.
+    """Return the stepper for a method on a problem, in double precision or with decimal digits.
 
     Raises
     ------

@@ -524,11 +524,8 @@ class Run:
     ) -> tuple[int, np.ndarray]:
         """Finish all rows at once, row by row where the steps are not regular.
 
-        Returns
-        -------
-        tuple
-            How many rows are done, and the rows; the next one has no value, or one that the fixed
-            point does not find.
+        Returns how many rows are done, and the rows; the next one has no value, or one that the
+        fixed point does not find.
         """
         rows, every = np.array(y)[:, None], self.plan.every
         t0 = float(self.problem.t_span[0])

@@ -152,13 +152,8 @@ class Shape:
 def shape_of(problem: Problem, *, split: bool | None = None, first: bool = False) -> Shape:
     """Read the shape of a problem.
 
-    Parameters
-    ----------
-    split : bool or None
-        ``True`` asks for separate parts, ``False`` for f as a whole, ``None`` takes the parts where
-        the problem gives them.
-    first : bool
-        Of f as a whole: whether q' = f(p) is evaluated before the rest.
+    ``split`` asks for separate parts (``True``), for f as a whole (``False``), or for what the
+    problem gives; ``first`` says of f as a whole whether q' = f(p) is evaluated before the rest.
 
     Raises
     ------
@@ -342,14 +337,8 @@ def inlined(
 ) -> tuple[list[str], list[str]]:
     """Return assignments of the common subexpressions and the outputs, as kernel source.
 
-    Parameters
-    ----------
-    component : Callable[[int], str]
-        Name of component i of the vector argument.
-    names : dict[str, str]
-        Names of the parameters, ``t`` and ``pi`` in the kernel.
-    prefix : str
-        Put before the names of common subexpressions.
+    ``component`` names component i of the vector argument, ``names`` the parameters, ``t`` and
+    ``pi`` in the kernel; ``prefix`` comes before the names of common subexpressions.
     """
     rewrite = _Inline(component, dict(names), prefix)
     lines: list[str] = []

@@ -135,13 +135,7 @@ class StageWriter(NewtonWriter):
             self.t.call(part, f"Y{i}", f"F{i}", f"s{i}")
 
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
-        """Write an explicit stage: its value, what is due there, its increment.
-
-        Parameters
-        ----------
-        slope : str
-            What is evaluated into; by default a vector of the stage.
-        """
+        """Write an explicit stage: its value, what is due there (into ``slope``), its increment."""
         z, a = base
         source, slope = z.removeprefix("@"), slope or f"F{i}"
         self.t.local[f"Y{i}"] = range(*self.all)

@@ -54,19 +54,12 @@ def starting_values(
     y0: np.ndarray,
     h: Any,
 ) -> Start:
-    """Compute the values carried into the first step.
+    """Compute the values carried into the first step, in the arithmetic of the run.
 
-    Parameters
-    ----------
-    engine : Stepper
-        Stepper of the method on the problem, in the arithmetic of the run.
-    start : Any
-        ``None``: the method's own starting method, else the enhanced start where r > 1;
-        ``"enhanced"`` or ``("enhanced", passes)``; ``"zero"``: (y0, 0, ...); a
-        :class:`StartingMethod`, for a pair a :class:`PairStartingMethod`; values (r, d); or
-        ``start(problem, h)`` that returns them.
-    t, y0, h
-        Initial time and value, step size.
+    ``start`` is ``None`` (the method's own starting method, else the enhanced start where r > 1),
+    ``"enhanced"`` or ``("enhanced", passes)``, ``"zero"`` for (y0, 0, ...), a
+    :class:`StartingMethod`, for a pair a :class:`PairStartingMethod`, values (r, d), or a function
+    ``start(problem, h)`` that returns them.
 
     Raises
     ------
@@ -140,24 +133,14 @@ def array_of(
 ) -> np.ndarray:
     """Return numbers as an array of their own: of doubles, complex, or of an mpmath context.
 
-    Parameters
-    ----------
-    values : array_like
-        The numbers.
-    what : str
-        What they are, for messages.
-    shape : tuple
-        Their shape; ``None`` where an axis has any length but 0.
-    written : str
-        The shape, for messages.
-    context : mpmath context or None
-        Where the numbers are made.
+    Messages call them ``what``, with the shape as ``written``; ``None`` in ``shape`` is an axis of
+    any length but 0.
 
     Raises
     ------
     UsageError
-        Naming ``what``, where they are no numbers, or not of this shape. Nothing is copied then:
-        an array that repeats one number may have any size.
+        Naming ``what``, where they are no numbers, or not of this shape. Nothing is copied
+        then: an array that repeats one number may have any size.
     """
     try:
         array = np.asarray(values, dtype=None if context is None else object)
@@ -191,15 +174,7 @@ def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small.
 
-    Parameters
-    ----------
-    y0 : np.ndarray
-        (d,), or (N, d) for N starts at once.
-
-    Returns
-    -------
-    np.ndarray
-        (r, d) or (N, r, d).
+    From y0 (d,), or (N, d) for N starts at once, values (r, d) or (N, r, d).
     """
     y0 = np.asarray(y0)
     shape = (*y0.shape[:-1], *engine.shape)
@@ -253,10 +228,7 @@ def enhanced_start(
 ) -> tuple[np.ndarray, int]:
     """Return the values of the enhanced start and the right-hand-side evaluations they cost.
 
-    Parameters
-    ----------
-    passes : int
-        Number of passes k; the cost is 2^k - 1 steps.
+    That is 2^k - 1 steps for k passes.
 
     Raises
     ------

@@ -68,14 +68,7 @@ _GOOD_ENOUGH = 2.0**-68
 
 
 def step_form(method: Any, form: str = "auto") -> StepForm:
-    """Choose and compute the form a kernel steps in.
-
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM
-        With real coefficients.
-    form : str
-        One of :data:`FORMS`, or ``"auto"``: the first of them that applies.
+    """Choose and compute the form a kernel steps in: one of :data:`FORMS`, else the first to apply.
 
     Raises
     ------

@@ -28,16 +28,9 @@ def translated(
 ) -> str:
     """Return LLVM assembly of a module's function ``kernel`` and of what it calls.
 
-    Parameters
-    ----------
-    source : str
-        Module text.
-    arguments : Mapping[str, str]
-        Name -> kind: ``d*``, ``i*`` or ``v*`` for arrays, ``d`` or ``i`` for numbers.
-    fuse : bool
-        Whether a product and a sum may become one operation.
-    lanes : int
-        Numbers in a vector of the kind ``v``.
+    ``arguments`` are names with kinds: ``d*``, ``i*`` or ``v*`` for arrays, ``d`` or ``i`` for
+    numbers; ``v`` is a vector of so many ``lanes``. With ``fuse`` a product and a sum may become
+    one operation.
     """
     tree = ast.parse(source)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}

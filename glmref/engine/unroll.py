@@ -79,19 +79,9 @@ def _is_whole(node: ast.expr) -> Any:
 def unrolled(text: str, sizes: Sequence[int], longest: int) -> str:
     """Return the source of a body as one function without loops and branches.
 
-    Parameters
-    ----------
-    text : str
-        A function of plain loops, see :mod:`..problems.loops`.
-    sizes : sequence of int
-        Lengths of its arguments that are arrays: all but a first ``t``.
-    longest : int
-        The most statements.
-
-    Returns
-    -------
-    str
-        ``""`` where there is no such function, or a longer one only.
+    ``text`` is a function of plain loops (:mod:`..problems.loops`), ``sizes`` are the lengths of
+    its arguments that are arrays: all but a first ``t``. ``""`` where there is no such function, or
+    one of more than ``longest`` statements only.
     """
     tree = ast.parse(text)
     function = tree.body[0]
@@ -154,16 +144,10 @@ def placed(
     text: str, component: Callable[[int], str], result: Callable[[int], str],
     parameter: Callable[[int], str], prefix: str,
 ) -> list[str]:  # fmt: skip
-    """Return statements of an unrolled body with other names for what it reads and writes.
+    """Return statements of a body from :func:`unrolled` with other names for its data.
 
-    Parameters
-    ----------
-    text : str
-        From :func:`unrolled`; its last three arguments are state, parameters and results.
-    component, result, parameter : callable
-        Source of entry i of each.
-    prefix : str
-        Put before its own names.
+    ``component``, ``result`` and ``parameter`` give the source of entry i of each; ``prefix`` comes
+    before its own names.
     """
     function = ast.parse(text).body[0]
     assert isinstance(function, ast.FunctionDef)

@@ -131,12 +131,9 @@ class Values:
     def read(self, factors: Row, *, alone: bool = False) -> tuple[list[Term], list[Term]]:
         """Return terms of ``factors . values`` of a stage: multiples of the solution, small terms.
 
-        Parameters
-        ----------
-        alone : bool
-            Whether no increments are added to them. The rounding error of a value without
-            increments is then left out: value and error add up to the value, and the next step
-            would wait for the error.
+        ``alone`` says that no increments are added to them. The rounding error of a value without
+        increments is then left out: value and error add up to the value, and the next step would
+        wait for the error.
         """
         big: list[Term] = []
         small: list[Term] = []

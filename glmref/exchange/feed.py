@@ -44,19 +44,9 @@ MOST_COMPONENTS = 1000
 
 
 def write_feed(folder: Path, chosen: Sequence[str] = ()) -> int:
-    """Write the feed into a folder that may hold certificates of ``glmref certify`` already.
+    """Write the feed of shipped methods, all by default, into a folder ``v1``; return their number.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder ``v1``; certificates are in its folder ``certificates``.
-    chosen : Sequence[str]
-        Names of methods; all shipped ones, those wrong on purpose included, by default.
-
-    Returns
-    -------
-    int
-        Number of methods.
+    Certificates of ``glmref certify`` are in its folder ``certificates`` already.
 
     Raises
     ------

@@ -29,17 +29,13 @@ class Changes:
 
 
 def changes(old: Path, new: Path) -> Changes:
-    """Compare two feeds.
-
-    Parameters
-    ----------
-    old, new : Path
-        The folders that were given as ``--output``.
+    """Compare two feeds by the folders that were given as ``--output``.
 
     Raises
     ------
     DataError
-        For a folder without a feed, and for a file of it that is not as ``glmref feed`` writes it.
+        For a folder without a feed, and for a file of it that is not as ``glmref feed``
+        writes it.
     """
     found = Changes()
     before, after = (_index(x / VERSION) for x in (old, new))

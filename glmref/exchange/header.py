@@ -61,15 +61,7 @@ COMPLETE, ONE_ROW = ("json", "csv"), ("sundials", "petsc", "diffrax", "ordinaryd
 
 
 def left_out(method: Method, target: str) -> list[str]:
-    """Return what a method has and its export to a target does not hold, in words.
-
-    Parameters
-    ----------
-    method : Method
-        A method that can be exported to the target.
-    target : str
-        One of :data:`glmref.exchange.export.TARGETS`.
-    """
+    """Return what a method has and its export to a target does not hold, in words."""
     if target in COMPLETE:
         return []
     names = [in_comment(row.name) for row in method.embedded]
@@ -116,20 +108,10 @@ def header(
     *remarks: str,
     exact: Sequence[str] = (),
 ) -> str:
-    """Return the comment at the head of a file.
+    """Return the comment at the head of the file of a method that is exported to a target.
 
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM or AdditiveGLM
-        The method that the file holds.
-    target : str
-        What it is exported to.
-    comment : Comment
-        How the language writes comments.
-    remarks : str
-        Further sentences, wrapped to 96 columns like the others.
-    exact : Sequence[str]
-        Lines that are not wrapped, with exact expressions of entries.
+    ``remarks`` are further sentences, wrapped to 96 columns like the others; the lines ``exact``,
+    with exact expressions of entries, are not.
     """
     absent = left_out(method, target)
     lines = [*facts(method), *([f"Left out: {', '.join(absent)}."] if absent else []), *remarks]

@@ -60,25 +60,11 @@ class Found:
 def read_table(
     text: str, form: str, *, name: str = "imported", where: str = "table"
 ) -> dict[str, Any]:
-    """Read a table of another package.
+    """Read a table of another package, one of :data:`FORMATS`, as a method document.
 
-    Parameters
-    ----------
-    text : str
-        The file.
-    form : str
-        One of :data:`FORMATS`.
-    name : str
-        Name of the method where the table gives none.
-    where : str
-        File name, for messages.
-
-    Returns
-    -------
-    dict[str, Any]
-        A method document. It claims the order and the abscissae
-        that the table states, so that ``glmref verify`` checks them, and else whether the method is
-        explicit.
+    It claims the order and the abscissae that the table states, so that ``glmref verify`` checks
+    them, and else whether the method is explicit. ``name`` is that of the method where the table
+    gives none, ``where`` that of the file.
 
     Raises
     ------

@@ -34,10 +34,7 @@ def is_zero(x: Scalar) -> bool:
 def decimal_of(x: Scalar, digits: int) -> str:
     """Round to so many significant digits; a whole number stays one.
 
-    Returns
-    -------
-    str
-        A decimal such as ``-0.25``, or with an exponent such as ``1.5e-12``.
+    The decimal is such as ``-0.25``, or has an exponent, as ``1.5e-12``.
     """
     if is_zero(x):
         return "0"
@@ -51,14 +48,9 @@ def decimal_of(x: Scalar, digits: int) -> str:
 
 
 def rounded(x: Scalar, digits: int | None) -> str:
-    """Return a coefficient of a source file in double precision.
+    """Return a real coefficient of a source file with so many significant digits.
 
-    Parameters
-    ----------
-    x : Scalar
-        A real number.
-    digits : int or None
-        Significant digits; ``None`` for the shortest decimal of the nearest double.
+    ``None`` stands for the shortest decimal of the nearest double.
     """
     if is_zero(x):
         return "0.0"

@@ -135,17 +135,10 @@ def _flat(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> str:
-    """Return the source file of a method's stepper.
+    """Return the source file of the stepper of a real method with a start, in a language.
 
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM
-        A real method with a start.
-    language : str
-        A key of :data:`LANGUAGES`.
-    digits : int or None
-        Significant digits of coefficients; ``None`` for the shortest decimals that give the nearest
-        doubles.
+    Coefficients have so many significant digits; ``None`` stands for the shortest decimals that
+    give the nearest doubles.
 
     Raises
     ------

@@ -559,19 +559,8 @@ def method_document(
 ) -> dict[str, Any]:
     """Return a method file of blocks, starting and finishing method, forms and outputs.
 
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM or AdditiveGLM
-        Any method.
-    name : str
-        Of the file, for a method without one.
-    digits : int or None
-        Digits after the point, for decimals instead of expressions.
-
-    Returns
-    -------
-    dict[str, Any]
-        A document that claims nothing.
+    It claims nothing, and has a name for a method without one. ``digits`` after the point stand for
+    decimals instead of expressions.
 
     Raises
     ------
@@ -640,11 +629,8 @@ def blocks_of(
 ) -> tuple[dict[str, Rows], int | None]:
     """Return the blocks of a method as rows of expressions, and the digits of its decimals, if any.
 
-    Returns
-    -------
-    tuple[dict[str, Rows], int or None]
-        Rows by the name of the block, such as ``A`` or ``starting.u`` (one row), and digits after
-        the point or ``None`` where every entry is exact.
+    Blocks are named such as ``A`` or ``starting.u`` (one row); digits are those after the point,
+    ``None`` where every entry is exact.
 
     Raises
     ------
@@ -873,16 +859,9 @@ FORMATS: Mapping[str, Callable[[Any, int | None], str]] = {
 
 
 def table(method: GLM | PartitionedGLM | AdditiveGLM, target: str, digits: int | None) -> str:
-    """Return a method as a table of another package.
+    """Return a method as a table of another package, one of :data:`FORMATS`.
 
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM or AdditiveGLM
-        Any method that the format can hold.
-    target : str
-        A key of :data:`FORMATS`.
-    digits : int or None
-        Digits of decimals; by default :data:`DIGITS`, and expressions in JSON, CSV, LaTeX.
+    Decimals have :data:`DIGITS` by default; JSON, CSV and LaTeX have expressions then.
 
     Raises
     ------

@@ -49,23 +49,11 @@ def attempt(
     evaluations: int = 10**9,
     **options: Any,
 ) -> Attempt:
-    """Run a method on a problem and name the end.
+    """Run a method on a problem, with the options of :func:`glmref.solve`, and name the end.
 
-    Parameters
-    ----------
-    h, steps
-        As in :func:`glmref.solve`.
-    evaluations : int
-        Budget of right-hand-side evaluations. No stage equation takes more than :data:`MOST_ROUNDS`
-        rounds of each solver, so it is kept by taking fewer steps.
-    **options : Any
-        Further arguments of :func:`glmref.solve`.
-
-    Returns
-    -------
-    Attempt
-        The outcome. An exception that comes from the code of this package is not caught: it would
-        be a defect, not an outcome.
+    ``evaluations`` is a budget. No stage equation takes more than :data:`MOST_ROUNDS` rounds of
+    each solver, so it is kept by taking fewer steps. An exception that comes from the code of this
+    package is not caught: it would be a defect, not an outcome.
     """
     limit = max(1, evaluations // (SOLVERS * MOST_ROUNDS * _stages(method)))
     options.setdefault("step_limit", limit)

@@ -177,13 +177,8 @@ def _log2_ratio(coarse: Any, fine: Any) -> float:
 def _digits(order: int, finest: float) -> int:
     """Return digits that keep differences at the finest usual step above round-off.
 
-    Parameters
-    ----------
-    order : int
-        Order expected.
-    finest : float
-        Step size at which a run usually settles; differences are about ``finest^(p + 1)`` there,
-        times a constant that may be small, and a ratio is wanted to four digits.
+    Differences are about ``finest^(p + 1)`` where a run of order p settles, times a constant that
+    may be small, and a ratio is wanted to four digits.
     """
     return 12 + math.ceil((order + 1) * -math.log10(finest))
 
@@ -191,15 +186,8 @@ def _digits(order: int, finest: float) -> int:
 def method_order(method: Method, problem: Problem, *, expected: int) -> ConvergenceRecord:
     """Measure the order of the first value, the solution, when started by iteration.
 
-    Parameters
-    ----------
-    method : Method
-        Any method.
-    problem : Problem
-        A nonlinear problem.
-    expected : int
-        The order thought to be there; sets precision and passes of the start, nothing else: a lower
-        order is seen as such, and a higher one too (up to two more).
+    The problem is nonlinear. The expected order sets precision and passes of the start, nothing
+    else: a lower order is seen as such, and a higher one too (up to two more).
     """
     return observed_order(_run(method, problem, expected))
 
@@ -207,12 +195,7 @@ def method_order(method: Method, problem: Problem, *, expected: int) -> Converge
 def effective_order(method: Method, *, expected: int) -> ConvergenceRecord:
     """Measure the order that start and finish can reach, on an isochronous problem.
 
-    Parameters
-    ----------
-    method : Method
-        Any method; a pair is measured on a separable problem.
-    expected : int
-        As in :func:`method_order`.
+    A pair is measured on a separable problem; ``expected`` as in :func:`method_order`.
     """
     if method.parts == 2:
         problem, turns = isochronous_separable(), 1

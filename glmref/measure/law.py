@@ -87,16 +87,9 @@ class Diagnosis:
 
 
 def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law:
-    """Fit the law of a deviation.
+    """Fit the law of relative deviations (m,), the first of them zero, at times (m,).
 
-    Parameters
-    ----------
-    t : np.ndarray
-        (m,) times, increasing in size.
-    deviation : np.ndarray
-        (m,) relative deviations, the first is zero.
-    ended : bool
-        Whether the run ended before its time.
+    ``ended`` says whether the run ended before its time.
     """
     elapsed = np.abs(np.asarray(t, dtype=float) - float(t[0]))
     sizes = np.abs(np.asarray(deviation, dtype=float))
@@ -117,11 +110,8 @@ def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law
 def samples_of(problem: Problem, method: Method, solution: Solution, quantity: str) -> np.ndarray:
     """Return the relative deviation of one conserved quantity along a solution, (m,).
 
-    Parameters
-    ----------
-    quantity : str
-        ``"energy"``, the name of an invariant, or ``"form of NAME"``: the form G of all values of a
-        quadratic invariant.
+    It is ``"energy"``, the name of an invariant, or ``"form of NAME"``: the form G of all values of
+    a quadratic invariant.
 
     Raises
     ------

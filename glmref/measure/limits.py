@@ -31,22 +31,11 @@ _NEAR, _FAR = 64.0, np.geomspace(64.0, 1e12, 60)
 
 
 def stable_step(problem: Problem, method: Method, *, t_end: float) -> float | None:
-    """Return the predicted largest stable step size along the solution from t0 on.
+    """Return the predicted largest stable step size along the solution from t0 on to ``t_end``.
 
-    Parameters
-    ----------
-    problem : Problem
-        Of at most :data:`MOST_COMPONENTS` components.
-    method : Method
-        With one component: what partitioned methods do is no function of eigenvalues.
-    t_end : float
-        How far, counted from the problem's start.
-
-    Returns
-    -------
-    float or None
-        ``math.inf`` where every damped eigenvalue stays in the region for every h; ``None`` where
-        nothing is predicted.
+    ``math.inf`` where every damped eigenvalue stays in the region for every h; ``None`` where
+    nothing is predicted: of more than :data:`MOST_COMPONENTS` components, and of partitioned
+    methods, which are no functions of eigenvalues.
     """
     if not isinstance(method, GLM) or problem.dimension > MOST_COMPONENTS:
         return None

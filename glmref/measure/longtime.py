@@ -113,23 +113,11 @@ def follow(
 
     The run is taken in stretches, each as long as all before it; :data:`ROWS` samples are kept of
     each, so that the time of an event is known to a thousandth of itself. With ``renew`` a stretch
-    is a multiple of so many steps, and starts from the solution, as every renewal does.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any; a stretch of one whose formulas contain t begins at its own time.
-    h, steps
-        Step size and number of steps.
-    start, renew, engine, cancel
-        As in :func:`glmref.solve`.
-    lost : Callable[[Solution], bool] or None
-        Called with each finished stretch; true ends the run there.
-
-    Returns
-    -------
-    Solution
-        A solution with history; its counts and seconds are those of the whole run.
+    is a multiple of so many steps, and starts from the solution, as every renewal does. A stretch
+    of a problem whose formulas contain t begins at its own time. ``lost`` is called with each
+    finished stretch, and ends the run where it is true; the other options are those of
+    :func:`glmref.solve`. The solution has its history; its counts and seconds are those of the
+    whole run.
     """
     solved = solved_form(problem, method)
     if solved is not problem:  # whose time is a component, so that stretches may restart the clock
@@ -190,18 +178,9 @@ def drift(
     kind: str = "invariant",
     scale: float | None = None,
 ) -> Drift:
-    """Summarize a conserved quantity sampled at times t.
+    """Summarize a conserved quantity sampled at times t, with the first sample as the reference.
 
-    Parameters
-    ----------
-    quantity, kind : str
-        What it is, see :class:`Drift`.
-    t : np.ndarray
-        (m,) times.
-    values : np.ndarray
-        (m,) samples, the first of which is the reference.
-    scale : float or None
-        Unit of the deviations; by default |values[0]|, or 1 where that is zero.
+    ``scale`` is the unit of the deviations; by default |values[0]|, or 1 where that is zero.
     """
     if len(t) != len(values) or not len(t):
         raise UsageError(f"`values` must have as many samples as `t`, {len(t)}, got {len(values)}")
@@ -255,16 +234,7 @@ def slope(points: Sequence[tuple[float, float]]) -> float:
 
 
 def g_form(history: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Return ``sum_ij g_ij y_i^* C y_j`` at every sample.
-
-    Parameters
-    ----------
-    history : np.ndarray
-        (m, r, d) all the values.
-    G : np.ndarray
-        (r, r) Hermitian.
-    C : np.ndarray
-        (d, d) symmetric.
+    """Return ``sum_ij g_ij y_i^* C y_j``, G Hermitian and C symmetric, at samples (m, r, d).
 
     The sum is formed with compensation of its rounding: one evaluation then errs by a few units of
     the last place of its largest term, and what is seen over a long run is the method's.

@@ -89,21 +89,9 @@ def orbit(
     start: Any = None,
     renew: int = 0,
 ) -> Orbit:
-    """Take the steps and keep points of the path.
+    """Take the steps and keep points of the path, with the options of :func:`glmref.solve`.
 
-    Parameters
-    ----------
-    problem, method
-        What to solve, and with what.
-    h, steps
-        Step size and number of steps.
-    start, renew
-        As in :func:`glmref.solve`.
-
-    Returns
-    -------
-    Orbit
-        The path up to where the numbers are finite and the energy error is below the energy itself.
+    It ends where the numbers are not finite or the energy error reaches the energy itself.
     """
     axes, pairs = plane_of(problem)
     t0 = float(problem.t_span[0])

@@ -88,18 +88,8 @@ def growth(
 ) -> Growth:
     """Measure one parasitic propagator with the reference engine, and predict it from mu f'.
 
-    Parameters
-    ----------
-    method : GLM
-        A GLM with a parasitic mode.
-    problem : Problem
-        Nonlinear, autonomous.
-    h : float
-        Step size.
-    time : float
-        Length of the interval, rounded to whole steps.
-    mode : Mode or None
-        One of :func:`modes`; the first by default.
+    The problem is nonlinear and autonomous, the time is rounded to whole steps, and the mode is the
+    first of :func:`modes` by default.
 
     Raises
     ------
@@ -159,19 +149,12 @@ def _measured_propagator(
 def predicted_propagator(mu: complex, problem: Problem, *, time: float) -> np.ndarray:
     """Solve ``Phi' = mu f'(y) Phi``, ``Phi(0) = I``, along the solution y; return Phi(time).
 
-    Parameters
-    ----------
-    mu : complex
-        Growth parameter.
-    problem : Problem
-        With a Jacobian (given, or derived from expressions), autonomous.
-    time : float
-        Length of the interval.
+    The problem is autonomous, and mu the growth parameter.
 
     Raises
     ------
     UsageError
-        Where the problem has no Jacobian.
+        Where the problem has no Jacobian, given or derived from expressions.
     """
     if problem.jacobian is None:
         raise UsageError(f"{problem.name} gives no Jacobian; mu f' cannot be formed")
@@ -239,10 +222,7 @@ class Loss:
 def loss(problem: Problem, solution: Solution, u: np.ndarray) -> Loss:
     """Find when a run was lost: parasitic part or energy error too large, or an early end.
 
-    Parameters
-    ----------
-    u : np.ndarray
-        (r,) right eigenvector of V at 1, for what of the values is the solution itself.
+    u (r,) is the right eigenvector of V at 1, for what of the values is the solution itself.
     """
     t = np.asarray(solution.t, dtype=float)
     unit = float(np.linalg.norm(np.asarray(solution.y[0]))) or 1.0

@@ -314,14 +314,8 @@ class _Course:
 class _Growing:
     """One parasitic part along the pilot orbit.
 
-    Parameters
-    ----------
-    psi : np.ndarray
-        (N, m, m) propagators of the steps.
-    start : np.ndarray
-        (m,) size at the start.
-    level : float
-        Size at which the run is lost.
+    ``psi`` (N, m, m) are the propagators of the steps, ``start`` (m,) is its size at the start and
+    ``level`` that at which the run is lost.
     """
 
     def __init__(self, psi: np.ndarray, start: np.ndarray, level: float) -> None:

@@ -35,22 +35,10 @@ def saturation(
 ) -> float | None:
     """Find the level at which the energy error stays though a parasitic part grew.
 
-    Parameters
-    ----------
-    method, problem, h
-        As for :func:`.prediction.predict`.
-    start : np.ndarray
-        (r, d) values of step 0.
-    part : np.ndarray
-        (r, d) what the part adds to them, of the size of the solution.
-    rate : float
-        Its growth per step in the linear equation.
-
-    Returns
-    -------
-    float or None
-        Largest relative error of the energy; ``None`` where it comes to :data:`TOO_MUCH`, does not
-        grow or does not stop, where the problem has no energy, or the run would take too long.
+    The part (r, d), of the size of the solution, is added to the values (r, d) of step 0; its rate
+    of growth is that per step in the linear equation. Returns the largest relative error of the
+    energy; ``None`` where it comes to :data:`TOO_MUCH`, does not grow or does not stop, where the
+    problem has no energy, or the run would take too long.
     """
     steps = PATIENCE * math.log(LARGE / PLANTED) / rate if rate > 0 else math.inf
     if problem.hamiltonian is None or not steps * start.size <= WORK:

@@ -34,12 +34,9 @@ def _rounded(method: GLM) -> FloatGLM:
 
 
 def amplification(method: GLM, z: Any) -> np.ndarray:
-    """Return the stability matrix M(z) in double precision.
+    """Return the stability matrix M(z) in double precision, (..., r, r).
 
-    Returns
-    -------
-    np.ndarray
-        (..., r, r); infinite where ``I - z A`` is singular.
+    It is infinite where ``I - z A`` is singular.
     """
     rounded = _rounded(method)
     points = np.asarray(z, dtype=complex)
@@ -127,17 +124,10 @@ class Locus:
 def locus(method: GLM, *, turns: int = 720) -> Locus:
     """Trace the boundary of the stability region.
 
-    Parameters
-    ----------
-    turns : int
-        Points on the unit circle, halfway between multiples of ``2 pi/turns``, so that none is an
-        eigenvalue of V of small order.
-
-    Returns
-    -------
-    Locus
-        Every point of the boundary that belongs to these points: the eigenvalues x of ``A + U (w I
-        - V)^-1 B`` are the 1/z with w an eigenvalue of M(z), and there are no others.
+    The eigenvalues x of ``A + U (w I - V)^-1 B`` are the 1/z with w an eigenvalue of M(z), and
+    there are no others: every point of the boundary that belongs to the points w is found. These
+    are so many on the unit circle, halfway between multiples of ``2 pi/turns``, so that none is an
+    eigenvalue of V of small order.
     """
     rounded = _rounded(method)
     angles = (np.arange(turns) + 0.5) * (2 * math.pi / turns)

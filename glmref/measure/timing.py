@@ -39,16 +39,9 @@ class Timing:
 def repeat(
     run: Callable[[], Result], *, repeats: int = 5, budget: float = 2.0
 ) -> tuple[Result, Timing]:
-    """Run something a few times, at least once, and stop early when the budget is spent.
+    """Run something a few times, at least once; return its last result and the times.
 
-    Parameters
-    ----------
-    run : Callable[[], Result]
-        What to time; its last result is returned.
-    repeats : int
-        How often at the most.
-    budget : float
-        Seconds after which no further repetition starts.
+    No further repetition starts after ``budget`` seconds.
     """
     seconds: list[float] = []
     begun = perf_counter()

@@ -58,14 +58,9 @@ def _half(engine: Stepper, reader: Reader, m: Component, *, conjugate: bool) -> 
 class Underlying:
     """Starting map, solution and parasitic part for one method on one problem.
 
-    Parameters
-    ----------
-    engine : Stepper
-        The reference stepper of the method on the problem.
-    conjugate : bool
-        Read the solution off by the left eigenvector of V at 1 instead of the output. Where that
-        takes from others the underlying method becomes a conjugate one, and starting it costs a
-        quarter.
+    ``conjugate`` reads the solution off by the left eigenvector of V at 1 instead of the output.
+    Where that takes from others the underlying method becomes a conjugate one, and starting it
+    costs a quarter.
 
     Raises
     ------

@@ -274,20 +274,11 @@ class NoReference(UsageError):
 
 
 def judged_state(problem: Problem, y: Any, t: float, notices: Iterable[str] = ()) -> dict[str, Any]:
-    """Return what a record says of the error of a state.
+    """Return what a record says of the error of a state (d,) at the time t.
 
-    Parameters
-    ----------
-    y : (d,)
-        The state at the time t.
-    notices : Iterable of str
-        Sentences that the record has already.
-
-    Returns
-    -------
-    dict
-        ``state_error``, ``reference`` and ``reference_error``. Where there is no reference the
-        errors are ``None``, ``reference`` is :data:`NO_REFERENCE`, and ``notices`` says why.
+    That is ``state_error``, ``reference`` and ``reference_error``. Where there is no reference the
+    errors are ``None``, ``reference`` is :data:`NO_REFERENCE`, and ``notices``, besides those that
+    the record has already, says why.
     """
     try:
         reference = reference_state(problem, t)

@@ -20,20 +20,10 @@ from .formula import Formula
 
 
 def equations(H: Formula, half: int) -> dict[str, Any]:
-    """Return Hamilton's equations as the entries of a :class:`.model.Problem`.
+    """Return Hamilton's equations in 2 ``half`` components as entries of :class:`.model.Problem`.
 
-    Parameters
-    ----------
-    H : Formula
-        The Hamiltonian, of shape () in ``t`` and ``y`` = (q, p), or in ``y`` alone.
-    half : int
-        Number m of coordinates q, and of momenta p.
-
-    Returns
-    -------
-    dict
-        ``force`` where H = p^T p / 2 + V(q), else ``dq`` and ``dp`` where H = T(p) + V(q), else
-        ``f``. Where H depends on t ``f``, and as ``clocked`` the parts of T(p, t) + V(q, t).
+    ``force`` where H = p^T p / 2 + V(q), else ``dq`` and ``dp`` where H = T(p) + V(q), else ``f``.
+    Where H depends on t ``f``, and as ``clocked`` the parts of T(p, t) + V(q, t).
     """
     slope = shared(differentiated(shared(H), 2 * half))
     by_p, by_q = slope.outputs[half:], tuple(_minus(text) for text in slope.outputs[:half])
@@ -116,11 +106,8 @@ def constant_matrix(
 ) -> list[list[Fraction | None]] | None:
     """Return the derivative of a formula by components first, first + 1 ... where it is constant.
 
-    Returns
-    -------
-    list of list of (Fraction or None) or None
-        Rows of the derivative; ``None`` for an entry that is constant and not rational (a square
-        root, say); ``None`` instead of the rows where some entry is not constant.
+    An entry that is constant and not rational (a square root, say) is ``None``, and so is the
+    result where some entry is not constant.
     """
     d = first + columns
     jacobian = shared(differentiated(formula, d))

@@ -44,10 +44,7 @@ class Jacobian:
 def differentiated(formula: Formula, dimension: int) -> Formula:
     """Return the formula of all derivatives by the components of the last variable.
 
-    Returns
-    -------
-    Formula
-        A formula of shape (n, d), or (d,) for the gradient of a scalar.
+    Its shape is (n, d), or (d,) for the gradient of a scalar.
     """
     common, outputs = formula.trees
     chain: dict[str, dict[int, Tree]] = {}

@@ -124,16 +124,8 @@ def gravity(
 ) -> Problem:
     """Bodies under mutual gravitation, in the plane or in space.
 
-    Parameters
-    ----------
-    masses : Sequence[object]
-        N numbers.
-    positions, velocities : Sequence[Any]
-        N rows of 2 or 3 entries each, numbers or strings such as "3/5".
-    gravitation : object
-        The constant G.
-    **record : Any
-        Further entries of the :class:`.model.Problem`.
+    Positions and velocities are N rows of 2 or 3 entries, numbers or strings such as "3/5";
+    ``record`` are further entries of the :class:`.model.Problem`.
 
     Raises
     ------

@@ -23,12 +23,7 @@ _Exponents = tuple[int, ...]
 class Truncation:
     """Polynomials in s_1, s_2, .. truncated at the powers k_1, k_2, ..; stands in for a context.
 
-    Parameters
-    ----------
-    powers : tuple[int, ...]
-        The largest power of each variable.
-    context : Any
-        mpmath context of the coefficients; ``mpmath.fp`` for doubles.
+    Their coefficients are of an mpmath context, of ``mpmath.fp`` for doubles.
     """
 
     def __init__(self, powers: _Exponents, context: Any) -> None:
@@ -197,18 +192,10 @@ class Nilpotent:
 
 
 class Derivatives:
-    """Derivatives of every order of one function of a problem at one state.
+    """Derivatives of every order of one function of a problem at one state (d,).
 
-    Parameters
-    ----------
-    function : Any
-        A function of one vector or of (t, y) as a problem keeps it, given by expressions.
-    y : sequence
-        (d,) state.
-    context : Any
-        mpmath context; ``None`` for doubles.
-    timed : bool
-        Whether the function takes the time first; it is 0 then.
+    The function is of one vector, or of (t, y) if ``timed`` (the time is 0 then), and given by
+    expressions; ``context`` is one of mpmath, or ``None`` for doubles.
     """
 
     def __init__(self, function: Any, y: Any, context: Any, *, timed: bool) -> None:

@@ -75,21 +75,9 @@ class _Term:
 def hamiltonian_parts(H: str, half: int, values: Values, layout: Layout = FLAT) -> dict[str, Any]:
     """Return the equations of a Hamiltonian written with sums, as entries of a problem.
 
-    Parameters
-    ----------
-    H : str
-        A sum of expressions, and of ``sum(... for i in range(...))`` with a factor in front.
-    half : int
-        Number of coordinates.
-    values : mapping
-        Parameters: numbers, and lists of numbers.
-    layout : Layout
-        The lists of which q and p consist.
-
-    Returns
-    -------
-    dict
-        ``hamiltonian`` and ``force``, or ``dq`` and ``dp``, or ``f``, as :class:`.loops.Loops`.
+    H is a sum of expressions, and of ``sum(... for i in range(...))`` with a factor in front, in
+    ``half`` coordinates, with numbers and lists of numbers as parameters. As :class:`.loops.Loops`
+    there are ``hamiltonian`` and ``force``, or ``dq`` and ``dp``, or ``f``.
 
     Raises
     ------

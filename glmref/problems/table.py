@@ -33,14 +33,10 @@ MAX_BYTES = 200_000
 
 
 def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
-    """Build the problem that a table of plain data stands for.
+    """Build the problem that a table of plain data stands for: keys of :data:`KEYS`.
 
-    Parameters
-    ----------
-    table : mapping
-        Keys of :data:`KEYS`; exactly one of ``H``, ``f`` and ``file``.
-    folder : Path, optional
-        Where the path in ``file`` starts and must stay; without, it is any path of the caller.
+    A path in ``file`` starts in ``folder`` and must stay there; without, it is any path of the
+    caller.
 
     Raises
     ------
@@ -92,18 +88,10 @@ def from_file(
 ) -> Problem:  # fmt: skip
     """Execute a Python file and return the problem that one of its functions makes.
 
-    Parameters
-    ----------
-    where : str
-        ``"mine.py:make"``: path and name of a function that returns a :class:`Problem`, or the
-        table of one.
-    folder : Path, optional
-        That of the document which names the file: then it must lie there, see
-        :func:`~glmref.system.files.named_in`.
-    parameters : mapping, optional
-        Keyword arguments of the function.
-    **changes :
-        Entries of the table that replace those of the problem: ``t_end``, ``t0`` and ``name``.
+    ``where`` is ``"mine.py:make"``: path and name of a function that returns a :class:`Problem`, or
+    the table of one, and takes ``parameters`` as keywords. With the ``folder`` of the document that
+    names the file it must lie there, see :func:`~glmref.system.files.named_in`. The ``changes``
+    replace entries of the problem: ``t_end``, ``t0`` and ``name``.
 
     Raises
     ------

@@ -58,19 +58,9 @@ Recorded = tuple[tuple[tuple[str, str], ...], tuple[str, ...]]
 def recorded(function: Any, variables: tuple[str, ...], size: int) -> Recorded | None:
     """Return the operations of a Python function on symbols, or ``None`` where it hides some.
 
-    Parameters
-    ----------
-    function : callable
-        ``f(t, y)``, or ``dq(p)``, ``dp(q)``.
-    variables : tuple of str
-        Names of its arguments in the formula; the last is the vector.
-    size : int
-        Length of the vector, and of the result.
-
-    Returns
-    -------
-    (operations, outputs) or None
-        Named operations in order, and what is returned.
+    The function is ``f(t, y)``, or ``dq(p)``, ``dp(q)``; ``variables`` name its arguments in the
+    formula, the last of which is the vector of length ``size``, as the result is. Returns the named
+    operations in order, and what is returned.
     """
     trace = _Trace()
     *scalars, vector = variables
@@ -94,14 +84,7 @@ def traced(
 ) -> Formula | None:  # fmt: skip
     """Return the formula of a Python function, or ``None`` where it cannot be had.
 
-    Parameters
-    ----------
-    function, variables :
-        As in :func:`recorded`.
-    points : sequence of tuple
-        Arguments at which formula and function are compared.
-    operations : (operations, outputs), optional
-        What :func:`recorded` found.
+    At ``points`` formula and function are compared; ``operations`` are what :func:`recorded` found.
     """
     found = operations or recorded(function, variables, len(points[0][-1]))
     if found is None:

@@ -51,10 +51,7 @@ def _sentence(error: BaseException) -> str:
 def raised(name: str, error: BaseException, arguments: tuple[Any, ...] = ()) -> FunctionFailed:
     """Return what stands for an exception that a user's function raised.
 
-    Returns
-    -------
-    FunctionFailed
-        :class:`NoValue` for an arithmetic or value error.
+    That is :class:`NoValue` for an arithmetic or value error.
     """
     at = f" at {_place(arguments)}" if arguments else ""
     kind = NoValue if isinstance(error, ArithmeticError | ValueError) else FunctionFailed

@@ -15,21 +15,10 @@ from .markup import Page, Site, render
 
 
 def build_board(runs: Sequence[Run], output: Path, today: str = "") -> Path:
-    """Write the page, the findings of each run, and the container recipes.
+    """Write the page, the findings of each run, and the container recipes; return the page.
 
-    Parameters
-    ----------
-    runs : Sequence of Run
-        In the order of the rows.
-    output : Path
-        Folder: ``index.html``, ``runs/N-NAME.json``, ``recipes/NAME.Dockerfile``.
-    today : str
-        Date on the page; by default that of today.
-
-    Returns
-    -------
-    Path
-        The page.
+    The folder has ``index.html``, ``runs/N-NAME.json``, ``recipes/NAME.Dockerfile``, and the page a
+    date.
     """
     make_folder(output / "runs")
     make_folder(output / "recipes")

@@ -47,21 +47,12 @@ def build(
     results: Results, output: Path, *, single: bool = False, methods: Sequence[str] | None = None,
     docs: str = "",
 ) -> list[Path]:  # fmt: skip
-    """Write the report.
+    """Write the report of what :func:`.store.read` found.
 
-    Parameters
-    ----------
-    results : Results
-        What :func:`.store.read` found.
-    output : Path
-        A folder, new, empty or of an earlier report; with ``single`` a file.
-    single : bool
-        Everything on one page.
-    methods : Sequence[str] or None
-        Methods of the catalogue that get a page, with the overview of them and the errata; by
-        default only those that the results say something about.
-    docs : str
-        Where the documentation lies, a folder seen from the pages or an address of the web.
+    Into a folder, new, empty or of an earlier report; with ``single`` on one page in a file.
+    ``methods`` of the catalogue get a page, with the overview of them and the errata; by default
+    only those that the results say something about. ``docs`` is where the documentation lies, a
+    folder seen from the pages or an address of the web.
 
     Raises
     ------

@@ -155,14 +155,8 @@ def write_parquet(records: Iterable[Record], again: Iterable[Record], path: Path
     """Write records as a table in columns.
 
     A column is a number or a text of a record, or of its task (``task.h``); what is a list or a
-    mapping is kept as JSON.
-
-    Parameters
-    ----------
-    records, again : iterable of mapping
-        The records, twice: first their columns are found, then they are written.
-    path : Path
-        The file.
+    mapping is kept as JSON. The records come twice: first their columns are found, then they are
+    written.
 
     Raises
     ------

@@ -14,19 +14,9 @@ _COLOURS, _MARKS, _DASHES, _LOOKS = 7, 8, 5, 280
 
 
 def looks(pictures: Iterable[Sequence[str]], methods: Set[str]) -> dict[str, int]:
-    """Return the number of the look of every line.
+    """Return the number of the look of every line of the pictures, in any order of these.
 
-    Parameters
-    ----------
-    pictures : iterable of sequences of str
-        Names of the lines of each picture.
-    methods : set of str
-        Known methods: lines whose names, separated by commas, hold one of them have its look.
-
-    Returns
-    -------
-    dict
-        Line to number, the same for the same pictures in any order.
+    Lines whose names, separated by commas, hold one of the known methods have its look.
     """
     of: dict[str, str] = {}
     beside: dict[str, set[str]] = {}

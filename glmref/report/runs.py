@@ -81,13 +81,7 @@ def tab_of(run: RunFile) -> str:
 
 
 def run_page(site: Site, run: RunFile, methods: frozenset[str]) -> Page:
-    """Write the page of one file of records.
-
-    Parameters
-    ----------
-    methods : frozenset[str]
-        Names that have a page of their own.
-    """
+    """Write the page of one file of records; ``methods`` have a page of their own."""
     title, question, judged = about(run)
     shown = [(c, get) for c, get in COLUMNS if any(get(x) is not None for x in run.records)]
     if all(path_in(x, ("seconds", "repeats")) == 1 for x in run.records):

@@ -129,14 +129,9 @@ class Results:
 
 
 def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
-    """Read files and folders.
+    """Read files, and folders to any depth; a folder of results of asv is read as one.
 
-    Parameters
-    ----------
-    paths : Iterable[Path]
-        Files, or folders that are searched to any depth; a folder of results of asv is read as one.
-    methods : Iterable[str]
-        Names for which an SVG file ``NAME.svg`` is a portrait.
+    An SVG file ``NAME.svg`` of one of the ``methods`` is a portrait.
 
     Raises
     ------

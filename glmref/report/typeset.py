@@ -67,13 +67,7 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_table(grid: list[list[list[list[str]]]]) -> Markup:
-    """Return a partitioned matrix: blocks with rules between them.
-
-    Parameters
-    ----------
-    grid : list[list[list[list[str]]]]
-        Rows of blocks, each a list of rows of entries.
-    """
+    """Return a partitioned matrix with rules between its blocks, each a list of rows of entries."""
     rows = [
         (
             bool(i and k == 0),

@@ -40,11 +40,8 @@ def duration(seconds: float) -> str:
 def seconds_at(records: Sequence[Record], error: str, at: float) -> float | None:
     """Return the seconds one method needs to reach an error, linear between its log-log points.
 
-    Returns
-    -------
-    float or None
-        ``None`` where no run reaches it. A run that is more accurate than asked counts with its
-        whole time where no less accurate one is cheaper.
+    ``None`` where no run reaches it. A run that is more accurate than asked counts with its whole
+    time where no less accurate one is cheaper.
     """
     points = []
     for record in records:

@@ -103,11 +103,8 @@ def _survey_tasks(values: Values, seed: int) -> Iterator[dict[str, Any]]:
 def survey(task: Task) -> dict[str, Any]:
     """Run a parcel of a search, and keep of it the solutions and how near the others came.
 
-    Returns
-    -------
-    dict
-        ``smallest``: least residual; ``solved``: how many starts ended in a solution with no
-        coefficient above ten; ``solutions``: their ends.
+    ``smallest`` is the least residual, ``solved`` how many starts ended in a solution with no
+    coefficient above ten, ``solutions`` their ends.
     """
     ends = carry_out(task)["ends"]
     sizes = [x["residual"] for x in ends if x["residual"] is not None]
@@ -166,12 +163,9 @@ def two_frequencies(frequency: float, coupling: float) -> Problem:
 def resonance(task: Task) -> dict[str, Any]:
     """Follow two coupled oscillators and see whether the values beyond the solution stay small.
 
-    Returns
-    -------
-    dict
-        ``growth``: largest size of these values over their size in the first hundredth of the run;
-        ``largest``: their size over that of the initial value; ``energy_error``: relative. A run
-        that leaves all bounds has the outcome ``lost`` and the ``step`` at which it did.
+    ``growth`` is the largest size of these values over their size in the first hundredth of the
+    run, ``largest`` their size over that of the initial value, ``energy_error`` is relative. A run
+    that leaves all bounds has the outcome ``lost`` and the ``step`` at which it did.
     """
     method = load(task["file"] or task["method"])
     subject = two_frequencies(task["frequency"], task["coupling"])

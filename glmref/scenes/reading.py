@@ -68,12 +68,7 @@ def names() -> list[str]:
 
 
 def load_scene(name: str | Path, *, quick: bool = False) -> Scene:
-    """Load a scene by name or path.
-
-    Parameters
-    ----------
-    quick : bool
-        Apply the overrides of the file's table ``[quick]``.
+    """Load a scene by name or path, ``quick`` with the overrides of its table ``[quick]``.
 
     Raises
     ------

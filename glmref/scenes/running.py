@@ -64,22 +64,12 @@ def run(
 ) -> list[dict[str, Any]]:
     """Measure what the store does not hold yet, and return the records of all tasks in order.
 
-    Parameters
-    ----------
-    scene : Scene or Plan
-        A scene, or the plan of one.
-    store : Records or None
-        Where records are kept; in memory by default.
-    advance : Callable[[Mapping[str, Any], Mapping[str, Any]], None] or None
-        Called after each new record with the task and the record.
-    on : Executor or None
-        Where tasks are carried out; in this process, one after another, by default.
-
-    Each record is on the disk before it counts, so that a killed run loses the tasks that run.
-    While tasks are missing the store's lock is held: a second run of the same scene into the same
-    folder is refused. A task that the system refuses (no memory, a library that cannot be loaded)
-    has a record in memory only, and is tried again by the next run. Where the scene asks for run
-    times, each task of other processes has a core of its own.
+    ``advance`` is called after each new record with the task and the record. Each record is on the
+    disk before it counts, so that a killed run loses the tasks that run. While tasks are missing
+    the store's lock is held: a second run of the same scene into the same folder is refused. A task
+    that the system refuses (no memory, a library that cannot be loaded) has a record in memory
+    only, and is tried again by the next run. Where the scene asks for run times, each task of other
+    processes has a core of its own.
 
     Raises
     ------

@@ -62,10 +62,7 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
 def rows(scene: Scene, records: Sequence[Record], *, raw: bool = False) -> list[dict[str, Any]]:
     """Return one mapping per record, column -> cell.
 
-    Parameters
-    ----------
-    raw : bool
-        Numbers as they are (``None`` where there is none), else short texts.
+    Cells are short texts; ``raw`` ones numbers as they are (``None`` where there is none).
     """
     return [
         {column: _cell(column, record, raw=raw) for column in columns_of(scene)}

@@ -14,14 +14,7 @@ from ..errors import GlmrefError, UsageError, shortened
 def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> str:
     """Write any value in one short line: also one that is long, or cannot be written.
 
-    Parameters
-    ----------
-    value : object
-        What to write.
-    write : Callable[[Any], str]
-        How, :func:`repr` or :class:`str`.
-    most : int
-        Characters; what is longer ends in dots and its length.
+    What is longer than ``most`` characters ends in dots and its length.
     """
     try:
         text = " ".join(write(value).split())

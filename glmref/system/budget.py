@@ -44,14 +44,9 @@ _watch: ContextVar[Callable[[], None] | None] = ContextVar("watch", default=None
 
 @contextmanager
 def limited(seconds: float | None, used: float = 0.0) -> Iterator[None]:
-    """Let what is computed inside take at most so much processor time.
+    """Let what is computed inside take at most so much processor time, ``used`` before included.
 
-    Parameters
-    ----------
-    seconds : float or None
-        The budget; ``None`` for no limit of its own. A limit that is already there stays.
-    used : float
-        How much of it was used before.
+    ``None`` sets no limit of its own. A limit that is already there stays.
 
     Raises
     ------

@@ -124,11 +124,8 @@ _READ = (".py", ".toml", ".json", ".in")
 def sources(*parts: str) -> str:
     """Return the checksum of modules of this package, and of the tables that they read.
 
-    Parameters
-    ----------
-    parts : str
-        Subpackages and modules, as paths below the package; without any all but the catalogue,
-        which an installed package holds as `data`.
+    They are subpackages and modules, as paths below the package; without any all but the catalogue,
+    which an installed package holds as `data`.
     """
     package = Path(__file__).parents[1]
     catalogue = package / "data"

@@ -63,14 +63,7 @@ def noting() -> Iterator[dict[str, str]]:
 
 
 def require_regular(path: Path, mode: int) -> None:
-    """Refuse a folder, a named pipe, a device or a socket.
-
-    Parameters
-    ----------
-    path : Path
-        The file, for the sentence.
-    mode : int
-        Its mode, as ``os.stat`` returns it.
+    """Refuse a folder, a named pipe, a device or a socket by its mode, as ``os.stat`` returns it.
 
     Raises
     ------
@@ -82,14 +75,9 @@ def require_regular(path: Path, mode: int) -> None:
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """Read a regular file of bounded size.
+    """Read a regular file of at most so many bytes.
 
-    Parameters
-    ----------
-    path : Path
-        The file. A named pipe or a device is refused at once, so that reading never hangs.
-    most : int
-        Largest number of bytes that is read.
+    A named pipe or a device is refused at once, so that reading never hangs.
 
     Raises
     ------
@@ -155,17 +143,7 @@ def named_in(folder: Path, name: object, key: str, what: str = "the file that na
 
     The only rule for which files a scene, a problem, a campaign or a checkout can make glmref open
     or execute. Links are followed first, so that one that leads out of the folder is refused.
-
-    Parameters
-    ----------
-    folder : Path
-        Where the document lies.
-    name : object
-        What the document says; its path is relative to `folder`.
-    key : str
-        The entry of the document, for the sentence.
-    what : str
-        The document, for the sentence.
+    ``key`` is the entry of the document, and ``what`` the document, for the sentence.
 
     Raises
     ------
@@ -226,16 +204,10 @@ def write_text(path: Path, text: str, *, sync: bool = True) -> None:
 
 
 def write_bytes(path: Path, content: bytes, *, sync: bool = True) -> None:
-    """Write a file in one piece: beside it first, then moved over it.
+    """Write a file in one piece: beside it first, then moved over it; its folder must exist.
 
-    Parameters
-    ----------
-    path : Path
-        The file; its folder must exist. What is no regular file is not replaced.
-    content : bytes
-        The whole content.
-    sync : bool
-        Whether it is on the disk on return. Without, a file that can be made again costs less.
+    What is no regular file is not replaced. With ``sync`` it is on the disk on return; without, a
+    file that can be made again costs less.
 
     Raises
     ------
@@ -268,12 +240,8 @@ def replace_whole(
 ) -> None:
     """Write a file in one piece, whatever stands there; see :func:`write_bytes`.
 
-    Parameters
-    ----------
-    mode : int or None
-        Permissions; by default those of a new file.
-    umask : int
-        Permissions that a new file does not get, in addition to those the user has excluded.
+    ``mode`` are permissions, by default those of a new file, which gets none of ``umask``, in
+    addition to those the user has excluded.
 
     Raises
     ------

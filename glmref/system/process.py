@@ -53,12 +53,8 @@ if hasattr(os, "register_at_fork"):
 def remember_group(group: int, mark: str = "") -> None:
     """Have a process group ended when this process is.
 
-    Parameters
-    ----------
-    group : int
-        Its number.
-    mark : str
-        Value of :data:`MARK` in its environment, by which members that left it are found.
+    ``mark`` is the value of :data:`MARK` in its environment, by which members that left it are
+    found.
     """
     _groups[group] = mark
 
@@ -191,18 +187,9 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def signals(name: str) -> Iterator[threading.Event]:
     """Convert the first SIGINT, SIGTERM, SIGHUP or SIGALRM into a ``KeyboardInterrupt``.
 
-    The process is killed where it does not react within :data:`GRACE`. Outside of the main thread
-    nothing is changed; Windows has Ctrl-C only, and nothing that kills the process.
-
-    Parameters
-    ----------
-    name : str
-        The program, for the sentence of a process that is killed.
-
-    Yields
-    ------
-    threading.Event
-        Once it is set, the process is not killed any more.
+    The process, called ``name``, is killed where it does not react within :data:`GRACE`, but not
+    any more once the event is set that is given. Outside of the main thread nothing is changed;
+    Windows has Ctrl-C only, and nothing that kills the process.
     """
     ended = threading.Event()
     if threading.current_thread() is not threading.main_thread():
@@ -270,19 +257,8 @@ def _write_error(name: str, sentence: str) -> None:
 def guarded(name: str, function: Callable[[], int], bad: int) -> int:
     """Run a program; no exception leaves this function, and no child outlives it.
 
-    Parameters
-    ----------
-    name : str
-        The program, as sentences on stderr begin.
-    function : callable
-        What it does; returns the exit code.
-    bad : int
-        The exit code where the system refuses something.
-
-    Returns
-    -------
-    int
-        The exit code: 130 after Ctrl-C, 143 after SIGTERM, 141 where stdout is closed.
+    Sentences on stderr begin with its name. Returns its exit code, ``bad`` where the system refuses
+    something, 130 after Ctrl-C, 143 after SIGTERM, 141 where stdout is closed.
     """
     open_streams()
     _received.clear()
@@ -332,20 +308,8 @@ def within(name: str, seconds: float, command: Sequence[str]) -> int:
 
     A library that does not return holds the interpreter, and neither a signal nor a thread of its
     process can end it in a sentence. This process only waits, and passes on the signals it gets.
-
-    Parameters
-    ----------
-    name : str
-        The program, as sentences on stderr begin.
-    seconds : float
-        Wall-clock time.
-    command : sequence of str
-        A program that calls :func:`limited_by_parent`, and :func:`guarded` for what it does.
-
-    Returns
-    -------
-    int
-        The exit code of the program; 2 where its time is over.
+    The command calls :func:`limited_by_parent`, and :func:`guarded` for what it does. Returns its
+    exit code; 2 where its time on the clock is over.
     """
     open_streams()
     if TIME_OVER is None:
@@ -429,15 +393,9 @@ def apart(program: Callable[[Say], object], seconds: float) -> Said:
     """Run a program in a process that the system ends when its processor time is over.
 
     One operation of a library may compute for hours and reacts to no signal. So timers of the
-    system end its process. Where the system gives no process, the program runs here, without an
-    end.
-
-    Parameters
-    ----------
-    program : callable
-        What it does; its argument is a :data:`Say`.
-    seconds : float
-        Processor time until it says otherwise; :data:`~glmref.system.budget.EXCESS` is added.
+    system end its process, after these seconds, until it says otherwise, and
+    :data:`~glmref.system.budget.EXCESS`. Where the system gives no process, the program runs here,
+    without an end.
 
     Raises
     ------

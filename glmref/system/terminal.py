@@ -24,10 +24,7 @@ def escaped(text: str) -> str:
 def saying(text: str) -> Iterator[None]:
     """Show a line on stderr until the block is left, and then the line before it, or none.
 
-    Parameters
-    ----------
-    text : str
-        What is being done; it is cut at the width of a terminal.
+    It is cut at the width of a terminal.
     """
     _lines.append(text)
     _show()

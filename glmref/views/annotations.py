@@ -94,15 +94,7 @@ def _uri(path: str) -> str:
 
 
 def badge(tables: int, remarks: Sequence[Remark]) -> str:
-    """Write the answer of a shields.io endpoint.
-
-    Parameters
-    ----------
-    tables : int
-        How many tables were judged.
-    remarks : Sequence of Remark
-        What was found in them.
-    """
+    """Write the answer of a shields.io endpoint: tables that were judged and what was found."""
     wrong = {(x.path, x.line) for x in remarks if x.level is Level.ERROR}
     unsure = {(x.path, x.line) for x in remarks if x.level is not Level.ERROR}
     if wrong:

@@ -147,20 +147,10 @@ class Axes:
         size: int = 12,
         aside: float = 42,
     ) -> list[str]:
-        """Return the border, ticks with their texts, and the labels of the axes.
+        """Return the border, ticks with their texts (``size`` px high), and the labels of the axes.
 
-        Parameters
-        ----------
-        across, up : Ticks
-            Ticks of the two axes.
-        labels : tuple of str
-            What the axes show; empty for none.
-        grid : bool
-            Whether a tick is a line through the rectangle; otherwise it is a mark outside.
-        size : int
-            Height of the texts at the ticks, in px.
-        aside : float
-            Distance of the label of the vertical axis from it, in px.
+        With ``grid`` a tick is a line through the rectangle, otherwise a mark outside; ``aside`` is
+        the distance of the label of the vertical axis from it, in px.
         """
         parts = []
         for x, shown in zip(*across, strict=True):

@@ -63,14 +63,9 @@ class Series:
 
 
 def place_labels(wanted: Sequence[float], low: float, high: float) -> list[float]:
-    """Move label positions apart to at least the line spacing, changing their order not at all.
+    """Move label positions (px) apart to at least the line spacing, keeping their order.
 
-    Parameters
-    ----------
-    wanted : Sequence[float]
-        Positions in px, any order.
-    low, high : float
-        Limits they should stay within; where there is no room for all, the last ones pass ``high``.
+    They should stay within the limits; where there is no room for all, the last ones pass ``high``.
     """
     order = sorted(range(len(wanted)), key=lambda i: wanted[i])
     placed = [0.0] * len(wanted)
@@ -104,13 +99,9 @@ def svg(
 ) -> str:
     """Return a complete SVG document, readable without any style sheet or script.
 
-    Series without a point that can be drawn are named in a line below the chart.
-
-    Parameters
-    ----------
-    narrow : bool
-        Whether the picture is :data:`NARROW` px wide, which a phone shows with letters that can be
-        read; the series are then named below the chart instead of at its right.
+    Series without a point that can be drawn are named in a line below the chart. A ``narrow``
+    picture is :data:`NARROW` px wide, which a phone shows with letters that can be read; the series
+    are then named below the chart instead of at its right.
     """
     shown = [one for one in series if one.drawn or one.across]
     empty = [one.name for one in series if not one.drawn and not one.across]
@@ -317,13 +308,7 @@ def _wrapped(names: Sequence[str], width: int) -> list[str]:
 def write_figures(
     path: Path, series: Sequence[Series], *, title: str, x_label: str, y_label: str
 ) -> str | None:
-    """Write the chart as PNG and PDF; return a notice where matplotlib is not installed.
-
-    Parameters
-    ----------
-    path : Path
-        Of the PNG file; the PDF file stands beside it.
-    """
+    """Write the chart as PNG and PDF; return a notice where matplotlib is not installed."""
     figure = blank_figure(8.2, 4.8)
     if figure is None:
         return NO_FIGURES

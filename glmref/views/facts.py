@@ -48,12 +48,8 @@ def analysis_rows(
 ) -> list[tuple[str, str]]:
     """Return an analysis as lines of name and value; a matrix has a line for each row.
 
-    Parameters
-    ----------
-    record : Mapping
-        As :meth:`glmref.Analysis.as_json` gives it.
-    measured : Mapping, optional
-        Ends of stability intervals found in floating point, shown where none is proved.
+    The record is that of :meth:`glmref.Analysis.as_json`; ``measured`` are ends of stability
+    intervals found in floating point, shown where none is proved.
     """
     rows: list[tuple[str, str]] = []
 

@@ -26,19 +26,12 @@ def heat_map(
     value_label: str,
     limits: tuple[float, float] | None = None,
 ) -> str:
-    """Return a complete SVG document.
+    """Return a complete SVG document of the values of cells (x, y).
 
-    Parameters
-    ----------
-    cells : mapping
-        (x, y) -> value. Every x that occurs has a column and every y a row, in their order; a pair
-        without a value stays blank, and infinity stands for what was not completed.
-    title, x_label, y_label, value_label : str
-        What is shown.
-    limits : (float, float), optional
-        Values of the first and the last colour, so that several maps agree; those that occur by
-        default. Where both are positive and a factor of a thousand apart, colours go with the
-        logarithm.
+    Every x that occurs has a column and every y a row, in their order; a pair without a value stays
+    blank, and infinity stands for what was not completed. ``limits`` are the values of the first
+    and the last colour, so that several maps agree; those that occur by default. Where both are
+    positive and a factor of a thousand apart, colours go with the logarithm.
     """
     width, height = 560, 360
     xs, ys = (sorted({pair[k] for pair in cells}, key=_place) for k in (0, 1))

@@ -42,13 +42,7 @@ def _panel(axes: Axes, title: str, labels: tuple[str, str]) -> list[str]:
 
 
 def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
-    """Draw a method.
-
-    Returns
-    -------
-    str
-        A complete SVG document, readable without any style sheet or script.
-    """
+    """Draw a method as a complete SVG document, readable without any style sheet or script."""
     name = method.name or "method"
     if isinstance(method, RosenbrockGLM):
         method = method.linear_form

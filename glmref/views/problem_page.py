@@ -38,12 +38,8 @@ def kind_of(problem: Problem) -> str:
 def described(problem: Problem, about: str = "") -> dict[str, Any]:
     """Return everything about a problem that JSON can hold.
 
-    Returns
-    -------
-    dict
-        ``name``, ``about``, ``kind``, ``dimension``, ``parameters``, ``t_span``, ``formulas``
-        (name -> list of expressions; the body's name for loops), ``invariants``, ``y0`` and
-        ``source``. Long vectors are cut after 12 entries.
+    ``formulas`` are name -> list of expressions, of loops the body's name. Long vectors are cut
+    after 12 entries.
     """
     formulas: dict[str, list[str]] = {}
     for key in ("hamiltonian", "force", "dq", "dp", "f"):
@@ -110,11 +106,8 @@ def page(problem: Problem, about: str = "") -> list[tuple[str, str]]:
 def c_source(problem: Problem) -> str:
     """Return the right-hand side as C, as the steppers of ``glmref convert --to c`` call it.
 
-    Returns
-    -------
-    str
-        ``dimension``, ``initial`` and ``rhs(t, y, out, data)``; of a separable problem
-        ``dq(p, out, data)`` and ``dp(q, out, data)`` too.
+    It has ``dimension``, ``initial`` and ``rhs(t, y, out, data)``; of a separable problem ``dq(p,
+    out, data)`` and ``dp(q, out, data)`` too.
 
     Raises
     ------

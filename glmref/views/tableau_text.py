@@ -17,14 +17,8 @@ _DECIMAL = re.compile(r"(-?\d+(\.\d*)?)?$")
 def decimal_text(x: Scalar, digits: int) -> str:
     """Return a number in decimals: as it is where it ends within them, else rounded to them.
 
-    A ball that contains zero has no significant digit and is ``0``.
-
-    Parameters
-    ----------
-    x : Scalar
-        The number.
-    digits : int
-        Significant digits, of each of the two parts of a complex number.
+    A ball that contains zero has no significant digit and is ``0``. The significant digits are
+    those of each of the two parts of a complex number.
     """
     if x.is_real():
         return _real_text(x, digits)

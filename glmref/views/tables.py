@@ -86,16 +86,8 @@ def columns(
 ) -> str:
     """Align rows into columns, two spaces apart, the last column as long as it is.
 
-    Parameters
-    ----------
-    rows : Iterable[Sequence[str]]
-        Cells; every row has as many as the head.
-    style : Style
-        Decides the rule under the head.
-    head : Sequence[str]
-        Column names, or none.
-    right : str
-        The digits of the columns (from 0) that are aligned to the right, as ``"12"``.
+    The style decides the rule under the head. ``right`` has the digits of the columns (from 0) that
+    are aligned to the right, as ``"12"``.
     """
     cells = [[one_line(x) for x in row] for row in rows]
     everything = [list(head), *cells] if head else cells
@@ -194,17 +186,8 @@ def findings_table(
 ) -> str:
     """Return the findings of one method.
 
-    Parameters
-    ----------
-    findings : Sequence[Finding]
-        All of the same method.
-    style : Style
-        What the terminal shows.
-    every : bool
-        A line for each claim under the method's name; else one line for the method while all hold,
-        and below it those that do not.
-    width : int
-        Columns of the name in the one-line form.
+    With ``every`` a line for each claim under the method's name; else one line for the method, with
+    its name in so many columns, while all hold, and below it those that do not.
     """
     if not findings:
         return ""
@@ -272,16 +255,9 @@ def findings_junit(
 ) -> str:
     """Return JUnit XML: a suite for each method, a case for each claim.
 
-    Parameters
-    ----------
-    findings : Sequence[Finding]
-        What fails becomes a ``failure``, what is open what ``undecided`` says.
-    errors : Sequence[tuple[str, str]]
-        ``(file, sentence)`` for each file that could not be checked: an ``error`` too.
-    program : str
-        Name of the whole.
-    undecided : str
-        ``"error"`` where every claim should be decided, ``"skipped"`` for what was not judged.
+    What fails becomes a ``failure``, what is open what ``undecided`` says: ``"error"`` where every
+    claim should be decided, ``"skipped"`` for what was not judged. ``errors`` are (file, sentence)
+    for each file that could not be checked: an ``error`` too.
     """
     root = ElementTree.Element("testsuites", name=program)
     suites: dict[str, list[Finding]] = {}

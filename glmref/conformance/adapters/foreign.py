@@ -72,12 +72,8 @@ def right_hand_side(problem: Any, kind: Any = RHS) -> Any:
 class Built:
     """Methods that are functions ``run(f, data, d, t, h, steps, y)`` of shared libraries.
 
-    The function takes steps from y in place, and returns 0.
-
-    Parameters
-    ----------
-    sources : Mapping
-        Method -> the files to be compiled, the main one first, and the text of each.
+    The function takes steps from y in place, and returns 0. ``sources`` gives for each method the
+    files to be compiled, the main one first, and the text of each.
     """
 
     compiler: Sequence[str]  #: The command; ``-o LIBRARY FILE`` and the libraries are appended.

@@ -77,16 +77,7 @@ def run(
     options: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> Derivation:
-    """Carry out a recipe.
-
-    Parameters
-    ----------
-    name : str
-        One of :func:`names`.
-    options : Mapping[str, str] or None
-        Values for the options of the recipe, as text; the others keep their defaults.
-    progress : Progress or None
-        Called with (what, done, total).
+    """Carry out a recipe with the texts of its options; the others keep their defaults.
 
     Raises
     ------

@@ -62,11 +62,8 @@ def survey_notes(name: str) -> list[str]:
 def kepler_notes(name: str) -> list[str]:
     """Return the notes on long runs of Kepler's problem for a method file.
 
-    Returns
-    -------
-    list of str
-        A note where ten million steps of some run are not bounded, and one where a hundred million
-        are not.
+    There is one where ten million steps of some run are not bounded, and one where a hundred
+    million are not.
     """
     kinds = ((GROWS_ON_KEPLER, "runs"), (GROWS_LATER_ON_KEPLER, "further"))
     where = ((text, grown(_measured("kepler-long")[key])) for text, key in kinds)
