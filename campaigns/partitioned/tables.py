@@ -203,13 +203,13 @@ def growth_table() -> str:
         claims, kappa = file["claims"], float(parasitic_curvature(pair))
         second = claims.get("nystrom-order", claims["order"])
         order = f"{second} ({claims['order']})" if second > claims["order"] else f"{second}"
-        # every pair is G-symplectic, by its claims: the eigenvalues lie in pairs w, 1/w
+        # every pair is G-symplectic, by its claims: the eigenvalues lie in pairs lambda, 1/lambda
         end = periodicity(pair, conserving=True).value if kappa > 0 else 0.0
         both = {"start f[k] 2", "start k[f] 2"} <= set(file["enclosure"]["equations"])
         remark = ""
         if kappa < 0:
             digits, exponent = f"{math.sqrt(-kappa):.2e}".split("e")
-            remark = rf"$\vert w\vert - 1 = {digits} \cdot 10^{{{int(exponent)}}} y^3$"
+            remark = rf"$\vert\lambda\vert - 1 = {digits} \cdot 10^{{{int(exponent)}}} y^3$"
         cells = (
             *(f"`{name}`", order, file["stages"].count("Q"), f"{kappa:.2e}"),
             *("-" if end is None else f"{end:.5g}", 3 if both else 1, remark),
