@@ -35,16 +35,12 @@ LARGEST = 8
 def row(case: Mapping[str, Any]) -> dict[str, Any]:
     """Return error constants of one method.
 
-    Returns
-    -------
-    dict[str, Any]
-        ``order`` p; ``trees``, those of order p + 1, and ``nonzero``, how many have a residual;
-        ``norm``, Euclidean, of residual over symmetry; ``largest``, pairs of a tree and its
-        residual (its modulus where it is complex). Of a pair with an order of its own on
-        second-order systems, ``nystrom`` has the same on the trees that count there, where all
-        trees of order p + 1 are compared. Trees of an order above 13 are not: ``trees`` is 0. Of
-        implicit multistep pairs for all systems the residuals of order 9 and above come from
-        :func:`along_paths`.
+    ``order`` is p; ``trees``, those of order p + 1, and ``nonzero``, how many have a residual;
+    ``norm``, Euclidean, of residual over symmetry; ``largest``, pairs of a tree and its residual
+    (its modulus where it is complex). Of a pair with an order of its own on second-order systems,
+    ``nystrom`` has the same on the trees that count there, where all trees of order p + 1 are
+    compared. Trees of an order above 13 are not: ``trees`` is 0. Of implicit multistep pairs for
+    all systems the residuals of order 9 and above come from :func:`along_paths`.
     """
     facts = facts_of(load(case["method"]))
     method, claims = facts.method, facts.method.claims

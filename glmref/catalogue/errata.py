@@ -52,12 +52,7 @@ class Erratum:
 
 
 def load_errata(path: Path | None = None) -> tuple[Erratum, ...]:
-    """Read all records, in the order of the thesis.
-
-    Parameters
-    ----------
-    path : Path or None
-        Another file of the same format; the shipped one by default.
+    """Read all records of the shipped file, or of another one, in the order of the thesis.
 
     Raises
     ------

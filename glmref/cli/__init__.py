@@ -19,14 +19,13 @@ from ..errors import GlmrefError
 from ..system.process import guarded, limited_by_parent, within
 from .auditing import audit, check
 from .benching import bench
-from .browsing import cite, list_, show
-from .campaigning import campaign
+from .browsing import list_, show
 from .certifying import certify
 from .checking import verify
 from .comparing import compare, problems
 from .deriving import derive
-from .describing import analyze, errata
-from .exchanging import convert, export, import_
+from .describing import analyze
+from .exchanging import convert
 from .feeding import feed
 from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
@@ -46,6 +45,16 @@ _ELSEWHERE = {
 }
 
 
+#: Old names of commands, and the words that they stand for.
+OLD = {
+    "campaign": ("run",),
+    "cite": ("show", "--bibtex"),
+    "errata": ("list", "--errata"),
+    "export": ("convert",),
+    "import": ("convert",),
+}
+
+
 class _Group(click.Group):
     """The commands in their order, and an answer to words that one might take for a command."""
 
@@ -54,10 +63,13 @@ class _Group(click.Group):
         return list(self.commands)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Find the command of a line."""
-        if args and args[0] in _ELSEWHERE:
-            raise click.UsageError(f"there is no command {args[0]!r}; take {_ELSEWHERE[args[0]]}")
-        return super().resolve_command(ctx, args)
+        """Find the command of a line, by its old name as well."""
+        first, *rest = args or [""]
+        if first in _ELSEWHERE:
+            raise click.UsageError(f"there is no command {first!r}; take {_ELSEWHERE[first]}")
+        if args == ["campaign"]:
+            rest = ["--list"]
+        return super().resolve_command(ctx, [*OLD.get(first, args[:1]), *rest])
 
 
 @click.group(
@@ -102,11 +114,6 @@ EXAMPLES = {
 HIDDEN = {
     check: "glmref verify FILE",
     certify: "glmref verify NAME --certificates DIR",
-    export: "glmref convert NAME --to TARGET",
-    import_: "glmref convert FILE --from FORMAT",
-    cite: "glmref show NAME --bibtex",
-    errata: "glmref list --errata",
-    campaign: "glmref run CAMPAIGN",
     bench: "",
 }
 

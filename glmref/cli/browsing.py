@@ -104,7 +104,10 @@ def show(names: tuple[str, ...], bibtex: bool, decimal: int | None, plot: Path |
     if bibtex:
         if decimal is not None or plot is not None:
             raise UsageError("--bibtex writes no tableau; leave --decimal and --plot away")
-        return write_bibtex(names)
+        from ..views.bibtex import entries
+
+        say("\n\n".join(entries(dict.fromkeys(names))))
+        return HOLDS
     if plot is not None and len(names) > 1:
         raise UsageError("--plot draws one method; name one")
     for number, name in enumerate(dict.fromkeys(names)):
@@ -131,20 +134,3 @@ def _show(name: str, decimal: int | None, plot: Path | None) -> None:
 
         Drawing(portrait(method)).save(plot)
         say(f"\nwrote {one_line(plot)}")
-
-
-@click.command(short_help="Write BibTeX of methods and their files.")
-@click.argument(
-    "names", nargs=-1, required=True, metavar="NAME|FILE...", shell_complete=complete_method
-)
-def cite(names: tuple[str, ...]) -> int:
-    """Write BibTeX for methods: the source of each, and the data file itself."""
-    return write_bibtex(names)
-
-
-def write_bibtex(names: tuple[str, ...]) -> int:
-    """Write the entries of methods, each once."""
-    from ..views.bibtex import entries
-
-    say("\n\n".join(entries(dict.fromkeys(names))))
-    return HOLDS

@@ -1,4 +1,4 @@
-"""``glmref campaign``: many tasks from a file, on this machine or on a cluster."""
+"""Campaigns of ``glmref run``: many tasks from a file, on this machine or on a cluster."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from .output import (
     INTERNAL,
     Progress,
     complain,
-    format_option,
-    on_option,
     said_when_interrupted,
     say,
 )
@@ -34,35 +32,6 @@ if TYPE_CHECKING:
 #: Tasks of a pilot, and seconds that each of them may take.
 PILOT, PILOT_SECONDS = 3, 20.0
 _FAILURES = ("internal error", "process killed")
-
-
-@click.command(short_help="Many tasks from a file, on one machine or a cluster.")
-@click.argument("name", metavar="[CAMPAIGN|FILE]", required=False)
-@click.option("--plan", "planned", is_flag=True, help="Say how many tasks and what they cost.")
-@click.option("--pages", "pages", is_flag=True, help="Make page and table again; run nothing.")
-@click.option(
-    "--output",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("report"),
-    show_default=True,
-    help="Folder in which the campaign gets a folder of its own.",
-)
-@format_option(("table", "json", "jsonl"), "What stdout gets: jsonl is one record a line.")
-@on_option
-def campaign(
-    name: str | None, planned: bool, pages: bool, output: Path, form: str, on: str | None
-) -> int:
-    """Carry out a campaign: what its records lack, and no task twice.
-
-    Without a name the shipped campaigns are listed. Records are kept in OUTPUT/NAME/records.sqlite;
-    the same command goes on after whatever stopped it. In the end a page with the map or the front,
-    and a table in Parquet where pyarrow is installed. --plan measures a few of the tasks for the
-    cost.
-    """
-    if name is None:
-        say(listing())
-        return HOLDS
-    return run_campaign(name, planned, pages, output, form, on)
 
 
 def listing() -> str:

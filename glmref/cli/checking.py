@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -23,6 +22,7 @@ from .output import (
     FAILED,
     HOLDS,
     INTERNAL,
+    Progress,
     Word,
     complain,
     complete_method,
@@ -99,8 +99,8 @@ def verify(
     asked = list(dict.fromkeys(names)) or shipped("all")
     report = _Report(form, every=bool(names), width=max(map(len, asked), default=0))
     try:
-        with _progress(len(asked)) as advance:
-            _check(asked, only, report, advance, budget, on, certificates, keep=not no_cache)
+        with Progress(len(asked) if len(asked) > 8 else 0, "", "file") as progress:
+            _check(asked, only, report, progress, budget, on, certificates, keep=not no_cache)
     except KeyboardInterrupt:
         report.finish(len(asked), interrupted=True)
         return INTERRUPTED
@@ -123,7 +123,7 @@ def _check(
     names: Sequence[str],
     only: Sequence[str],
     report: _Report,
-    advance: Any,
+    progress: Progress,
     budget: float | None,
     on: str | None,
     certificates: str | None,
@@ -135,7 +135,7 @@ def _check(
     for checked in check_all(
         names, only, budget=budget, on=on, keep=keep, certificates=certificates
     ):
-        with advance():
+        with progress.aside():
             report.add(checked)
 
 
@@ -199,44 +199,3 @@ class _Report:
         if Verdict.FAILS in verdicts:
             return FAILED
         return INTERNAL if self.internal or Verdict.OPEN in verdicts else HOLDS
-
-
-class _Silent:
-    """Progress that shows nothing."""
-
-    def __enter__(self) -> Any:
-        return nullcontext
-
-    def __exit__(self, *exception: object) -> None:
-        return None
-
-
-class _Bar:
-    """A progress bar on stderr that steps aside while a result is written."""
-
-    def __init__(self, total: int) -> None:
-        from tqdm import tqdm
-
-        tqdm.monitor_interval = 0  # no thread besides this one
-        self.bar = tqdm(total=total, unit="file", leave=False, file=sys.stderr)
-
-    def __enter__(self) -> Any:
-        return self._aside
-
-    def _aside(self) -> AbstractContextManager[None]:
-        from contextlib import contextmanager
-
-        @contextmanager
-        def step() -> Any:
-            with self.bar.external_write_mode():
-                yield
-            self.bar.update()
-
-        return step()
-
-    def __exit__(self, *exception: object) -> None:
-        self.bar.close()
-
-
-def _progress(total: int) -> AbstractContextManager[Any]:
-    return _Bar(total) if sys.stderr.isatty() and total > 8 else _Silent()

@@ -1,4 +1,4 @@
-"""``glmref analyze`` and ``errata``: what a method is, and what the thesis prints."""
+"""``glmref analyze``, and ``list --errata``: what a method is, and what the thesis prints."""
 
 from __future__ import annotations
 
@@ -128,16 +128,6 @@ def _measured(method: Any, record: Mapping[str, Any]) -> dict[str, float]:
 
 verdict_option = click.option("--verdict", type=Word(_VERDICTS), help="Errata of this kind only.")
 method_option = click.option("--method", metavar="NAME", help="Errata about this data file only.")
-
-
-@click.command(short_help="Show what the thesis prints, and what is right.")
-@click.argument("text", default="", metavar="[ID|TEXT]")
-@verdict_option
-@method_option
-@format_option()
-def errata(text: str, verdict: str | None, method: str | None, form: str) -> int:
-    """Show what the thesis prints and whether it is right: one ID, or all that mention TEXT."""
-    return list_errata(text, verdict, method, form)
 
 
 def list_errata(text: str, verdict: str | None, method: str | None, form: str) -> int:

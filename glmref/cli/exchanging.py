@@ -33,28 +33,22 @@ class _Target(Word):
         return super().convert(ALIASES.get(word, word), param, ctx)
 
 
-_output = click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write to this file instead of stdout.",
-)
-
-
-_digits = click.option(
+@click.command(short_help="Write a method as source code or as another package's table, and back.")
+@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
+@click.option("--from", "form", type=Word(READ), help="Whose table FILE is; else a method file.")
+@click.option("--to", "target", type=_Target(TARGETS), help="What to write; else a method file.")
+@click.option(
     "--digits",
     type=click.IntRange(1, 150),
     metavar="N",
     help="Decimals with N digits; by default what the target holds best.",
 )
-
-
-@click.command(short_help="Write a method as source code or as another package's table, and back.")
-@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
-@click.option("--from", "form", type=Word(READ), help="Whose table FILE is; else a method file.")
-@click.option("--to", "target", type=_Target(TARGETS), help="What to write; else a method file.")
-@_digits
-@_output
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write to this file instead of stdout.",
+)
 def convert(
     name: str, form: str | None, target: str | None, digits: int | None, output: Path | None
 ) -> int:
@@ -78,25 +72,6 @@ def convert(
 
     method = load_document(_table(Path(name), form))
     return _written(method, method.name, target, digits, output)
-
-
-@click.command(short_help="Write a method as source code or as another package's table.")
-@click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
-@click.option("--to", "target", type=_Target(TARGETS), required=True, help="What to write.")
-@_digits
-@_output
-def export(name: str, target: str, digits: int | None, output: Path | None) -> int:
-    """Write a method as a stepper without dependencies, or in the syntax of another package."""
-    return _written(name, name, target, digits, output)
-
-
-@click.command("import", short_help="Read another package's table as a method file.")
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE")
-@click.option("--from", "form", type=Word(READ), required=True, help="What the file is.")
-@_output
-def import_(file: Path, form: str, output: Path | None) -> int:
-    """Read a table of another package and write it as a method file."""
-    return _read(file, form, output)
 
 
 def _written(method: Any, name: str, target: str, digits: int | None, output: Path | None) -> int:

@@ -6,7 +6,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 import click
@@ -153,6 +153,13 @@ class Progress:
             shown = [*running, *([f"{self.failed} failed"] if self.failed else []), text]
             self.bar.set_postfix_str(", ".join(filter(None, shown)), refresh=False)
             self.bar.update()
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Write the result of a task above the line, and count the task."""
+        with nullcontext() if self.bar is None else self.bar.external_write_mode():
+            yield
+        self.advance()
 
     def __exit__(self, *exception: object) -> None:
         if self.bar is not None:

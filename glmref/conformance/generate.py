@@ -85,11 +85,6 @@ def _cases(bench: Bench) -> Iterator[dict[str, Any]]:
 # --- files --------------------------------------------------------------------------------------
 
 
-def layout(document: Mapping[str, Any]) -> str:
-    """Return the text of a vector document: keys in the order given, a row of numbers on a line."""
-    return laid_out(document)
-
-
 def checksums(folder: Path) -> str:
     """Return the text of SHA256SUMS for the JSON files of a folder."""
     paths = sorted(folder.glob("*.json"))
@@ -117,7 +112,7 @@ def write(folder: Path, names: Sequence[str] = METHODS, on: str | None = None) -
 
 def text_of(task: Mapping[str, Any]) -> str:
     """Return the text of the vector file of a method."""
-    return layout(document_of(load(task["method"]), task["method"]))
+    return laid_out(document_of(load(task["method"]), task["method"]))
 
 
 if __name__ == "__main__":

@@ -196,28 +196,20 @@ class TwoKicks:
     """A half with two kicks in a step, for q' = M^-1 p: weights and series.
 
     The step has length 1. Kicks at its ends, half of each belonging to it, add (1, 0) to the values
-    x, x' of a pair and the weight w to the sum; the kick in the middle, s_j (1 + 2 c_j, 1) and
-    1 - w. The pairs are turned by V_j = [[2 c_j, -1], [1, 0]] from end to end. Each kick is its own
-    mirror image: with L = [[1, -2 c_j], [0, -1]] L V L is the inverse of V, L leaves (1, 0) as it
-    is, and L V^-1 the kick in the middle. So the step reads the same backwards.
+    x, x' of a pair and the weight w to the sum; the kick in the middle, s_j (1 + 2 c_j, 1) and 1 -
+    w. The pairs are turned by V_j = [[2 c_j, -1], [1, 0]] from end to end, with different cosines
+    c_j in (-1, 1). Each kick is its own mirror image: with L = [[1, -2 c_j], [0, -1]] L V L is the
+    inverse of V, L leaves (1, 0) as it is, and L V^-1 the kick in the middle. So the step reads the
+    same backwards.
 
-    q is moved by h phi y to the second kick, y the values after the half of the first, and by
-    h phi L y to the end, y the values before the half of the last. phi is a_j (1, d_j) for each
-    pair. The values being affine in s_j, the powers x, .., x^{2 m + 1} of exp(x/2) - 1, the forces
-    being x^2 exp(t x), are linear equations for a_j and a_j s_j. In the two drifts together
+    q is moved by h phi y to the second kick, y the values after the half of the first, and by h phi
+    L y to the end, y the values before the half of the last. phi is a_j (1, d_j) for each pair, d_j
+    its slope. The values being affine in s_j, the powers x, .., x^{2 m + 1} of exp(x/2) - 1, the
+    forces being x^2 exp(t x), are linear equations for a_j and a_j s_j. In the two drifts together
     x^{2 m + 2} cancels. The velocity, in the middle of the first kick, is as with one kick. So the
     order is 2 m + 2 for all c_j, d_j and w. Two steps of the method with one kick and the cosines
     e_j are c_j = 2 e_j^2 - 1, d_j = 1 - 2 e_j, w = 1/2. (With s_j as free numbers instead, changes
     of 1e-5 change phi by a fourth.)
-
-    Parameters
-    ----------
-    cosines : Sequence[Fraction]
-        c_1, .., c_m of the pairs of roots, different, in (-1, 1).
-    slopes : Sequence[Fraction]
-        d_1, .., d_m.
-    weight : Fraction
-        w.
     """
 
     def __init__(

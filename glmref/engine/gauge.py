@@ -15,7 +15,6 @@ References
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -62,17 +61,11 @@ class Gauge:
         )
 
     def sheared(self, problem: Problem) -> Problem:
-        """Return Hamilton's equations in (q, P), P = p + G q.
-
-        Parameters
-        ----------
-        problem : Problem
-            With a right-hand side of expressions.
-        """
+        """Return Hamilton's equations, given by expressions, in (q, P), P = p + G q."""
         f, m = problem.f, problem.dimension // 2
         assert isinstance(f, Formula)
         old = {m + i: _sum([f"y[{m + i}]"], row, "y[{}]", -1) for i, row in enumerate(self._exact)}
-        inside = _inside(f, old)
+        inside = f.rewritten(lambda _, i: old.get(i))
         names = [f"f{k}_" for k in range(2 * m)]
         rows = [*names[:m], *(
             _sum([names[m + i]], row, "f{}_", 1) for i, row in enumerate(self._exact)
@@ -83,7 +76,7 @@ class Gauge:
         )  # fmt: skip
         hamiltonian: Any = problem.hamiltonian
         if isinstance(hamiltonian, Formula):
-            hamiltonian = _inside(hamiltonian, old)
+            hamiltonian = hamiltonian.rewritten(lambda _, i: old.get(i))
         elif hamiltonian is not None:
             given = hamiltonian
             hamiltonian = lambda y: given(self._turned(np.asarray(y), -1.0))  # noqa: E731
@@ -113,25 +106,6 @@ def _sum(terms: list[str], row: list[Fraction], name: str, sign: int) -> str:
     """Return the text of a sum with the multiples of a row."""
     return " + ".join(
         [*terms, *(f"({sign * x})*" + name.format(j) for j, x in enumerate(row) if x)]
-    )
-
-
-def _inside(formula: Formula, components: dict[int, str]) -> Formula:
-    """Return a formula with expressions in place of some components of y."""
-
-    class _Put(ast.NodeTransformer):
-        def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-            assert isinstance(node.slice, ast.Constant)
-            text = components.get(node.slice.value)  # type: ignore[call-overload]
-            return node if text is None else ast.parse(text, mode="eval").body
-
-    def rewrite(text: str) -> str:
-        return ast.unparse(_Put().visit(ast.parse(text, mode="eval")))
-
-    return replace(
-        formula,
-        outputs=tuple(rewrite(text) for text in formula.outputs),
-        common=tuple((name, rewrite(text)) for name, text in formula.common),
     )
 
 

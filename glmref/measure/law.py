@@ -149,18 +149,10 @@ def diagnose(
     precise_steps: int | None = None,
     **options: Any,
 ) -> Diagnosis:
-    """Tell by which law a conserved quantity deviates, and why.
+    """Tell by which law a conserved quantity (see :func:`samples_of`) deviates, and why.
 
-    Parameters
-    ----------
-    quantity : str
-        See :func:`samples_of`.
-    digits : int
-        Of the precise run, which the reference engine takes: slowly.
-    precise_steps : int or None
-        Its length; all steps by default.
-    **options : Any
-        Further arguments of :func:`glmref.solve` for the runs in double precision.
+    The precise run, of all steps by default, is taken by the reference engine: slowly. The options
+    are those of :func:`glmref.solve` for the runs in double precision.
 
     Raises
     ------

@@ -66,11 +66,6 @@ def within_digits(method: Any) -> Any:
     """Return the method with a ball for each rounded decimal, or ``None`` where there is none.
 
     Its order is that of the methods of which the decimals are roundings, as far as the digits tell.
-
-    Parameters
-    ----------
-    method : Method
-        With exact coefficients.
     """
     digits = digits_of(method)
     if digits is None:

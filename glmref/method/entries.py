@@ -118,12 +118,7 @@ _WORDS = {str: "a text", bool: "True or False", Mapping: "a mapping"}
 def check_fields(record: Any, **more: type) -> None:
     """Refuse what a record holds besides its coefficients where it is of another type.
 
-    Parameters
-    ----------
-    record : dataclass
-        A method; fields that are ``None`` by default may be ``None``.
-    **more : type
-        Types of further fields, by name.
+    Fields that are ``None`` by default may be ``None``; ``more`` are types of further fields.
 
     Raises
     ------

@@ -36,12 +36,8 @@ def _combined(first: Scalar, second: Sequence[Scalar]) -> Vector:
 def nystrom_weights(b: Vector, b_prime: Vector, *, shared: bool) -> tuple[Vector, Vector]:
     """Return weights of q on the stages P and of p on the stages Q, for b and b' on the slopes g.
 
-    Parameters
-    ----------
-    b, b_prime : Vector (s,)
-        Of ``q + h q' + h^2 sum b_i g_i`` and of ``q' + h sum b'_i g_i``.
-    shared : bool
-        Whether g sees q', so that Q_i and P_i are evaluated together.
+    They are those of ``q + h q' + h^2 sum b_i g_i`` and of ``q' + h sum b'_i g_i``; ``shared`` says
+    whether g sees q', so that Q_i and P_i are evaluated together.
     """
     s = len(b)
     if not shared:

@@ -120,13 +120,7 @@ class FloatPair:
 def rounded_blocks(
     method: Any, blocks: Iterable[str], form: str, *diagonals: str
 ) -> dict[str, Any]:
-    """Round blocks, form and diagonals of a method.
-
-    Returns
-    -------
-    dict[str, Any]
-        Arrays by name; for each block also its residues.
-    """
+    """Round blocks, form and diagonals of a method: arrays by name, with residues of blocks."""
     arrays: dict[str, Any] = {}
     for name in blocks:
         arrays[name], arrays[f"{name}_residue"] = float_arrays(getattr(method, name))

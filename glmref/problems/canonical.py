@@ -16,7 +16,7 @@ from math import gcd
 from typing import Any
 
 from .derivative import differentiated
-from .formula import Formula
+from .formula import Formula, kept
 
 
 def equations(H: Formula, half: int) -> dict[str, Any]:
@@ -51,35 +51,17 @@ def _identity(half: int) -> list[list[Fraction | None]]:
 
 def _vanishes_at_zero(formula: Formula) -> bool:
     """Return whether a formula is 0 where its vector is: p + 1 has the derivative of p, too."""
-
-    class Zero(ast.NodeTransformer):
-        def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-            return ast.Constant(0)
-
+    common, outputs = formula.rewritten(lambda vector, index: "0").trees
     values: dict[str, Fraction | None] = {k: Fraction(v) for k, v in formula.parameters.items()}
-    for name, text in formula.common:
-        values[name] = _exact(Zero().visit(ast.parse(text, mode="eval").body), values)
-    outputs = [Zero().visit(ast.parse(text, mode="eval").body) for text in formula.outputs]
+    for name, tree in common:
+        values[name] = _exact(tree, values)
     return all(_exact(tree, values) == 0 for tree in outputs)
 
 
 def _clocked(part: Formula, vector: str, half: int, slope: str) -> Formula:
     """Return a part with t written as one more component of its vector, of the slope given."""
-
-    class Clock(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.expr:
-            return ast.parse(f"{vector}[{half}]", mode="eval").body if node.id == "t" else node
-
-    def written(text: str) -> str:
-        return ast.unparse(Clock().visit(ast.parse(text, mode="eval")))
-
-    return replace(
-        part,
-        outputs=(*map(written, part.outputs), slope),
-        common=tuple((name, written(text)) for name, text in part.common),
-        variables=(vector,),
-        shape=(half + 1,),
-    )
+    found = part.rewritten(kept, {"t": f"{vector}[{half}]"})
+    return replace(found, outputs=(*found.outputs, slope), variables=(vector,), shape=(half + 1,))
 
 
 def timed(formula: Formula) -> bool:

@@ -25,6 +25,9 @@ from ..errors import UsageError, did_you_mean
 from ..system.arguments import shown
 
 Number = int | Fraction | float
+#: Expression in place of ``vector[index]``; ``None`` where it stays.
+Component = Callable[[str, int], str | None]
+_NONE: Mapping[str, str] = MappingProxyType({})
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")
 LARGEST_EXPONENT = 1000
@@ -230,16 +233,17 @@ class Formula:
 
     def substituted(self, old: str, new: str, shift: int) -> Formula:
         """Return the formula with ``old[i]`` written ``new[i + shift]``."""
-        change = _Shift(old, new, shift)
+        found = self.rewritten(lambda x, i: f"{new}[{i + shift}]" if x == old else None)
+        return replace(
+            found, variables=tuple(new if name == old else name for name in self.variables)
+        )
 
-        def rewrite(text: str) -> str:
-            return ast.unparse(change.visit(ast.parse(text, mode="eval")))
-
+    def rewritten(self, component: Component, names: Mapping[str, str] = _NONE) -> Formula:
+        """Return the formula after :func:`substituted` in each of its expressions."""
         return replace(
             self,
-            outputs=tuple(rewrite(text) for text in self.outputs),
-            common=tuple((name, rewrite(text)) for name, text in self.common),
-            variables=tuple(new if name == old else name for name in self.variables),
+            outputs=tuple(substituted(text, component, names) for text in self.outputs),
+            common=tuple((k, substituted(text, component, names)) for k, text in self.common),
         )
 
 
@@ -273,18 +277,28 @@ class _Literals(ast.NodeTransformer):
         return ast.Name(name, ast.Load())
 
 
-class _Shift(ast.NodeTransformer):
-    """Renames a vector and shifts its indices."""
+def kept(vector: str, index: int) -> str | None:
+    """Leave a component as it is."""
+    return None
 
-    def __init__(self, old: str, new: str, shift: int) -> None:
-        self.old, self.new, self.shift = old, new, shift
 
-    def visit_Subscript(self, node: ast.Subscript) -> ast.Subscript:
-        if isinstance(node.value, ast.Name) and node.value.id == self.old:
-            assert isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, int)
-            node.slice = ast.Constant(node.slice.value + self.shift)
-            node.value = ast.Name(self.new, ast.Load())
-        return node
+def substituted(text: str, component: Component, names: Mapping[str, str] = _NONE) -> str:
+    """Return an expression with others in place of components and names, and in their place too.
+
+    ``component`` gives that of ``vector[index]``, or ``None``; ``names`` those of names.
+    """
+
+    class Put(ast.NodeTransformer):
+        def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+            ((vector, index),) = subscripts(node)
+            new = component(vector, index)
+            return node if new is None else ast.parse(new, mode="eval").body
+
+        def visit_Name(self, node: ast.Name) -> ast.expr:
+            new = names.get(node.id)
+            return node if new is None else self.visit(ast.parse(new, mode="eval").body)
+
+    return ast.unparse(Put().visit(ast.parse(text, mode="eval")))
 
 
 def subscripts(tree: ast.AST) -> Iterator[tuple[str, int]]:

@@ -19,13 +19,12 @@ transformation; Darboux-Sundman as (2.1)). Leimkuhler and Reich, "Simulating Ham
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import UsageError
 from .derivative import differentiated
-from .formula import Formula
+from .formula import Formula, kept, substituted
 from .loops import QuadraticForm
 from .model import Problem
 from .precision import Flow
@@ -118,11 +117,12 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
         raise UsageError(f"{problem.name} must give its initial value as numbers or expressions")
     m = problem.dimension // 2
     known = [f"({x})" if isinstance(x, str) else repr(x) for x in _listed(problem.initial)]
-    moved = {i: f"y[{i if i < m else i + 1}]" for i in range(2 * m)}
     wanted = Formula((rate,), variables=("y",), parameters=problem.parameters, shape=())
-    names = dict(energy.common)
-    text = _expanded(energy.outputs[0], names)
-    K = f"({_renamed(wanted.outputs[0], moved)})*({_renamed(text, moved)} + y[{2 * m + 1}])"
+    text = substituted(energy.outputs[0], kept, {k: f"({x})" for k, x in energy.common})
+    factor, moved = (
+        substituted(x, lambda _, i: f"y[{i + (i >= m)}]") for x in (wanted.outputs[0], text)
+    )
+    K = f"({factor})*({moved} + y[{2 * m + 1}])"
     whole = Formula((K,), variables=("y",), parameters=problem.parameters, shape=())
     slopes = differentiated(whole, 2 * m + 2)
     half = m + 1
@@ -131,7 +131,7 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
         common=slopes.common,
         parameters=problem.parameters,
     )
-    start = _renamed(text, dict(enumerate(known)))
+    start = substituted(text, lambda _, i: known[i])
     return Problem(
         name=f"{problem.name}, transformed",
         source=f"{problem.source}; dt = ({rate}) ds",
@@ -148,31 +148,6 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
 
 def _listed(initial: Any) -> list[Any]:
     return initial.tolist() if hasattr(initial, "tolist") else list(initial)
-
-
-class _Rename(ast.NodeTransformer):
-    """Replaces components and named subexpressions by expressions."""
-
-    def __init__(self, components: Mapping[int, str], names: Mapping[str, str]) -> None:
-        self.components, self.names = components, names
-
-    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-        assert isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, int)
-        new = self.components.get(node.slice.value)
-        return node if new is None else ast.parse(new, mode="eval").body
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        if node.id not in self.names:
-            return node
-        return self.visit(ast.parse(f"({self.names[node.id]})", mode="eval").body)
-
-
-def _renamed(text: str, components: Mapping[int, str]) -> str:
-    return ast.unparse(_Rename(components, {}).visit(ast.parse(text, mode="eval")))
-
-
-def _expanded(text: str, names: Mapping[str, str]) -> str:
-    return ast.unparse(_Rename({}, names).visit(ast.parse(text, mode="eval")))
 
 
 def _spread(form: QuadraticForm, m: int) -> QuadraticForm:

@@ -11,10 +11,11 @@ from typing import Any
 
 import pytest
 
+from glmref.catalogue.canonical import laid_out
 from glmref.catalogue.lookup import data_root, load
 from glmref.conformance.bench import Bench
 from glmref.conformance.faults import NOTES
-from glmref.conformance.generate import METHODS, checksums, document_of, layout
+from glmref.conformance.generate import METHODS, checksums, document_of
 from glmref.conformance.run_cases import RunCases
 from glmref.conformance.scheme import ball_field, enclosed_step, step_over
 from glmref.conformance.step_cases import StepCases
@@ -48,7 +49,7 @@ QUICK = ("rk4", "ab-2", "leapfrog", "stormer-verlet", "forest-ruth-4", "pair-4-4
     "name", [x if x in QUICK else pytest.param(x, marks=pytest.mark.slow) for x in METHODS]
 )
 def test_the_file_comes_out_of_its_generator_byte_for_byte(name: str) -> None:
-    text = layout(document_of(load(name), name))
+    text = laid_out(document_of(load(name), name))
     assert (FOLDER / f"{name}.json").read_text(encoding="utf-8") == text, (
         "run `python -m glmref.conformance.generate` and say in the changelog what was wrong"
     )

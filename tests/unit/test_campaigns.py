@@ -176,7 +176,7 @@ def test_a_long_value_is_cut_in_the_sentence_about_it(tmp_path: Path) -> None:
 
 def test_a_file_that_is_not_there_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["campaign", "nothing.toml"]) == 2
-    assert 'there is no campaign and no file "nothing.toml"' in capsys.readouterr().err
+    assert 'the file "nothing.toml" does not exist' in capsys.readouterr().err
 
 
 def test_a_campaign_is_carried_out_once_and_shown(
