@@ -11,7 +11,8 @@ from __future__ import annotations
 import importlib.util
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +25,7 @@ from ..judge import arithmetic
 from ..judge.arithmetic import Number, Ring
 from ..judge.refusals import Refused, Undecided
 from ..system.budget import spend
+from .number import Ball
 
 PRECISION = 512  # bits of a ball
 
@@ -57,6 +59,10 @@ class Interval(Ring):
     def ends(cls, low: flint.fmpq, high: flint.fmpq) -> Interval:
         """Return an interval that holds all numbers between two rationals."""
         return cls(flint.arb(low).union(flint.arb(high)))
+
+    def as_ball(self) -> Ball:
+        """Return the ball as a number of the package."""
+        return Ball.of_real(self.ball)
 
     def middle(self) -> Interval:
         """Return the midpoint, an interval without width."""
@@ -264,6 +270,40 @@ def newton_sums(
     return [_upper(steps[i, 0]) for i in range(n)], slacks
 
 
+def newton(
+    function: Callable[[list], list], start: Sequence[flint.fmpq], over_box: list, steps: int = 8
+) -> tuple[list[Interval], flint.arb_mat]:
+    """Return a point near the root of a square system, and the inverse Jacobian: not proved.
+
+    Parameters
+    ----------
+    function : callable
+        n values of n unknowns, over intervals.
+    start : sequence of fmpq
+        The numbers to begin with, (n,).
+    over_box : list
+        The function over a small box around them, with derivatives, (n,).
+    steps : int
+        At most so many steps with the one inverse; the last is the first below 1e-60.
+
+    Raises
+    ------
+    ZeroDivisionError
+        Where the Jacobian is singular.
+    """
+    n, zero = len(start), Interval(flint.arb(0))
+    rows = [_split(x)[1] for x in over_box]
+    J = flint.arb_mat(n, n, [by.get(j, zero).ball.mid() for by in rows for j in range(n)])
+    inverse, point = J.inv().mid(), [flint.arb(x) for x in start]
+    for _ in range(steps):
+        values = [_split(x)[0] for x in function([Interval(x) for x in point])]
+        move = (inverse * flint.arb_mat(n, 1, values)).entries()
+        point = [(x - y).mid() for x, y in zip(point, move, strict=True)]
+        if all(abs(y) < 1e-60 for y in move):
+            break
+    return [Interval(x) for x in point], inverse
+
+
 #: Modules of the judge that know no numbers: both copies share their classes.
 SHARED = ("refusals", "claims", "rule")
 
@@ -289,17 +329,25 @@ def fast_judge() -> ModuleType:
     return module
 
 
-def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:
-    """Return (accepted, sentence) of a certificate, judged with FLINT's numbers.
+@contextmanager
+def consulted() -> Iterator[ModuleType]:
+    """Work with :func:`fast_judge` at the precision of its intervals.
 
     Raises
     ------
     BudgetError
         Where the budget in force is spent, see :mod:`glmref.system.budget`.
     """
+    found = fast_judge()
     with flint.ctx.workprec(PRECISION):
         try:
-            return fast_judge().verdict(certificate)
+            yield found
         except BudgetError:  # a series may have been left half made
-            fast_judge().proof.record_of.cache_clear()
+            found.proof.record_of.cache_clear()
             raise
+
+
+def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:
+    """Return (accepted, sentence) of a certificate, judged with FLINT's numbers: `consulted`."""
+    with consulted() as found:
+        return found.verdict(certificate)

@@ -46,6 +46,11 @@ class Ball(Arithmetic):
     _acb: flint.acb
 
     @classmethod
+    def of_real(cls, value: flint.arb) -> Ball:
+        """Return a real ball of FLINT as a number."""
+        return cls._wrap(flint.acb(value))
+
+    @classmethod
     def _wrap(cls, value: flint.acb) -> Ball:
         self = _new(cls)
         self._acb = value

@@ -1,4 +1,18 @@
-"""Runge-Kutta and Rosenbrock methods with an enclosure (section 6.8)."""
+"""Runge-Kutta and Rosenbrock methods with an enclosure (section 6.8).
+
+Where D(1) holds at every column, b A x = b (1 - C) x for x the product of the A Phi(t_i): the
+condition of [[t_1 .. t_k]] is that of [t_1 .. t_k] less that of [o t_1 .. t_k], as 1 / gamma obeys
+the same relation (Butcher 2016, 321; Hairer, Norsett, Wanner 1993, II.1).
+
+Let B(2s) hold and C(s) at every stage. The c_i differ, since no quadrature with fewer than s nodes
+is exact on the square of the product of all x - c_i; that product is orthogonal to all polynomials
+of degree below s, so that the c_i are the zeros of the shifted Legendre polynomial: it is the Gauss
+method (Butcher 1964), symplectic (Sanz-Serna 1988), symmetric and A-stable (Ehle 1969). Where a
+file is mirrored, c_i' = 1 - c_i by B(1), and with p(x) = (1 - x)^(k-1) sum_j (b_j - a_ij) p(c_j) is
+the integral of p from c_i to 1: by B(k) and C(k) at i, C(k) holds at i'. At the middle stage it
+says so of odd k, from what holds below k; B(k) of even k follows from those below, as
+sum b_j (c_j - 1/2)^(k-1) = 0.
+"""
 
 from __future__ import annotations
 

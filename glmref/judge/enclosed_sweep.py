@@ -141,7 +141,20 @@ class Sweep(Enclosed):
                       - Fraction(1, power + 1))  # fmt: skip
 
     def given_trees(self) -> set[Tree]:
-        """Return the trees whose conditions the file gives (6.3)."""
+        """Return the trees whose conditions the file gives (6.3).
+
+        With D exact and all abscissae fixed, zeta_1([o]) = zeta_1([ooo]) = 0 make [oo] the identity
+        sum d_i c_i^2 = 1/3 and [oooo] sum d_i c_i^4 = 1/5. zeta_1([ooo]) = 0 is the choice made
+        where the file gives no `xi`; zeta_1([o]) = zeta(o)^T G zeta(o) / 2 is 0 by the equation of
+        [oo] and the quadrature, or with zeta(o).
+
+        For r = 1 the method composes s steps of the implicit midpoint rule of lengths d_i h,
+        palindromic; the logarithm of one is h f + h^3 alpha_3 + h^5 alpha_5 + .., so with
+        sum d_i = 1 and sum d_i^3 = 0 the whole is the flow of f + h^4 (p alpha_5 +
+        q [f, [f, alpha_3]]) + .. for two numbers p, q: R at order 5 lies in a plane (Yoshida 1990;
+        Hairer, Lubich, Wanner 2006, V.3), on which [oooo] and [[o][o]] are coordinates (exact, in
+        ``tests/unit/test_derive_enclosure.py``): these two give [oo[o]].
+        """
         given = {t for kind, _, t in self.equations if kind == "order"}
         third, fifth, bush, path = map(read_tree, ("[oo]", "[oooo]", "[oo[o]]", "[[o][o]]"))
         free = [versions(t) for t in given]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
+from functools import cached_property
 
 from .arithmetic import Fraction, Number
 from .document import Method
 from .fields import Numbers
-from .grammar import published_decimal
-from .krawczyk import Linear, only_root
+from .grammar import decimal_number, published_decimal
+from .krawczyk import Linear, box_around, only_root
 from .linalg import (
     apply,
     diagonal,
@@ -70,6 +72,9 @@ def circle_is_named(V: list, named: list) -> int | None:
 class Enclosed:
     """What sweeps and pairs have in common: the document, its unknowns, and the root.
 
+    The `root` is known after :meth:`enclosed`; before it only the equations are read, which is what
+    a finder of centre and inverse evaluates.
+
     Each class has its `equations`, read from their texts, and `signs`, the diagonals of E by colour
     where the method is symmetric; `halves` has by colour the weights and the rows beside them.
     """
@@ -77,12 +82,12 @@ class Enclosed:
     halves: Mapping[str, tuple[list, list]] = {}
     explicit_now: frozenset[int] = frozenset()
     equations: list[tuple]
+    root: list
     signs: dict[str, list[int]] | None = None
     members = "", ""  # of the proof and of the block, besides those of every class
 
     def __init__(self, document: Document, numbers: Numbers, proof: object) -> None:
-        trees, values = self.members
-        keys(proof, "radius centre inverse", trees, "proof of the method")
+        values = self.members[1]
         self.document, self.proof = document, as_object(proof)
         block, unknowns = as_object(document.get("enclosure")), document.get("unknowns", {})
         keys(block, "equations", "radius " + values, "enclosure")
@@ -90,7 +95,7 @@ class Enclosed:
         self.unknowns = list(unknowns)
         require(0 < len(self.unknowns) <= SIZE, "the unknowns")
         radius = block.get("radius", "1e-60")
-        require(radius == self.proof["radius"], "the radius is not that of the file")
+        require(radius == self.proof.get("radius"), "the radius is not that of the file")
         self.digits = whole(document.get("digits", 75), 20, 400)
         symbols = {name: Linear({k: Fraction(1)}) for k, name in enumerate(self.unknowns)}
         self.numbers = numbers.changed(unknowns=symbols)
@@ -100,8 +105,20 @@ class Enclosed:
         self.xi = {read_tree(t): self.numbers.entry(x, document)
                    for t, x in as_object(block.get("xi", {})).items()}  # fmt: skip
         self.prepare()
-        published = [published_decimal(x, self.digits) for x in unknowns.values()]
-        self.root = only_root(self.residuals, published, self.digits, self.proof)
+        self.published = [published_decimal(x, self.digits) for x in unknowns.values()]
+
+    @cached_property
+    def over_box(self) -> list:
+        """Return the residuals over the box of the proof, with their derivatives."""
+        radius = decimal_number(self.proof["radius"])
+        return self.residuals(box_around(self.published, radius))
+
+    def enclosed(self, proof: Document) -> Enclosed:
+        """Return the same equations with their root, or refuse its proof."""
+        keys(proof, "radius centre inverse", self.members[0], "proof of the method")
+        other = copy(self)
+        other.root = only_root(self.residuals, self.published, self.digits, proof, self.over_box)
+        return other
 
     def prepare(self) -> None:
         """Read the matrices and equations and check what the theorems suppose."""

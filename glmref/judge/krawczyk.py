@@ -73,13 +73,25 @@ def at_values(thing: list, values: list) -> list:
     return [at_values(x, values) if isinstance(x, list) else at_value(x, values) for x in thing]
 
 
+def box_around(published: list[Fraction], radius: Fraction) -> list[Gradient]:
+    """Return the box X of this half-width, each number with its derivative by itself."""
+    unit = around(Fraction(1))
+    return [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
+            for k, x in enumerate(published)]  # fmt: skip
+
+
 def only_root(
-    function: Callable[[list], list], published: list[Fraction], digits: int, proof: Document
+    function: Callable[[list], list],
+    published: list[Fraction],
+    digits: int,
+    proof: Document,
+    over_box: list | None = None,
 ) -> list[Interval]:
     """Return intervals around the one root of `function` near the published numbers (Krawczyk).
 
     The box X has the half-width `radius` around the published numbers, the centre lies in it, Y
-    is the matrix `inverse`. The root must be published rounded to nearest.
+    is the matrix `inverse`. The root must be published rounded to nearest. `over_box` is
+    `function` at :func:`box_around`, where that is known.
     """
     n, radius = len(published), decimal_number(proof["radius"])
     require(n and 0 < radius <= Fraction(1, 10**60), "the radius")
@@ -90,11 +102,8 @@ def only_root(
     away = [abs(x - y) for x, y in zip(centre, published, strict=True)]
     require(max(away) < radius, "the centre lies outside the box")
     Y = [[floor(decimal_number(x) * 2**80) for x in row] for row in rows]
-    unit = around(Fraction(1))
-    box = [Gradient(Interval.ends(x - radius, x + radius), {k: unit})
-           for k, x in enumerate(published)]  # fmt: skip
     at_centre = [as_interval(x) for x in function([around(x) for x in centre])]
-    over_box = function(box)
+    over_box = function(box_around(published, radius)) if over_box is None else over_box
     require(len(at_centre) == len(over_box) == n, "there are not as many equations as unknowns")
     by = [x.by if isinstance(x, Gradient) else {} for x in over_box]
     news, slacks = newton_sums(Y, at_centre, by)

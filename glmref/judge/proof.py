@@ -70,11 +70,10 @@ class Record:
                 values[name] = around_decimal(published_decimal(text, digits), digits)
             self.numbers = numbers.changed(decimal=around_decimal, unknowns=values)
         elif block is not None:
-            kinds: dict[str, type[Enclosed]] = {
-                "sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
-                "rosenbrock": RungeKutta}  # fmt: skip
-            kind = shown(kinds.get(class_of(document)), "an enclosure of another class")
-            self.root = root = kind(document, numbers, block)
+            proof = as_object(block)
+            members = {k: x for k, x in proof.items() if k not in ("centre", "inverse")}
+            equations = equations_of(json.dumps([document, field, members]))
+            self.root = root = equations.enclosed(proof)
             weights = [row for row, _ in root.halves.values()]
             fine = all(apart(x) for row in weights for x in at_values(row, root.root))
             require(fine, "a weight may be 0")
@@ -101,6 +100,17 @@ class Record:
 def numbers_of(field: str) -> Numbers:
     """Return the numbers of the text of a field."""
     return Numbers(json.loads(field))
+
+
+@lru_cache(maxsize=1)
+def equations_of(text: str) -> Enclosed:
+    """Return the equations of the text of a document, a field and a proof without its root."""
+    document, field, members = json.loads(text)
+    kinds: dict[str, type[Enclosed]] = {
+        "sweep": Sweep, "pair-sweep": Pair, "splitting": Pair, "rk": RungeKutta,
+        "rosenbrock": RungeKutta}  # fmt: skip
+    kind = shown(kinds.get(class_of(document)), "an enclosure of another class")
+    return kind(document, numbers_of(json.dumps(field)).changed(), members)
 
 
 @lru_cache(maxsize=1)

@@ -8,7 +8,7 @@ written (:mod:`.verdicts`). What has no certificate is said with the reason.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self
 
@@ -56,8 +56,8 @@ from .algebra import (
     diagonal_values,
     is_exact,
 )
-from .certificate_enclosed import equation_numbers, method_proof, start_proofs
-from .field import Tower, radicals_of, tower_of, written_out
+from .certificate_enclosed import start_proofs
+from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
 
@@ -74,9 +74,6 @@ _ABOUT = {
 }
 #: Orders of the method itself.
 _ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
-_PROSE = frozenset(
-    {"name", "title", "source", "notes", "broken", "claims", "enclosure", "stages", "row"}
-)
 
 
 def certificate_of(
@@ -101,7 +98,6 @@ class Shared:
 
     def __init__(self, facts: Any) -> None:
         self.facts = facts
-        self._towers: dict[frozenset[str], Tower] = {}
 
     @cached_property
     def document(self) -> Mapping[str, Any]:
@@ -125,11 +121,8 @@ class Shared:
     @cached_property
     def method(self) -> dict[str, Any]:
         """The test of the method, where the file has an enclosure."""
-        implied, claims = self.facts.implied, self.document.get("claims", {})
-        if implied is None or implied.root is None:
-            return {}
-        order = max(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key, NYSTROM_ORDER.key))
-        return {"method": method_proof(implied.system, implied.root, order + 1)}
+        implied = self.facts.implied
+        return {} if implied is None or implied.root is None else {"method": implied.root.proof}
 
     @cached_property
     def starts(self) -> dict[str, Any]:
@@ -138,71 +131,31 @@ class Shared:
         return start_proofs(self.document, implied.blocks, implied.system)
 
     @cached_property
-    def exact_texts(self) -> _Texts:
+    def exact_texts(self) -> Texts:
         """The entries of a file whose numbers are exact."""
         kept = {k: v for k, v in self.document.items() if k != "claims"}
         base = shipped_document(kept["base"]) if kept.get("class") == "composition" else None
-        return _Texts(kept if base is None else {"x": [kept, base]})
+        return Texts(kept if base is None else {"x": [kept, base]})
 
     @cached_property
-    def enclosed_texts(self) -> _Texts:
+    def enclosed_texts(self) -> Texts:
         """The exact entries of a file with decimals."""
-        plain = {k: v for k, v in self.document.items() if k not in ("unknowns", "claims")}
-        if plain.get("class") == "composition":
-            plain = {"x": [plain, shipped_document(plain["base"])]}
-        elif not self.facts.method.is_exact:
-            plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
-        found = _Texts(plain)
-        found.add(equation_numbers(self.document))
-        return found
+        return texts_of_decimals(self.document, exact=self.facts.method.is_exact)
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
         """Return the field of a statement about exact numbers."""
-        return self._field(self.exact_texts, parts, declared)
+        radicals = self.exact_texts.with_more([[part["witness"] for part in parts], declared])
+        return tower_of(tuple(radicals)).as_json()
 
     def field(self, claim: str, parts: list[Part]) -> dict[str, Any]:
         """Return the field of a statement about decimals; the same for all that need no start."""
-        found = self._field(self.enclosed_texts, parts, [])
-        kept = {k: found.get(k, empty) for k, empty in (("generators", []), ("radicals", {}))}
+        radicals = self.enclosed_texts.with_more([part["witness"] for part in parts])
         if self.facts.implied is None:
-            return {"kind": "balls", **kept}
+            return field_of_decimals("balls", radicals)
         proofs = dict(self.method)
         if claim in (STARTING_ORDER.key, NYSTROM_STARTING_ORDER.key, FINISHING_ORDER.key):
             proofs |= self.starts
-        return {"kind": "enclosure", **kept, "proofs": proofs}
-
-    def _field(self, texts: _Texts, parts: list[Part], declared: object) -> dict[str, Any]:
-        radicals = texts.with_more([[part["witness"] for part in parts], declared])
-        key = frozenset(radicals)
-        if key not in self._towers:
-            self._towers[key] = tower_of(tuple(radicals))
-        return self._towers[key].as_json()
-
-
-class _Texts:
-    """The radicals in the entries of a document, inner ones first."""
-
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        self.constants = dict(document.get("constants", {}))
-        self.radicals: dict[str, None] = {}
-        self.add({**document, "constants": {}})
-        for name in self.constants:
-            self.radicals |= self._in(self.constants[name])
-
-    def add(self, value: object) -> None:
-        """Take in the entries below a value."""
-        self.radicals = self.with_more(value)
-
-    def with_more(self, value: object) -> dict[str, None]:
-        """Return the radicals together with those below a value."""
-        found = dict(self.radicals)
-        for text in dict.fromkeys(_strings(value)):
-            found |= self._in(text)
-        return found
-
-    def _in(self, text: str) -> dict[str, None]:
-        """Return the radicals of one entry; words such as rules and trees hold none."""
-        return dict.fromkeys(radicals_of(written_out(text, self.constants)))
+        return {**field_of_decimals("enclosure", radicals), "proofs": proofs}
 
 
 def _certificate(
@@ -212,8 +165,6 @@ def _certificate(
     document = shared.document
     writer = (_EnclosedWriter if enclosed else _Writer)(facts, claim, declared, judged)
     parts = writer.parts()
-    kept = {k: v for k, v in document.items() if k not in ("claims", "source", "notes", "title")}
-    kept = {**kept, "claims": {claim: declared}}
     found = {
         "format": FORMAT,
         "statement": {
@@ -223,7 +174,7 @@ def _certificate(
             "verdict": "holds" if judged.truth else "fails",
             "proof": str(judged.proof),
         },
-        "document": kept,
+        "document": {**about(document), "claims": {claim: declared}},
         "field": shared.field(claim, parts) if enclosed else shared.exact_field(parts, declared),
         "parts": parts,
         "identities": writer.identities,
@@ -231,18 +182,6 @@ def _certificate(
     if document.get("class") == "composition":
         found["base"] = dict(shipped_document(document["base"]))
     return found
-
-
-def _strings(value: Any) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, Mapping):
-        for key, inner in value.items():
-            if key not in _PROSE:
-                yield from _strings(inner)
-    elif isinstance(value, list | tuple):
-        for inner in value:
-            yield from _strings(inner)
 
 
 def _vector(values: Vector) -> list[str]:

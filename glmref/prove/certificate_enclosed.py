@@ -13,9 +13,9 @@ from typing import Any
 
 from ..errors import ExactnessError
 from ..exact import ball
-from .classes import Family, plan
+from .classes import Family
+from .enclosure import CENTRE, INVERSE
 from .krawczyk import Krawczyk
-from .simplifying import RungeKuttaSystem
 from .starting import (
     RADIUS,
     Blocks,
@@ -28,44 +28,14 @@ from .system import SweepSystem
 
 Block = dict[str, Any]
 
-#: Significant digits of a centre and of an approximate inverse.
-_CENTRE, _INVERSE = 110, 14
-
-
-def method_proof(system: SweepSystem | RungeKuttaSystem, root: Krawczyk, order: int) -> Block:
-    """Return the test of the method itself.
-
-    Parameters
-    ----------
-    system : SweepSystem or RungeKuttaSystem
-        The equations of the file.
-    root : Krawczyk
-        Their interval test.
-    order : int
-        Through which series are needed.
-    """
-    radius = system.document["enclosure"].get("radius", "1e-60")
-    block = {"radius": radius, **_test(root)}
-    if isinstance(system, RungeKuttaSystem):
-        return block
-    if system.is_partitioned:
-        return block | {"trees": "nystrom" if system.family is Family.SECOND_ORDER else "all"}
-    free = {}
-    for n in range(2, max(order, system.order) + 1, 2):
-        given = tuple(t for t in system.principal if t.order == n)
-        found = plan(n, system.stage_order, given).free
-        if found:
-            free[str(n)] = [str(t) for t in found]
-    return block | {"free": free}
-
 
 def _test(found: Krawczyk) -> Block:
     """Return the centre and the approximate inverse of an interval test."""
     if found.inverse is None:
         raise ExactnessError(f"the interval test gives {found.outcome!s}")
     return {
-        "centre": [x.real.midpoint().decimal_text(_CENTRE) for x in found.box],
-        "inverse": [[ball(x).decimal_text(_INVERSE) for x in row] for row in found.inverse.rows()],
+        "centre": [x.real.midpoint().decimal_text(CENTRE) for x in found.box],
+        "inverse": [[ball(x).decimal_text(INVERSE) for x in row] for row in found.inverse.rows()],
     }
 
 
@@ -102,13 +72,3 @@ def _conditions(block: Mapping[str, Any], target: Target, count: int) -> list[li
     if count != len(listed):
         raise ExactnessError("the conditions of the start are not written out")
     return [[k, str(t)] for k, _, t in listed]
-
-
-def equation_numbers(document: Mapping[str, Any]) -> list[str]:
-    """Return numbers that stand in the names of equations: eigenvalues and abscissae."""
-    found = []
-    for text in document.get("enclosure", {}).get("equations", ()):
-        kind, _, rest = text.partition(" ")
-        if kind == "growth":
-            found.append(rest.removeprefix("q ").removeprefix("p "))
-    return found

@@ -1,23 +1,9 @@
 """A true solution near the digits of a file, proved, and everything that follows from it.
 
-:func:`prove` applies the interval test (:mod:`glmref.prove.krawczyk`) to a method file in the sweep
-form, of one component or two (the classes ``sweep``, ``pair-sweep`` and ``splitting``), and says
-what follows:
-
-1. *The solution.* The system of the file has exactly one root within ``radius`` of its digits, and
-   the root lies within one unit of their last place.
-2. *G-symplectic*: holds for every value of the unknowns (theorem in :mod:`glmref.method.sweep`);
-   V^T G V = G is exact arithmetic.
-3. *Symmetric*: holds for every value of the unknowns, since D and X are palindromic as affine
-   expressions (same module); the sign pattern, G and V are exact arithmetic.
-4. *Order*: the equations of the file vanish at the root, and with 2 and 3 the theorems of
-   :mod:`glmref.prove.equations` carry a few trees of odd order to all trees. Whether the
-   equations are enough is decided by :mod:`glmref.prove.order_conditions`. A splitting method that
-   is not symmetric needs trees of every order (theorem 1; its starting series is zero).
-5. *Parasitism-free*: the growth parameter of every eigenvalue of V but 1 is an equation of the
-   file, for each component.
-6. *Explicit stages*: their diagonal entry is an equation of the file. Pairs are explicit.
-7. *Start and finish*: :mod:`glmref.prove.starting`.
+The judge reads the equations of a file with an ``enclosure`` (``docs/certificates.md``, section 6)
+and encloses their root (:func:`root_of`); what is found here is the centre and the inverse that its
+interval test needs. :func:`prove` does so for the sweep form, of one component or two (the classes
+``sweep``, ``pair-sweep`` and ``splitting``), and adds the start and the finish (:mod:`.starting`).
 
 Redundant to all this, and evaluated on request, every one of the residuals up to the
 order is a ball around zero, of width below :data:`WIDTH`, over the enclosure of the root.
@@ -25,28 +11,32 @@ order is a ball around zero, of width below :data:`WIDTH`, over the enclosure of
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from typing import Any, Protocol
+from typing import Any
 
 from ..catalogue.strict_json import shown
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, ball, linalg
-from ..exact.expression import parse
+from ..exact.judging import Fraction as rational
+from ..exact.judging import Interval, consulted, newton
 from ..exact.linalg import Matrix
+from ..judge.refusals import Refused, Undecided
 from ..method.sweep import SweepForm
 from ..theory.error_constants import commutator_row
 from ..theory.trees import Tree, trees
-from .classes import representatives
+from .classes import Family, plan, representatives
 from .equations import Series
-from .krawczyk import Krawczyk, Outcome, is_rounding, krawczyk
-from .order_conditions import covered
+from .field import about, field_of_decimals, texts_of_decimals
 from .starting import Blocks, Target, prove_blocks
 from .system import SweepSystem
 
+#: Significant digits of a centre and of an approximate inverse.
+CENTRE, INVERSE = 110, 14
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
 _RADIUS = re.compile(r"\d{1,99}(\.\d{1,99})?(e-\d{1,3})?")
@@ -62,8 +52,8 @@ class Enclosure:
         Enclosing ball of every unknown, by name; every identity is evaluated with them.
     radius : Fraction
         Half-width of the box in which the root is unique.
-    root : Krawczyk
-        The interval test of the equations.
+    root : Root
+        The root of the equations.
     order : int
         The order proved (a lower bound; see ``next_order`` for the upper one).
     nystrom_order : int
@@ -83,7 +73,7 @@ class Enclosure:
 
     values: Mapping[str, Ball]
     radius: Fraction
-    root: Krawczyk
+    root: Root
     order: int
     nystrom_order: int
     signs: tuple[tuple[int, ...], ...] | None
@@ -104,13 +94,9 @@ class Enclosure:
     def identity(self) -> bool:
         """Whether the first values are the solution itself, to the orders claimed."""
         return all(
-            x[0].is_zero() is True
+            self.root.enclosed.principal_is_zero(order, True, family is Family.SECOND_ORDER)
             for order, family in self.system.families
-            for t, x in self.system.series(
-                self.form, self.principal, order, family=family, wanted=()
-            ).zeta.items()
-            if t.order < order
-        )  # fmt: skip
+        )
 
     @cached_property
     def width(self) -> float:
@@ -122,11 +108,6 @@ class Enclosure:
             Where one of them does not vanish.
         """
         return _checked_width(self.system, self.form, self.series)
-
-    @property
-    def contraction(self) -> float:
-        """Largest row sum of the interval test, see :class:`.krawczyk.Krawczyk`."""
-        return self.root.contraction
 
     @property
     def started(self) -> Mapping[str, int]:
@@ -162,21 +143,26 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     system = SweepSystem(document)
     if not system.families:
         raise DataError("a file with an `enclosure` must claim an order of at least 1")
-    signs = _checked_signs(system)
-    root = root_of(document, system)
-    form, principal = system.read(dict(zip(system.unknowns, root.box, strict=True)))
+    if system.signs() is None and not (system.is_partitioned and system.is_one_step):
+        names = "`b`, `c`, `w`, `v` and `stages`" if system.is_partitioned else "`D` and `X`"
+        raise DataError(
+            f"{names} must be palindromic up to a sign for each row of X, with V and G to match: "
+            f"only then do the even orders follow"
+        )
+    equations = equations_of(document, _members(system))
+    _check_orders(system, equations)
+    root = root_of(document, equations)
+    values = dict(zip(system.unknowns, root.box, strict=True))
+    form, principal = system.read(values)
     form = replace(form, explicit=system.explicit)
-    for name, weights in zip(system.names, form.D.values(), strict=True):
-        for i, x in enumerate(weights):
-            if ball(x).is_zero() is not False:
-                raise ExactnessError(f"`{name}[{i + 1}]` may be zero: {x!r}")
+    signs = equations.signs
     record = Enclosure(
-        values=dict(zip(system.unknowns, root.box, strict=True)),
+        values=values,
         radius=radius_of(document),
         root=root,
         order=system.claimed,
         nystrom_order=max(system.claimed, system.claimed_second_order),
-        signs=signs,
+        signs=None if signs is None else tuple(map(tuple, signs.values())),
         system=system,
         form=form,
         principal=principal,
@@ -185,6 +171,39 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         blocks = prove_blocks(document, Target.of(document, system, record.series))
         object.__setattr__(record, "blocks", blocks)
     return record
+
+
+def _members(system: SweepSystem) -> dict[str, Any]:
+    """Return the trees that a proof of the method names: those that count, or the free ones."""
+    if system.is_partitioned:
+        return {"trees": "nystrom" if system.family is Family.SECOND_ORDER else "all"}
+    free = {}
+    for n in range(2, max(system.claimed + 1, system.order) + 1, 2):
+        given = tuple(t for t in system.principal if t.order == n)
+        found = plan(n, system.stage_order, given).free
+        if found:
+            free[str(n)] = [str(t) for t in found]
+    return {"free": free}
+
+
+def _check_orders(system: SweepSystem, equations: Any) -> None:
+    """Check that the equations give all conditions up to the orders that the file claims.
+
+    Raises
+    ------
+    DataError
+        Where equations are missing.
+    """
+    for order, family in system.families:
+        nystrom = family is Family.SECOND_ORDER
+        fine = equations.is_of_the_theorem(False, nystrom, None)
+        for n in range(1, order + 1):
+            if not (fine and equations.gives_order(n, nystrom, None, None)):
+                trees_of = representatives(n, system.stage_order, family)
+                raise DataError(
+                    f"the equations of the file do not give the conditions of order {n}; those of "
+                    f"{', '.join(map(str, trees_of))} would (at stage order {system.stage_order})"
+                )
 
 
 def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:
@@ -213,34 +232,6 @@ def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series
     return width
 
 
-def _checked_signs(system: SweepSystem) -> tuple[tuple[int, ...], ...] | None:
-    """Return diagonals of E = V L of a system whose equations give all conditions up to its orders.
-
-    Raises
-    ------
-    DataError
-        Where it is not symmetric and no product of flows, or equations are missing.
-    """
-    signs = system.signs()
-    if signs is not None and any(x[0] != 1 for x in signs):
-        signs = None
-    if signs is None and system.kind_of_flow() is None:
-        names = "`b`, `c`, `w`, `v` and `stages`" if system.is_partitioned else "`D` and `X`"
-        raise DataError(
-            f"{names} must be palindromic up to a sign for each row of X, with V and G to match: "
-            f"only then do the even orders follow"
-        )
-    for order, family in system.families:
-        for n in range(1, order + 1, 1 if signs is None else 2):
-            if not covered(system, n, family):
-                trees_of = representatives(n, system.stage_order, family)
-                raise DataError(
-                    f"the equations of the file do not give the conditions of order {n}; those of "
-                    f"{', '.join(map(str, trees_of))} would (at stage order {system.stage_order})"
-                )
-    return signs
-
-
 def radius_of(document: Mapping[str, Any]) -> Fraction:
     """Return the radius of the box of the interval test of a file.
 
@@ -258,67 +249,112 @@ def radius_of(document: Mapping[str, Any]) -> Fraction:
     return radius
 
 
-class Square(Protocol):
-    """A system of as many equations as unknowns, over any scalar."""
+@dataclass(frozen=True)
+class Root:
+    """The one root of the equations of a file, as the judge encloses it.
 
-    @property
-    def unknowns(self) -> tuple[str, ...]:
-        """Their names."""
-        ...
+    Attributes
+    ----------
+    enclosed : Any
+        The judge's equations with their root; what they imply is asked of them.
+    method : Any
+        The judge's method at the root.
+    box : tuple[Ball, ...]
+        (n,) balls around the unknowns.
+    proof : Mapping[str, Any]
+        The proof of the method, as a certificate holds it.
+    """
 
-    @property
-    def equations(self) -> Sequence[Any]:
-        """Each with its ``text``."""
-        ...
-
-    def residuals(self, values: Sequence[Any]) -> list[Any]:
-        """Return left minus right side of every equation."""
-        ...
+    enclosed: Any
+    method: Any
+    box: tuple[Ball, ...]
+    proof: Mapping[str, Any]
 
 
-def root_of(document: Mapping[str, Any], system: Square) -> Krawczyk:
-    """Run the interval test around the digits of the file.
+def equations_of(document: Mapping[str, Any], members: Mapping[str, Any]) -> Any:
+    """Return the equations of a document as the judge reads them, not solved yet.
+
+    Parameters
+    ----------
+    document : Mapping[str, Any]
+        With an ``enclosure``.
+    members : Mapping[str, Any]
+        What the proof of the method has besides centre and inverse.
 
     Raises
     ------
     DataError
-        Where the equations are not as many as the unknowns.
-    ExactnessError
-        Where the test does not find exactly one root within the digits.
+        Where they have no meaning, are not as many as the unknowns, or are not what the theorems
+        suppose.
     """
-    radius, digits = radius_of(document), document.get("digits", 75)
-    if len(system.equations) != len(system.unknowns):
+    radius_of(document)
+    texts, unknowns = document["enclosure"].get("equations", ()), document.get("unknowns", {})
+    if not unknowns:
+        raise DataError("a file with an `enclosure` must have `unknowns`, and it has none")
+    if len(texts) != len(unknowns):
         raise DataError(
-            f"`enclosure.equations` must be as many as the unknowns ({len(system.unknowns)}), "
-            f"got {len(system.equations)}"
+            f"`enclosure.equations` must be as many as the unknowns ({len(unknowns)}), "
+            f"got {len(texts)}"
         )
-    texts = [document["unknowns"][name] for name in system.unknowns]
-    published = [ball(parse(x, digits=digits)) for x in texts]
-    result = krawczyk(system.residuals, published, radius)
-    if result.outcome is not Outcome.UNIQUE:
-        _check_satisfied(document, system, published)
-        raise ExactnessError(
-            f"{document.get('name', 'the file')}: the interval test gives {result.outcome!s} "
-            f"within {document['enclosure'].get('radius')} of the digits ({result.witness})"
-        )
-    for name, x, y in zip(system.unknowns, published, result.box, strict=True):
-        if not is_rounding(x, y, digits):
-            _check_satisfied(document, system, published)
-            raise ExactnessError(
-                f"the root lies further than half a unit of the last digit from `unknowns.{name}`"
+    proof = {"radius": document["enclosure"].get("radius", "1e-60"), **members}
+    with consulted() as judge:
+        try:
+            return judge.proof.equations_of(json.dumps([about(document), _field(document), proof]))
+        except Refused as error:
+            raise DataError(f"{document.get('name', 'the file')}: {error}") from error
+
+
+def _field(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the field of statements about the root, without the proof of the method."""
+    return field_of_decimals("enclosure", texts_of_decimals(document, exact=False).radicals)
+
+
+def root_of(document: Mapping[str, Any], equations: Any) -> Root:
+    """Let the judge enclose the root of the equations near the digits of a file.
+
+    Proposed are a centre with more digits than the file has, and the inverse of the Jacobian.
+
+    Raises
+    ------
+    ExactnessError
+        Where the judge does not find exactly one root within the digits.
+    """
+    name = document.get("name", "the file")
+    with consulted() as judge:
+        try:
+            centre, inverse = newton(equations.residuals, equations.published, equations.over_box)
+        except (ZeroDivisionError, Undecided) as error:
+            _check_satisfied(name, equations)
+            raise ExactnessError(f"{name}: the Jacobian is singular near the digits") from error
+        proof = {
+            "radius": equations.proof["radius"],
+            "centre": [x.ball.str(CENTRE, radius=False) for x in centre],
+            "inverse": [[x.str(INVERSE, radius=False) for x in row] for row in inverse.tolist()],
+            **{k: x for k, x in equations.proof.items() if k != "radius"},
+        }
+        try:
+            record = judge.proof.record_of(
+                json.dumps([about(document), None, _field(document), proof])
             )
-    return result
+        except Refused as error:
+            _check_satisfied(name, equations)
+            raise ExactnessError(f"{name}: the root is not enclosed: {error}") from error
+        found = record.root
+        return Root(found, record.method, tuple(x.as_ball() for x in found.root), proof)
 
 
-def _check_satisfied(
-    document: Mapping[str, Any], system: Square, published: Sequence[Ball]
-) -> None:
+def _check_satisfied(name: str, equations: Any) -> None:
     """Name the equation that has no solution within the digits, where there is one."""
-    for e, x in zip(system.equations, system.residuals(published), strict=True):
-        if ball(x).is_zero() is False:
+    half = rational(1, 2 * 10**equations.digits)
+    box = [Interval.ends(x - half, x + half) for x in equations.published]
+    try:
+        residuals = equations.residuals(box)
+    except Undecided:  # a number that they divide by may be 0
+        return
+    for text, x in zip(equations.texts, residuals, strict=True):
+        if isinstance(x, Interval) and not x.holds_zero():
             raise ExactnessError(
-                f"{document.get('name', 'the file')}: the equation {e.text!r} is not satisfied "
-                f"within the published digits"
+                f"{name}: the equation {text!r} is not satisfied within the published digits"
             )
 
 

@@ -9,13 +9,14 @@ generator.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
 from math import gcd, isqrt
 from typing import Any
 
+from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
 from ..exact import Exact, RationalCombinations, box, cyclotomic, factorization
 from ..exact.expression import parse
@@ -25,6 +26,10 @@ _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
 _LEADING_ZEROS = re.compile(r"(?<![.\w])0+(?=[0-9])")
 _FUNCTIONS = ("sqrt", "root", "exp")
 _LARGEST = 64  # degree of a field
+#: Members of a document that hold words.
+_PROSE = frozenset(
+    {"name", "title", "source", "notes", "broken", "claims", "enclosure", "stages", "row"}
+)
 
 
 def written_out(text: str, constants: Mapping[str, str]) -> str:
@@ -312,3 +317,74 @@ class Tower:
             names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
             terms.append("*".join([f"{found[powers]}", *names]))
         return "+".join(terms).replace("+-", "-") or "0"
+
+
+class Texts:
+    """The radicals in the entries of a document, inner ones first."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self.constants = dict(document.get("constants", {}))
+        self.radicals: dict[str, None] = {}
+        self.add({**document, "constants": {}})
+        for name in self.constants:
+            self.radicals |= self._in(self.constants[name])
+
+    def add(self, value: object) -> None:
+        """Take in the entries below a value."""
+        self.radicals = self.with_more(value)
+
+    def with_more(self, value: object) -> dict[str, None]:
+        """Return the radicals together with those below a value."""
+        found = dict(self.radicals)
+        for text in dict.fromkeys(_strings(value)):
+            found |= self._in(text)
+        return found
+
+    def _in(self, text: str) -> dict[str, None]:
+        """Return the radicals of one entry; words such as rules and trees hold none."""
+        return dict.fromkeys(radicals_of(written_out(text, self.constants)))
+
+
+def _strings(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            if key not in _PROSE:
+                yield from _strings(inner)
+    elif isinstance(value, list | tuple):
+        for inner in value:
+            yield from _strings(inner)
+
+
+def texts_of_decimals(document: Mapping[str, Any], *, exact: bool) -> Texts:
+    """Return the exact entries of a document with decimals; without a start where it has those."""
+    plain = {k: v for k, v in document.items() if k not in ("unknowns", "claims")}
+    if plain.get("class") == "composition":
+        plain = {"x": [plain, shipped_document(plain["base"])]}
+    elif not exact:
+        plain = {k: v for k, v in plain.items() if k not in ("starting", "finishing")}
+    found = Texts(plain)
+    found.add(equation_numbers(document))
+    return found
+
+
+def field_of_decimals(kind: str, radicals: Iterable[str]) -> dict[str, Any]:
+    """Return the field of a statement about decimals, from the radicals beside them."""
+    found = tower_of(tuple(radicals)).as_json()
+    return {"kind": kind} | {k: found.get(k, x) for k, x in (("generators", []), ("radicals", {}))}
+
+
+def about(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the document as certificates hold it, without words and claims."""
+    return {k: v for k, v in document.items() if k not in ("claims", "source", "notes", "title")}
+
+
+def equation_numbers(document: Mapping[str, Any]) -> list[str]:
+    """Return numbers that stand in the names of equations: eigenvalues and abscissae."""
+    found = []
+    for text in document.get("enclosure", {}).get("equations", ()):
+        kind, _, rest = text.partition(" ")
+        if kind == "growth":
+            found.append(rest.removeprefix("q ").removeprefix("p "))
+    return found

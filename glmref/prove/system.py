@@ -25,7 +25,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
@@ -549,28 +548,6 @@ class SweepSystem:
             for u in right
             if t.order + u.order <= order
         )
-
-    def kind_of_flow(self) -> str | None:
-        """Name the Lie algebra that the logarithm lies in, as :mod:`glmref.judge.lie` does.
-
-        ``"splitting"``, or ``"f"`` or ``"k"`` for a composition of Störmer-Verlet steps that begin
-        with it; ``None`` for all but products of flows: two components with r = r^ = 1.
-        """
-        if not (self.is_one_step and self.is_partitioned):
-            return None
-        word = "".join(colour for colour, _ in self.word)
-        for outer in "fk":
-            inner = self.affine.partner(outer)
-            weights, steps = self.affine.D[outer], [Exact(0), *self.affine.D[inner], Exact(0)]
-            if word != (outer + inner) * (len(steps) - 2) + outer:
-                continue
-            sums = [Affine.of(x) + y for x, y in pairwise(steps)]
-            if all(
-                (2 * Affine.of(x) - y).is_identically_zero()
-                for x, y in zip(weights, sums, strict=True)
-            ):
-                return outer
-        return "splitting"
 
 
 def _palindromic(row: Sequence[Any]) -> int | None:

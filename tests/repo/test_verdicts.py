@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from glmref.findings import Proof, Verdict
-from glmref.prove.implications import Implied
 from glmref.prove.kernel import Found
 from glmref.prove.verdicts import Judgement, judged
 from tests import sources
@@ -83,8 +82,6 @@ def test_findings_are_read_back_where_they_are_kept_or_sent_only() -> None:
 def test_the_constructors_are_sealed() -> None:
     with pytest.raises(TypeError, match="judge"):
         Judgement(Verdict.HOLDS, FOUND, "", "", seal=object())
-    with pytest.raises(TypeError, match="implications"):
-        Implied({"order": "because"})
 
 
 def test_nothing_holds_without_a_certificate_that_the_judge_accepts() -> None:

@@ -1,4 +1,4 @@
-"""Each hypothesis of the table of implications is asked for: without it nothing follows."""
+"""Each hypothesis of the implications is asked for: without it nothing follows."""
 
 import sys
 from fractions import Fraction
@@ -6,58 +6,51 @@ from types import SimpleNamespace
 
 import pytest
 
-from glmref.catalogue.claims import EMBEDDED_DIFFERENCE, ORDER, STAGE_ORDER, W_ORDER
 from glmref.catalogue.files import document
 from glmref.errors import DataError
-from glmref.exact import Exact, linalg
-from glmref.prove import implications
-from glmref.prove.classes import Family, classes
-from glmref.prove.enclosure import Enclosure
-from glmref.prove.implications import (
-    _all_growths,
-    _check_regular,
-    _orders,
-    _zero_growths,
-    _zero_start,
-    implied_by,
-)
-from glmref.prove.simplifying import Proved
-from glmref.prove.system import Equation, SweepSystem
+from glmref.exact.judging import fast_judge
+from glmref.judge.enclosed_pair import Pair, listed
+from glmref.judge.enclosed_rk import RungeKutta
+from glmref.judge.enclosed_sweep import Sweep
+from glmref.judge.enclosures import circle_is_named
+from glmref.judge.fields import Numbers
+from glmref.judge.linalg import diagonal
+from glmref.prove.field import tower_of
+from glmref.prove.implications import _orders, implied_by
 
 
 def pair(L, signs, *, zero=()):
-    """What `_zero_start` asks of a pair whose halves have the involution L and the signs E."""
-    L = tuple(tuple(Exact(Fraction(x)) for x in row) for row in L)
-    V = linalg.matmul(linalg.diagonal([Exact(x) for x in signs]), L)  # L = V^-1 E, and L^2 = 1
-    system = SweepSystem.__new__(SweepSystem)
-    system.V = {"f": V, "k": V}
-    system.signs = lambda: (signs, signs)
-    system.equations = tuple(Equation(f"start {t} {k + 1}", "start", t, k) for t, k in zero)
-    return system
+    """What is asked of a pair whose halves have the involution L and the signs E."""
+    L = [[Fraction(x) for x in row] for row in L]
+    V = [[s * x for x in row] for s, row in zip(signs, L, strict=True)]  # L = V^-1 E, and L^2 = 1
+    made = Pair.__new__(Pair)
+    made.V, made.signs, made.one_step = {"f": V, "k": V}, {"f": signs, "k": signs}, False
+    made.equations = [("start", t, k) for t, k in zero]
+    return made
 
 
-def trees(n, family=Family.SEPARABLE):
-    return classes(n, 1, family)
+def start(made, most):
+    """The largest order through which the start is 0."""
+    return next(q for q in range(most, -1, -1) if made.zero_start_holds(q, False))
 
 
 def test_a_value_that_parity_does_not_settle_needs_an_equation():
     even, odd = pair([[1, 0], [0, -1]], (1, 1)), pair([[1, 0], [0, 1]], (1, -1))
-    assert _zero_start(even, 4, Family.SEPARABLE) == 0
-    assert _zero_start(odd, 4, Family.SEPARABLE) == 1
-    named = [(t, 1) for t in trees(2)]
+    assert start(even, 4) == 0
+    assert start(odd, 4) == 1
+    named = [(t, 1) for t in listed(2, False)]
     odd = pair([[1, 0], [0, 1]], (1, -1), zero=named)
-    assert _zero_start(odd, 4, Family.SEPARABLE) == 3
-    assert _zero_start(odd, 3, Family.SEPARABLE) == 3
+    assert (start(odd, 4), start(odd, 3)) == (3, 3)
     for missing in range(len(named)):
         odd = pair([[1, 0], [0, 1]], (1, -1), zero=named[:missing] + named[missing + 1 :])
-        assert _zero_start(odd, 4, Family.SEPARABLE) == 1
+        assert start(odd, 4) == 1
 
 
 @pytest.mark.parametrize("mixed", ["0", "1/3"])
 def test_a_value_that_the_involution_mixes_with_another_has_no_parity(mixed):
-    rest = [(t, 2) for t in trees(1)]
-    system = pair([[1, 0, 0], [0, 1, mixed], [0, 0, -1]], (1, 1, 1), zero=rest)
-    assert _zero_start(system, 4, Family.SEPARABLE) == (1 if mixed == "0" else 0)
+    rest = [(t, 2) for t in listed(1, False)]
+    made = pair([[1, 0, 0], [0, 1, mixed], [0, 0, -1]], (1, 1, 1), zero=rest)
+    assert start(made, 4) == (1 if mixed == "0" else 0)
 
 
 def test_an_order_of_the_identity_needs_first_values_that_are_the_solution(monkeypatch):
@@ -72,11 +65,10 @@ def test_an_order_of_the_identity_needs_first_values_that_are_the_solution(monke
         "order": 3, "effective-order": 3, "order-identity": 3, "nystrom-order": 4,
         "starting-order": 3, "nystrom-starting-order": 4,
     }  # fmt: skip
-    monkeypatch.setattr(
-        SweepSystem, "identity_through", lambda self, n, family: family is Family.SEPARABLE
-    )
+    kind = fast_judge().enclosed_pair.Pair
+    monkeypatch.setattr(kind, "principal_is_zero", lambda self, p, identity, nystrom: not nystrom)
     assert orders()["nystrom-order"] == orders()["order-identity"] == 3
-    monkeypatch.setattr(SweepSystem, "identity_through", lambda self, n, family: False)
+    monkeypatch.setattr(kind, "principal_is_zero", lambda self, p, identity, nystrom: False)
     assert orders().keys() == {
         "order",
         "effective-order",
@@ -90,16 +82,14 @@ def test_an_order_of_the_identity_needs_first_values_that_are_the_solution(monke
     ("at", "follows"), [((), True), ((5,), False), ((2, 4), False), ((6,), True)]
 )
 def test_an_order_with_the_identity_needs_every_first_value_below_it_zero(at, follows):
-    system = SweepSystem(document("t115-i"))
-    zeta = {
-        t: (Exact(int(n in at)), Exact(1)) for n in range(1, 7) for t in trees(n, Family.ROOTED)
-    }
-    made = SimpleNamespace(
-        families=system.families, series=lambda *_, **__: SimpleNamespace(zeta=zeta)
+    made = Sweep.__new__(Sweep)
+    made.root, made.q = [], 1
+    made.series = lambda values, order: SimpleNamespace(
+        eta={n: [Fraction(n in at), Fraction(1)] for n in range(1, order)}
     )
-    given = SimpleNamespace(system=made, form=None, principal=None)
-    record = SimpleNamespace(order=6, identity=Enclosure.identity.func(given))
-    found = _orders(system, record)  # type: ignore[arg-type]
+    system = SimpleNamespace(families=[(6, None)], is_partitioned=False)
+    record = SimpleNamespace(system=system, root=SimpleNamespace(enclosed=made), order=6)
+    found = _orders(record)  # type: ignore[arg-type]
     assert found["order"] == 6
     assert found.get("order-identity") == (6 if follows else None)
 
@@ -132,21 +122,15 @@ def test_a_start_in_decimals_is_proved_of_one_exact_method(
     assert bool(asked) is proved
 
 
-@pytest.mark.parametrize(("halves", "zeros"), [("qp", 2), ("q", None), ("p", None), ("", None)])
+@pytest.mark.parametrize(("halves", "zeros"), [("fk", 2), ("f", None), ("k", None), ("", None)])
 def test_growth_vanishes_where_both_halves_have_their_equations(halves, zeros):
-    V = linalg.diagonal([Exact(1), Exact(-1)])
-    system = SweepSystem.__new__(SweepSystem)
-    system.V = {"f": V, "k": V}
-    system.equations = tuple(
-        Equation(f"growth {half} -1", "growth", colour=colour, value="-1")
-        for half, colour in zip("qp", "fk", strict=True)
-        if half in halves
-    )
-    assert _all_growths(system) == zeros
+    made = pair([[1, 0], [0, -1]], (1, 1))
+    made.equations = [("growth", None, (half, Fraction(-1), [])) for half in halves]
+    assert made.zero_growths() == zeros
 
 
 @pytest.mark.parametrize(
-    ("diagonal", "named", "zeros"),
+    ("entries", "named", "zeros"),
     [
         (["1", "-1"], ["-1"], 1),
         (["1", "1/2"], ["1/2"], None),  # an eigenvalue inside the circle
@@ -157,16 +141,24 @@ def test_growth_vanishes_where_both_halves_have_their_equations(halves, zeros):
     ],
 )
 def test_growth_equations_name_every_eigenvalue_as_a_simple_one_of_modulus_one(
-    diagonal, named, zeros
+    entries, named, zeros
 ):
-    V = linalg.diagonal([Exact(Fraction(x)) for x in diagonal])
-    assert _zero_growths(V, named) == zeros
+    numbers = Numbers(tower_of(tuple(x for x in named if x == "i")).as_json())
+    found = [numbers.entry(x, {}) for x in named]
+    assert circle_is_named(diagonal([Fraction(x) for x in entries]), found) == zeros
 
 
 def test_1_is_a_simple_eigenvalue_of_v():
-    _check_regular(linalg.diagonal([Exact(1), Exact(-1)]), "V")
-    with pytest.raises(DataError, match="multiple eigenvalue"):
-        _check_regular(linalg.diagonal([Exact(1), Exact(1)]), "V")
+    made = Sweep.__new__(Sweep)
+    made.numbers = Numbers({"kind": "rational"})
+    for entry, fine in (("-1", True), ("1", False)):
+        V = [["1", "0"], ["0", entry]]
+        made.document = {"V": V, "G": V}
+        if fine:
+            made.suppose({"o": "V"})
+        else:
+            with pytest.raises(Exception, match="not regular on the values 2 to r"):
+                made.suppose({"o": "V"})
 
 
 @pytest.mark.parametrize("name", ["yoshida-6-midpoint", "t115-i"])
@@ -178,24 +170,20 @@ def test_one_method_without_a_start_has_no_order_of_a_start_or_of_second_order_s
     assert not orders & implied.at_least.keys()
 
 
-def test_the_sentence_about_the_first_row_names_no_component_of_one_method():
+def test_the_first_row_is_1_for_all_values_of_the_unknowns():
     doc = {**document("yoshida-6-midpoint")}
-    doc["X"] = [["1+1/1" + "0" * 80, *doc["X"][0][1:]], *doc["X"][1:]]
-    with pytest.raises(DataError, match="the first row of `X` must be 1"):
+    row, more = list(doc["X"][0]), "1+1/1" + "0" * 80
+    doc["X"] = [[more, *row[1:-1], more], *doc["X"][1:]]
+    with pytest.raises(DataError, match="the first row of X is not 1"):
         implied_by(doc, None)
 
 
-@pytest.mark.parametrize(
-    ("orders", "difference"),
-    [({"": 5}, False), ({"": 5, "x": 1, "y": 0}, False), ({"": 5, "x": 1, "y": 2}, True)],
-)
-@pytest.mark.parametrize("kind", ["rk", "rosenbrock"])
-def test_estimates_sum_to_zero_where_every_row_is_consistent(kind, orders, difference, monkeypatch):
-    """An order 0 of a row says that no equation is about its sum."""
-    monkeypatch.setattr(implications, "prove_runge_kutta", lambda document: Proved(orders, 3))
-    found = implications.implied_by({"class": kind, "enclosure": {}, "claims": {"order": 5}}, None)
-    assert found is not None
-    assert (EMBEDDED_DIFFERENCE.key in found.true) == difference
-    assert found.of_row("y").at_least == {ORDER.key: orders.get("y", 0)}
-    assert found.at_least.get(W_ORDER.key) == (3 if kind == "rosenbrock" else None)
-    assert found.at_least.get(STAGE_ORDER.key) == (1 if kind == "rk" else None)
+@pytest.mark.parametrize(("without", "difference"), [((), True), (("y",), False), ((None,), False)])
+def test_estimates_sum_to_zero_where_every_row_is_consistent(without, difference):
+    """No equation is about the sum of a row that is not consistent."""
+    made = RungeKutta.__new__(RungeKutta)
+    made.rows = {row: [] for row in (None, "x", "y")}
+    made.given = lambda tree, row: row not in without
+    assert made.implies("embedded-difference") is difference
+    made.rows = {None: []}
+    assert not made.implies("embedded-difference")

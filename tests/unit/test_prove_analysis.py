@@ -18,7 +18,6 @@ from glmref.prove import (
     enclosure,
     equations,
     krawczyk,
-    simplifying,
     starting,
     system,
 )
@@ -46,7 +45,7 @@ def test_what_was_proved_cannot_be_changed() -> None:
     found = analyze(load("rk4"))
     with pytest.raises(FrozenInstanceError):
         found.order = 5  # type: ignore[misc]
-    made = [x for m in (classes, digits, enclosure, equations, krawczyk, starting_series, simplifying,
+    made = [x for m in (classes, digits, enclosure, equations, krawczyk, starting_series,
                         starting, system) for x in vars(m).values()
             if isinstance(x, type) and is_dataclass(x) and x.__module__ == m.__name__]  # fmt: skip
     assert len(made) > 8

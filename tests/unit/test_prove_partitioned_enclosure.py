@@ -30,11 +30,10 @@ def test_a_published_pair_is_proved(name):
     assert proof.order == doc["claims"]["order"]
     assert proof.nystrom_order == doc["claims"].get("nystrom-order", proof.order)
     assert proof.identity
-    assert proof.contraction < 1e-40
     assert proof.width < WIDTH
     implied = implied_by(doc, None)
     assert implied is not None
-    assert {"g-symplectic", "symmetric", "consistent"} <= implied.true.keys()
+    assert {"g-symplectic", "symmetric", "consistent"} <= implied.true
     assert ("symplectic" in implied.true) == (doc["class"] == "splitting")
     assert implied.at_least["order"] == implied.at_least["order-identity"] == proof.order
 
@@ -79,7 +78,8 @@ def test_equations_that_do_not_give_the_order_are_refused():
         prove(doc)
 
     def forget(enclosure):
-        enclosure["equations"].remove("order f[kkkk]")
+        texts = enclosure["equations"]
+        texts[texts.index("order f[kkkk]")] = "order f[kk]"
 
     with pytest.raises(DataError, match=r"conditions of order 5; those of f\[kkkk\]"):
         prove(changed("pair-6-7", enclosure=forget))

@@ -10,8 +10,8 @@ from glmref.errors import DataError
 from glmref.exact import exact
 from glmref.method.component import SEPARABLE
 from glmref.prove.classes import Family, moves
+from glmref.prove.enclosure import equations_of
 from glmref.prove.equations import starting_series
-from glmref.prove.order_conditions import covered
 from glmref.prove.system import Equation, SweepSystem
 from glmref.theory.trees import trees
 from tests.bseries import order_residuals
@@ -84,16 +84,19 @@ def test_the_shipped_systems_vanish_at_their_digits():
 
 
 def test_what_kind_of_flow_a_file_is():
-    assert SweepSystem(document("yoshida-verlet-8")).kind_of_flow() == "f"
-    assert SweepSystem(document("blanes-moan-6")).kind_of_flow() == "splitting"
-    assert SweepSystem(document("pair-6-7")).kind_of_flow() is None
+    for name, flow in (
+        ("yoshida-verlet-8", "f"),
+        ("blanes-moan-6", "splitting"),
+        ("pair-6-7", None),
+    ):
+        assert equations_of(document(name), {"trees": "all"}).flow() == flow
 
 
 def test_which_orders_the_equations_cover():
-    system = SweepSystem(document("pair-6-7"))
-    assert [covered(system, n) for n in (1, 3, 5, 7)] == [True, True, True, False]
-    rkn = SweepSystem(document("blanes-moan-rkn-6-11"))
-    assert [covered(rkn, 5, x) for x in (Family.SEPARABLE, Family.SECOND_ORDER)] == [False, True]
+    pair = equations_of(document("pair-6-7"), {"trees": "all"})
+    assert [pair.covered(n, False) for n in (1, 3, 5, 7)] == [True, True, True, False]
+    rkn = equations_of(document("blanes-moan-rkn-6-11"), {"trees": "nystrom"})
+    assert [rkn.covered(5, x) for x in (False, True)] == [False, True]
 
 
 def test_principal_parts_are_zero_only_where_the_starts_say_so():

@@ -13,10 +13,8 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact, linalg
 from glmref.findings import Verdict
-from glmref.judge import enclosed_rk, enclosures
-from glmref.judge.fields import Numbers
-from glmref.prove.implications import implied_by
-from glmref.prove.simplifying import RungeKuttaSystem, _column, _weights
+from glmref.prove.enclosure import equations_of
+from glmref.prove.implications import implied_by, order_given
 from glmref.prove.verifier import verify
 from glmref.theory.trees import single, tree, trees
 
@@ -37,9 +35,17 @@ def with_equations(equations: list[str]) -> dict[str, Any]:
 def test_the_condition_of_a_root_with_one_child_follows_from_two_others(name: str) -> None:
     """The theorem, on exact methods with D(1): defects obey the relation, zero or not."""
     m: Any = load(name)
-    weight = _weights({"o": m.A})
     b = m.B[0]
-    assert all(_column(m.A, b, j).is_zero() for j in range(m.s))
+
+    def weight(t: Any) -> Any:
+        value = (Exact(1),) * m.s
+        for child in t.children:
+            stages = linalg.matvec(m.A, weight(child))
+            value = tuple(x * y for x, y in zip(value, stages, strict=True))
+        return value
+
+    for j, row in enumerate(linalg.transpose(m.A)):
+        assert (linalg.dot(b, row) - b[j] * (1 - sum(m.A[j], Exact(0)))).is_zero()
 
     def defect(t: Any) -> Any:
         return linalg.dot(b, weight(t)) - Exact(1) / t.density
@@ -56,14 +62,20 @@ def test_every_claim_of_the_pair_holds_and_every_other_order_fails() -> None:
         assert Verdict.FAILS in {x.verdict for x in found}, claims
 
 
+def replaced(doc: dict[str, Any], old: str, new: str) -> Any:
+    """The equations of a document with another in the place of one."""
+    texts = list(doc["enclosure"]["equations"])
+    texts[texts.index(old)] = new
+    return equations_of({**doc, "enclosure": {**doc["enclosure"], "equations": texts}}, {})
+
+
 def test_a_rosenbrock_method_has_its_orders_from_equations_alone() -> None:
     """ROS34PW2: eight equations; with any matrix in the place of J none of the seven may miss."""
     doc = copy.deepcopy(catalogue.document("ros34pw2"))
-    system = RungeKuttaSystem(doc)
-    assert (system.order(), system.order(jacobian=False)) == (3, 3)
-    doc["enclosure"]["equations"].remove("order 1[2[1]]")  # alpha (alpha + gamma)
-    fewer = RungeKuttaSystem(doc)
-    assert (fewer.order(), fewer.order(jacobian=False)) == (3, 2)
+    system = equations_of(doc, {})
+    assert (order_given(system), order_given(system, claim="w-order")) == (3, 3)
+    fewer = replaced(doc, "order 1[2[1]]", "order 1[1]")  # alpha (alpha + gamma)
+    assert (order_given(fewer), order_given(fewer, claim="w-order")) == (3, 2)
     (found,) = verify(load_document({**catalogue.document("ros34pw2"), "claims": {"order": 4}}))
     assert (found.verdict, found.value) == (Verdict.FAILS, 3)
 
@@ -79,20 +91,20 @@ def test_the_colour_of_a_leaf_makes_no_difference(text: str, order: bool) -> Non
         assert implied_by(doc, load_document(doc)) is not None
         return
     with pytest.raises(DataError):
-        RungeKuttaSystem(doc)
+        equations_of(doc, {})
 
 
 def test_the_equations_that_are_given_are_few_and_all_are_needed() -> None:
-    system = RungeKuttaSystem(document())
+    system = equations_of(document(), {})
     assert len(system.equations) == len(system.unknowns) == 20
-    assert system.has_columns
-    assert (system.order(), system.order("embedded")) == (5, 4)
-    for e in system.equations:
-        rest = [x.text for x in system.equations if x is not e]
-        fewer = RungeKuttaSystem(with_equations(rest))
-        assert (fewer.order(), fewer.order("embedded")) < (5, 4), e.text
+    assert system.columns
+    assert (order_given(system), order_given(system, "embedded")) == (5, 4)
+    texts = document()["enclosure"]["equations"]
+    for text in texts:
+        fewer = replaced(document(), text, "stage 1 1")  # says nothing: c = A 1
+        assert (order_given(fewer), order_given(fewer, "embedded")) < (5, 4), text
     with pytest.raises(DataError, match="as many as the unknowns"):
-        implied_by(doc := with_equations(rest), load_document(doc))
+        implied_by(doc := with_equations(texts[1:]), load_document(doc))
 
 
 @pytest.mark.parametrize(
@@ -119,7 +131,7 @@ def test_a_number_beside_the_right_one_proves_nothing(place: Any, wrong: Any) ->
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"c": ["0"] * 7}, "`c` has no meaning beside"),
+        ({"c": ["0"] * 7}, "not covered: c or a start"),
         ({"claims": {"symmetric": False}}, "must claim an order"),
     ],
 )
@@ -145,70 +157,58 @@ def test_what_an_enclosure_cannot_mean_is_refused(changes: dict[str, Any], said:
 )
 def test_equations_without_a_meaning_are_refused(text: str) -> None:
     with pytest.raises(DataError):
-        RungeKuttaSystem(with_equations([text]))
+        replaced(document(), document()["enclosure"]["equations"][0], text)
 
 
 @pytest.mark.parametrize(
     ("entry", "equations", "order"),
     [
-        ("x/2+y", ["order [o]"], 2),  # b = 1, as entries that are linear in the unknowns show
-        ("x*y", ["order [o]"], 0),
-        ("x*y", ["order [o]", "order o"], 2),
+        ("x/2+y", ["order [o]", "stage 1 1"], 2),  # b = 1, linear in the unknowns
+        ("x+y", ["order [o]", "order o"], 2),
+        ("x+y", ["order o", "stage 1 1"], 1),
     ],
 )
-def test_where_unknowns_are_multiplied_equations_alone_give_conditions(
-    entry: str, equations: list[str], order: int
-) -> None:
-    d = {"class": "rk", "A": [[entry]], "b": ["1"], "unknowns": {"x": "0.5", "y": "0.25"},
+def test_an_identity_needs_no_equation(entry: str, equations: list[str], order: int) -> None:
+    d = {"name": "x", "class": "rk", "A": [[entry]], "b": ["1"], "digits": 20,
+         "unknowns": {"x": "0." + "5" * 20, "y": "0." + "2" * 20},
          "enclosure": {"equations": equations}}  # fmt: skip
-    assert RungeKuttaSystem(d).order() == order
+    assert order_given(equations_of(d, {})) == order
 
 
 def gauss(s: int, **changes: Any) -> dict[str, Any]:
     return {**copy.deepcopy(catalogue.document(f"gauss-{s}")), **changes}
 
 
-def read_by_the_judge(doc: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The equations as the judge reads them, without the interval test."""
-    monkeypatch.setattr(
-        enclosures, "only_root", lambda function, published, digits, proof: published
-    )
-    numbers = Numbers({"kind": "enclosure", "generators": [], "radicals": {}})
-    return enclosed_rk.RungeKutta(doc, numbers, {"radius": "1e-60", "centre": [], "inverse": []})
-
-
 @pytest.mark.parametrize("s", [6, 7])
-def test_of_a_gauss_method_every_equation_is_needed(s: int, monkeypatch: Any) -> None:
-    system = RungeKuttaSystem(gauss(s))
-    assert system.is_gauss and system.order() == 2 * s
-    assert read_by_the_judge(gauss(s), monkeypatch).gauss
+def test_of_a_gauss_method_every_equation_is_needed(s: int) -> None:
+    system = equations_of(gauss(s), {})
+    assert system.gauss and order_given(system) == 2 * s
     for k in range(len(system.equations)):
         doc = gauss(s)
         doc["enclosure"]["equations"][k] = "stage 1 1"  # says nothing: c = A 1
-        assert not RungeKuttaSystem(doc).is_gauss, k
-        assert not read_by_the_judge(doc, monkeypatch).gauss, k
+        assert not equations_of(doc, {}).gauss, k
 
 
 @pytest.mark.parametrize(("s", "place"), [(6, ("A", 5, 0)), (7, ("A", 3, 4)), (6, ("b", 5))])
 def test_half_of_the_equations_say_enough_of_a_mirrored_table_only(
-    s: int, place: tuple[Any, ...], monkeypatch: Any
+    s: int, place: tuple[Any, ...]
 ) -> None:
     doc = gauss(s)
     inner: Any = doc
     for key in place[:-1]:
         inner = inner[key]
     inner[place[-1]] = "b2"
-    assert not RungeKuttaSystem(doc).is_gauss
-    assert not read_by_the_judge(doc, monkeypatch).gauss
+    assert not equations_of(doc, {}).gauss
 
 
 def test_the_stages_of_the_middle_follow_at_odd_powers_only() -> None:
-    system = RungeKuttaSystem(gauss(7))
-    assert [k for k in range(1, 8) if system._has_stage(3, k)] == list(range(1, 8))
-    texts = [e.text for e in system.equations if not e.text.startswith("stage 4")]
     doc = gauss(7)
-    doc["enclosure"]["equations"] = texts
-    assert [k for k in range(1, 8) if RungeKuttaSystem(doc)._has_stage(3, k)] == [1, 3, 5, 7]
+    assert all(equations_of(doc, {}).has_stage(3, k) for k in range(1, 8))
+    doc["enclosure"]["equations"] = [
+        "stage 1 1" if x.startswith("stage 4") else x for x in doc["enclosure"]["equations"]
+    ]
+    found = equations_of(doc, {})
+    assert [k for k in range(1, 8) if found.has_stage(3, k)] == [1, 3, 5, 7]
 
 
 @pytest.mark.sampled(1)

@@ -16,17 +16,14 @@ from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, ball, linalg
 from glmref.exact.expression import parse
 from glmref.method import as_matrix
-from glmref.prove import simplifying, starting
+from glmref.prove import implications, starting
 from glmref.prove.certificate import _Writer
-from glmref.prove.certificate_enclosed import method_proof
 from glmref.prove.classes import Family, reduce_tree
-from glmref.prove.enclosure import WIDTH, _checked_width, radius_of, root_of
+from glmref.prove.enclosure import WIDTH, _checked_width, _members, equations_of, radius_of
 from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
 from glmref.prove.krawczyk import Outcome, _compared
-from glmref.prove.order_conditions import abscissae
 from glmref.prove.ranges import Range
-from glmref.prove.simplifying import RungeKuttaSystem
 from glmref.prove.starting import _check_even, start_orders
 from glmref.prove.system import Affine, Equation, SweepSystem
 from glmref.theory.starting_series import NotPreconsistent, component
@@ -120,7 +117,7 @@ def test_equations_without_a_meaning_are_refused_in_a_sentence(equation: str, me
 
 @pytest.mark.parametrize(
     "read",
-    [lambda x: Equation.read(x, 1), lambda x: Equation.read(x, 2), simplifying._Equation.read],
+    [lambda x: Equation.read(x, 1), lambda x: Equation.read(x, 2)],
 )
 def test_refusals_quote_the_beginning_of_an_equation(read: Any) -> None:
     for text in ("9" * 4000, "column " + "9" * 4000):
@@ -154,19 +151,19 @@ def test_affine_expressions() -> None:
 def test_the_order_that_equations_give_ends_where_trees_are_compared(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    d = shipped("tsitouras-5-4")
-    assert RungeKuttaSystem(d).order() == 5
+    found = equations_of(shipped("tsitouras-5-4"), {})
+    assert implications.order_given(found) == 5
     for most in (5, 4, 2):
-        monkeypatch.setattr(simplifying, "MAX_ORDER", most)
-        assert RungeKuttaSystem(d).order() == most
+        monkeypatch.setattr(implications, "MAX_ORDER", most)
+        assert implications.order_given(found) == most
 
 
 def test_the_proof_of_a_method_names_what_is_free() -> None:
     def proof(name: str) -> dict[str, Any]:
-        system = SweepSystem(shipped(name))
-        return method_proof(system, root_of(shipped(name), system), 4)
+        return _members(SweepSystem(shipped(name)))
 
-    assert proof("yoshida-6-midpoint")["free"] == {"4": ["[ooo]"]}
+    free = proof("yoshida-6-midpoint")["free"]
+    assert free["4"] == ["[ooo]"] and free.keys() == {"4", "6"}
     assert "free" not in proof("mclachlan-ss5-4")
     assert proof("mclachlan-ss5-4")["trees"] == "all"
 
@@ -223,9 +220,13 @@ def test_series_end_where_no_residual_needs_them() -> None:
 def test_the_first_stage_begins_at_0_where_it_is_explicit_and_starts_at_order_two() -> None:
     """Each of the two equations alone says nothing, nor do they about another stage."""
     said = ("explicit 1", "explicit 2", "start 2 o", "abscissa 2 = 1/3")
+    unknowns = dict.fromkeys("abcd", "0." + "5" * 75)
     for k in range(len(said) + 1):
         for equations in itertools.combinations(said, k):
-            found = abscissae(system(enclosure={"equations": list(equations)}))
+            texts = [*equations, *["order [oo]"] * (4 - k)]
+            doc = {**copy.deepcopy(SWEEP), "enclosure": {"equations": texts}, "unknowns": unknowns}
+            fixed = equations_of(doc, {"free": {}}).abscissae()
+            found = fixed and [Fraction(str(x)) for x in fixed]
             if "abscissa 2 = 1/3" in equations:
                 both = {"explicit 1", "start 2 o"} <= set(equations)
                 assert found == ([0, Fraction(1, 3)] if both else [Fraction(2, 3), Fraction(1, 3)])

@@ -180,7 +180,7 @@ def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
     document["claims"] = {k: v for k, v in claims.items() if k != "order-identity"}
     document["source"] = derived_source(where)
     text = (
-        f"{name}: exactly one solution within 1e-60 of the digits (contraction "
-        f"{enclosure.contraction:.1e}), of order 4; order 5 refuted by {enclosure.next_order:.2e}"
+        f"{name}: exactly one solution within 1e-60 of the digits, "
+        f"of order 4; order 5 refuted by {enclosure.next_order:.2e}"
     )
     return Derivation("order4", [document], [Statement(text, Proof.ENCLOSED)])

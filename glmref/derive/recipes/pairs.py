@@ -103,8 +103,8 @@ def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:
     if enclosure.nystrom_order > enclosure.order:
         order += f", and {enclosure.nystrom_order} on second-order systems"
     text = (
-        f"{document['name']}: exactly one solution within 1e-60 of the digits (contraction "
-        f"{enclosure.contraction:.1e}); {order}, G-symplectic, symmetric, explicit and "
+        f"{document['name']}: exactly one solution within 1e-60 of the digits; "
+        f"{order}, G-symplectic, symmetric, explicit and "
         f"parasitism-free there; redundant conditions enclosed to {enclosure.width:.1e}"
     )
     if "starting" in document:

@@ -2,7 +2,7 @@
 
 A composition of midpoint steps is the sweep form with r = 1: D holds the step lengths, X is a row
 of ones. Symmetry leaves three unknowns; the conditions are those of the trees [oo], [oooo] and
-[[o][o]] (:mod:`glmref.prove.order_conditions` says why the third free tree of order 5 is not
+[[o][o]] (:mod:`glmref.judge.enclosed_sweep` says why the third free tree of order 5 is not
 needed).
 """
 
@@ -79,7 +79,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     document["source"] = {**_SOURCE, "where": f"table 1, solution {which}, with more digits"}
     progress("done", 1, 1)
     text = (
-        f"{document['name']}: exactly one solution within 1e-60 of the digits (contraction "
-        f"{enclosure.contraction:.1e}), of order 6; order 7 refuted by {enclosure.next_order:.2e}"
+        f"{document['name']}: exactly one solution within 1e-60 of the digits, "
+        f"of order 6; order 7 refuted by {enclosure.next_order:.2e}"
     )
     return Derivation("yoshida6", [document], [Statement(text, Proof.ENCLOSED)])
