@@ -25,6 +25,8 @@ _HEADS = frozenset(
     "struct class namespace enum union interface impl trait extern fn func function mod if for "
     "while do else try catch switch match unsafe loop template module".split()
 )
+#: Words before a block that is no function, class or object.
+CHOICES = frozenset("if else for while switch".split())
 _OWN = frozenset("self this Self cls".split())
 #: Other names of quotients: ``Fraction as F``, ``Q = Rational``, ``#define Q(a, b) (1.0*(a)/(b))``.
 _ALIAS = re.compile(
@@ -67,6 +69,7 @@ class Block:
     arguments: list[tuple[str, int | None]] = field(default_factory=list)
     user: Block | None = None  #: The block that has this one as a value.
     depth: int = 0  # of round brackets around a block in a macro
+    own: str = ""  #: What a method that is defined outside of its class is called.
 
     def path(self) -> list[str]:
         """Return names from the outermost block to this one."""
@@ -232,6 +235,9 @@ class Collector:
         name = _named(head)
         first = head[0].line if head else line
         block = Block(name, first, self.block, depth=depth)
+        marks = [x.text for x in head]
+        if "(" in marks and marks[: marks.index("(")][-2:-1] == ["::"]:
+            block.own = marks[marks.index("(") - 1]
         self.block.blocks.append(block)
         self.block = block
         pairs = [x.text + y.text for x, y in pairwise(head)]
@@ -391,6 +397,10 @@ class Collector:
             return
         spend()
         self.count += 1
+        if row[0].text in ("case", "default"):  # case 3: return {..}
+            row = row[next((k for k, x in enumerate(row) if x.text == ":"), -1) + 1 :]
+            if not row:
+                return
         if row[0].text == "return" or (tail and self.language.name == "rust"):
             self._returned(row[1:] if row[0].text == "return" else row)
             return
@@ -723,6 +733,10 @@ class Collector:
         if not row:
             return
         block = self.block
+        while (
+            block.name in CHOICES and block.parent is not None and block.parent.parent is not None
+        ):
+            block = block.parent
         held = block.names.get(row[0].text) if len(row) == 1 else None
         if isinstance(held, Entries) and block.parent is not None:
             item = next(x for x in reversed(block.items) if x.value is held)
@@ -739,7 +753,7 @@ class Collector:
         alone = all(x.kind == "name" or x.text in (",", "(", ")", ".", "&") for x in row)
         named = len([x for x in row if x.kind == "name"]) == 1 and alone
         if isinstance(value, Number | list) and block.parent is not None and (named or not alone):
-            item = Item(block.name, plain(value), row[0].line, self.count,
+            item = Item(block.own or block.name, plain(value), row[0].line, self.count,
                         last=_last_line(value) or row[-1].line)  # fmt: skip
             block.parent.items.append(item)
 

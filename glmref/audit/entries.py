@@ -110,7 +110,7 @@ def arrays(block: Block, language: Language) -> list[Array]:
     """Return the arrays of a block: lists, entries one by one, names with numbers."""
     found: list[Array] = []
     scalars: dict[str, list[tuple[str, str | None, Item]]] = {}
-    lists: dict[str, list[tuple[int, Item]]] = {}
+    lists: dict[str, list[tuple[int, Item | Array]]] = {}
     base = _base(block, language)
     for item in block.items:
         value = item.value
@@ -120,6 +120,8 @@ def arrays(block: Block, language: Language) -> list[Array]:
             made = _of_entries(value, item, 1 if own else base)
             if made is not None:
                 found.append(made)
+                if match and not match[3] and made.flat:
+                    lists.setdefault(match[1], []).append((int(match[2]), made))
         elif isinstance(value, list):
             if (
                 match
@@ -217,7 +219,7 @@ def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
     return None
 
 
-def _of_rows(stem: str, rows: list[tuple[int, Item]], scalars: Any) -> list[Array]:
+def _of_rows(stem: str, rows: list[tuple[int, Item | Array]], scalars: Any) -> list[Array]:
     """Return a matrix from rows of growing length: a2, a3, .. ."""
     rows = sorted(rows, key=lambda x: x[0])
     lengths = [len(item.value) for _, item in rows]

@@ -39,6 +39,11 @@ _POWERS = frozenset(("**", "^", ".^"))
 _OPEN = {"(": ")", "[": "]", "{": "}", "(/": "/)"}
 _CLOSE = frozenset(_OPEN.values())
 _METHODS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "minus": "-", "plus": "+"}
+#: Members that are the value itself in another type.
+_COPIES = frozenset(
+    "tolist astype to clone to_vec copy double into value flatten numpy item getReal "
+    "newInstance".split()
+)
 
 
 class Integer(Number):
@@ -483,7 +488,10 @@ class Folder:
         if k + 1 >= self.end:
             return ""
         x, y = self.tokens[k], self.tokens[k + 1]
-        if x.kind in ("name", "string") and y.text in (":", "=", "=>"):
+        keys = (
+            ("name", "string", "number") if self.language.name == "python" else ("name", "string")
+        )
+        if x.kind in keys and y.text in (":", "=", "=>"):
             if y.text == "=" and self.language.name == "fortran":
                 return ""
             self.at = k + 2
@@ -511,7 +519,8 @@ class Folder:
             nxt = self.tokens[self.at + 1]
             if nxt.kind != "name":
                 break
-            if nxt.text in ("sqrt", "reshape", "T", "transpose", *_METHODS) and self._known(name):
+            members = ("sqrt", "reshape", "T", "transpose", *_COPIES, *_METHODS)
+            if nxt.text in members and self._known(name):
                 break
             self.at += 2
             name = f"{name}.{nxt.text}"
@@ -772,8 +781,7 @@ class Folder:
             return transposed(x)
         if name == "reshape":
             return self._reshaped(x, given)
-        if name in ("tolist", "astype", "to", "clone", "to_vec", "copy", "double", "into", "value",
-                    "flatten", "numpy", "item", "getReal", "newInstance"):  # fmt: skip
+        if name in _COPIES:
             return given[0] if name == "newInstance" and given else x
         raise Unread(f"{name!r} of a value is not read", t.line)
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
-from .collecting import Block, Collector
+from .collecting import CHOICES, Block, Collector
 from .entries import Array, arrays, of_subject, role_of, size
 from .folding import flattened
 from .kinds import others
@@ -467,7 +467,8 @@ def _distinct(found: list[Table]) -> list[Table]:
         rows = [row for A in table.A for row in A]
         key = tuple(round(size(x), 9) for row in (*rows, *table.b) for x in row)
         path = path_of(table)
-        other = next((x for k, x in seen if k == key and abs(x.line - table.line) < 100
+        other = next((x for k, x in seen if k == key
+                      and (abs(x.line - table.line) < 100 or x.block is table.block)
                       and all(map(str.__eq__, path, path_of(x)))), None)  # fmt: skip
         if other is None or table.unread:
             seen.append((key, table))
@@ -501,11 +502,15 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
         again = min((x.line for x in found if x.source == table.source and x.line > table.last),
                     default=table.last + 26)  # fmt: skip
         for call in calls:
-            names = {name for name, _ in call.arguments if name}
             near = table.last <= call.line < min(again, table.last + 26)
             near = near or call.line <= table.line <= call.last
-            if call.called and near and (table.source in names or call is table.block):
-                word = not call.label.isupper() or table.source in names
+            if not (call.called and near):
+                continue
+            takes = any(name == table.source for name, _ in call.arguments if name) or any(
+                isinstance(x.value, list) and key_of(x.value) == table.key for x in call.items
+            )
+            if takes or call is table.block:
+                word = not call.label.isupper() or takes
                 own = call.name.rpartition(".")[2] != call.called
                 label = call.label or (call.name if own else "")  # what the call is assigned to
                 if label and word and table.name in (table.source, *path_of(table)):
@@ -567,13 +572,28 @@ def _windows(array: Array, made: list[Array]) -> list[Array]:
     if len(same) < 2:
         return made
     k = same.index(array)
-    others = [x.at for x in made if x.name != array.name]
-    low, high = (same[k - 1].at if k else -1), same[k + 1].at if k + 1 < len(same) else 10**9
-    if min(others, default=0) < same[0].at:
-        if max(others, default=0) < same[-1].at:  # weights come before their matrix
-            high = array.at + 1
-        return [x for x in made if low < x.at < high]
-    return [x for x in made if array.at <= x.at < high]
+    ends = [-1, *(x.at for x in same), 10**9]
+    before, after = (
+        sum(_weighed(x, made, *ends[j + shift : j + shift + 2]) for j, x in enumerate(same))
+        for shift in (0, 1)
+    )
+    if before == after:  # by what stands before the first and after the last of them
+        others = [x.at for x in made if x.name != array.name]
+        before += min(others, default=0) < same[0].at
+        if before > after and max(others, default=0) >= same[-1].at:
+            return [x for x in made if ends[k] < x.at < ends[k + 2]]
+    if before > after:  # weights come before their matrix
+        return [x for x in made if ends[k] < x.at <= array.at]
+    return [x for x in made if array.at <= x.at < ends[k + 2]]
+
+
+def _weighed(array: Array, made: list[Array], low: int, high: int) -> bool:
+    """Return whether weights, as many as a matrix has rows, stand in a part of a block."""
+    return any(
+        x.flat and x.role == "b" and len(x.value) == len(array.value)
+        for x in made
+        if low < x.at < high
+    )
 
 
 def _latest(made: list[Array], at: int) -> list[Array]:
@@ -735,7 +755,7 @@ def key_of(value: Any) -> tuple[float, ...]:
 
 
 def _title(block: Block, array: Array) -> str:
-    path = [x for x in block.path() if x not in ("if", "else", "for", "while", "switch")]
+    path = [x for x in block.path() if x not in CHOICES]
     base = path[-1] if path else ""
     if block.kind == "record" and len(base) < 3 and len(path) > 1:  # B->A of a function
         base = path[-2]
@@ -847,6 +867,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
         total = sum(map(size, y.value))
         if row is None and len(y.value) == s + 1 and y.role == "error":
             row = list(y.value)
+        elif row is None and len(y.value) == s + 1 and x.reading.c and size(y.value[0]) == 0:
+            row = list(y.value[1:])  # 0 | b under c | A
         if row is None:
             continue
         if y.role == "error" and len(y.value) >= s:

@@ -44,6 +44,11 @@ _MARKS: Mapping[str, str] = {
 _MOST = 60_000_000  # characters of a file
 
 
+def marks(form: str, text: str) -> bool:
+    """Return whether a file may hold tables of a format."""
+    return re.search(_MARKS[form], text) is not None
+
+
 def files(source: Path, form: str) -> list[Path]:
     """Return files of a checkout that may hold tables of a format, in the order of their paths.
 
@@ -175,7 +180,7 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (re.search(_MARKS[form], text) if form else alone or may_hold(text, path.name)):
+        if not (marks(form, text) if form else alone or may_hold(text, path.name)):
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
                 "given": given}  # fmt: skip
@@ -241,7 +246,7 @@ def _read(
     found = tables(
         text, language, fixed=path.suffix in FIXED, about=given, declared=declared, where=path.name
     )
-    forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and re.search(_MARKS[x], text)]
+    forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and marks(x, text)]
     special = [x for form in forms for x in read(text, form, declared)]
     spans = [
         (x.line - 3, max(x.last, x.line + 3)) for x in found

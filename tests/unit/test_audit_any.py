@@ -297,6 +297,33 @@ ROUNDED = (
     "    A2 = -1.0; A3 = -1.55798; A4 = -1.0; A5 = -0.45031\n"
     "    B1 = 0.2; B2 = 0.83204; B3 = {}; B4 = 0.35394; B5 = 0.2\nend\n"
 )
+#: Weights of the cases of a choice, under the name of the function.
+CASES = (
+    "std::vector<double> Chain::suzukiWeights(int n) {{ switch (n) {{ case 3: return {{{0}, {1}, "
+    "{0}}}; default: return {{0.2967324292201065, 0.2967324292201065, -0.186929716880426, "
+    "0.2967324292201065, 0.2967324292201065}}; }} }}"
+)
+#: A class for each row, whose entries its constructor sets.
+ROW_BY_ROW = (
+    "// Runge-Kutta\n"
+    "struct rk4_a1 {{ rk4_a1() {{ (*this)[0] = 1. / 2; }} }};\n"
+    "struct rk4_a2 {{ rk4_a2() {{ (*this)[0] = 0.; (*this)[1] = 1. / {}; }} }};\n"
+    "struct rk4_a3 {{ rk4_a3() {{ (*this)[0] = 0.; (*this)[1] = 0.; (*this)[2] = 1.; }} }};\n"
+    "struct rk4_b {{ rk4_b() {{ (*this)[0] = 1. / 6; (*this)[1] = 1. / 3; (*this)[2] = 1. / 3; "
+    "(*this)[3] = 1. / 6; }} }};\n"
+    "struct rk4_c {{ rk4_c() {{ (*this)[0] = 0.; (*this)[1] = 0.5; (*this)[2] = 0.5; "
+    "(*this)[3] = 1.; }} }};\n"
+)
+#: Names that are used again after other arrays, methods that calls name, and copies.
+AGAIN = (
+    "# Runge-Kutta\ndef load():\n    b = [1.]\n    one = 1\n"
+    "    A = [[0, 0], [{} * one, 0]]\n    b = [1 / 2, 1 / 2]\n    RK['RK2'] = RKMethod(A=A, b=b)\n"
+    "    A = np.zeros((3, 3))\n    b = np.zeros(3)\n    A[1, 0] = 1\n    A[2, 0] = 1 / 4\n"
+    "    A[2, 1] = 1 / 4\n    b[0] = 1 / 6\n    b[1] = 1 / 6\n    b[2] = 2 / 3\n"
+    "    RK['SSP33'] = RKMethod(A.astype('float64'), b.astype('float64'))\n"
+    "    A = [[0, 0, 0, 0], [1 / 2, 0, 0, 0], [0, 1 / 2, 0, 0], [0, 0, 1, 0]]\n"
+    "    b = [1 / 6, {} / 6, 1 / 3, 1 / 6]\n    RK['RK4'] = RKMethod(A, b)\n"
+)
 DIAGONAL = (
     "// diagonally implicit Runge-Kutta\nconst int order = 2; double gamma = 0.25, a11 = 0.25, "
     "a21 = 0.5, a22 = 0.25, a31 = 0.25, a32 = 0.25, {} = 0.25, b1 = 0.5, b2 = 0.25, b3 = 0.25, "
@@ -486,6 +513,12 @@ READ = [
     (HEUN.format("Heun, order 3(2), dense output of order 2", "2./5", "2./3"), "c", "question"),
     (HEUN.format("Runge-Kutta", "2./3", "2./3"), "c", "found"),
     (HEUN.format("Runge-Kutta", "2./3", "0"), "c", "question"),  # the sum of the row gives order 3
+    (CASES.format("0.828981543588751", "-0.657963087177502"), "c", "question question"),
+    (CASES.format("1.3512071919596578", "-1.7024143839193156"), "c", "found question"),
+    (ROW_BY_ROW.format("2"), "c", "found"),
+    (ROW_BY_ROW.format("3"), "c", "question"),
+    (AGAIN.format("1", "2"), "python", "right right right"),
+    (AGAIN.format("1", "3"), "python", "right right question"),
     (  # the weights do not sum to 1, and nothing declares an order
         "// symplectic\ndouble a[2] = {0.5, 0.5}, b[2] = {0.25, 0.5};",
         "c",
