@@ -60,12 +60,8 @@ ANSATZES: Sequence[tuple[int, int, Sequence[Value], Sequence[int], bool]] = (
 def second_order(system: SweepSystem, *, both: bool) -> Callable[[Sequence[Any]], list[Any]]:
     """Return what must vanish beside the equations: tr A^3, and I3(-1) beside a pair.
 
-    Parameters
-    ----------
-    system : SweepSystem
-        Of an ansatz; where -1 and a pair are eigenvalues -1 has the last value.
-    both : bool
-        Whether the I1 are to vanish, too; those of a pair are equal and real.
+    Where -1 and a pair are eigenvalues of the ansatz -1 has the last value. With ``both`` the I1
+    are to vanish, too; those of a pair are equal and real.
     """
     V = system.V["o"]
     r = len(V)

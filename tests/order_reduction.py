@@ -32,27 +32,13 @@ from glmref.problems import problem
 
 @dataclass(frozen=True)
 class ObservedOrder:
-    """Errors at the end of a few runs with halved step sizes.
+    """Errors at the end of a few runs with halved step sizes."""
 
-    Attributes
-    ----------
-    method : str
-        Its name.
-    z : float or None
-        h lambda, the same for all runs; ``None`` where lambda was fixed.
-    h : tuple[float, ...]
-        Step sizes.
-    errors : tuple[float, ...]
-        At the end, in absolute value.
-    orders : tuple[float, ...]
-        Binary logarithms of the quotients of errors, one fewer.
-    """
-
-    method: str
-    z: float | None
-    h: tuple[float, ...]
-    errors: tuple[float, ...]
-    orders: tuple[float, ...]
+    method: str  #: Its name.
+    z: float | None  #: h lambda, the same for all runs; ``None`` where lambda was fixed.
+    h: tuple[float, ...]  #: Step sizes.
+    errors: tuple[float, ...]  #: At the end, in absolute value.
+    orders: tuple[float, ...]  #: Binary logarithms of the quotients of errors, one fewer.
 
     @property
     def order(self) -> float:

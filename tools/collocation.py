@@ -142,24 +142,12 @@ class _Collocation:
 def collocation_states(
     problem: Problem, times: Sequence[Any], *, digits: int = 20, stages: int = 12
 ) -> list[np.ndarray]:
-    """Return the solution at the given times, from Radau IIA with variable steps.
+    """Return the solution at increasing times (ints, Fractions, strings), by Radau IIA.
 
-    Parameters
-    ----------
-    problem : Problem
-        In double precision form, with a Jacobian; its exact y0 and parameters are used.
-    times : Sequence[Any]
-        Increasing; ints, Fractions or strings.
-    digits : int
-        The last Legendre coefficient of each step stays below 10**-digits, which the error of the
-        state (order 2s - 1) undercuts by far. Compare two settings.
-    stages : int
-        Number s of stages.
-
-    Returns
-    -------
-    list[np.ndarray]
-        One array (d,) of mpmath numbers per time.
+    The problem has a Jacobian; its exact y0 and parameters are used. Steps vary so that the last
+    Legendre coefficient of each stays below 10**-digits, which the error of the state (order 2s - 1
+    with s stages) undercuts by far: compare two settings. Each state is an array (d,) of mpmath
+    numbers.
 
     Raises
     ------

@@ -15,19 +15,10 @@ MOST_DIGITS = 40  # stored, however many agree
 def solution_entries(
     problem: Problem, times: Sequence[str], *, digits: int, stages: int | None = None
 ) -> list[dict[str, Any]]:
-    """Compute the entries of one problem's file, one per time.
+    """Compute the entries of one problem's file, one for each of increasing times as exact strings.
 
-    Parameters
-    ----------
-    problem : Problem
-        One of :func:`glmref.problems.names`, with its parameters.
-    times : Sequence[str]
-        Increasing, as exact strings such as ``"10"``.
-    digits : int
-        Of the first computation; the second one asks for 8 (Taylor) or 4 (collocation) more, and is
-        the one stored.
-    stages : int or None
-        Use Radau IIA with so many stages, and two more; ``None``: use Taylor series.
+    The first computation has so many digits; the second one asks for 8 (Taylor series) or 4 (with
+    ``stages``: Radau IIA with so many stages, and two more) more, and is the one stored.
     """
     if stages is None:
         from glmref.conformance.taylor import taylor_states

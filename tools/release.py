@@ -43,16 +43,9 @@ TRIED: tuple[tuple[str, str], ...] = (
 
 
 def built(source: Path, output: Path, time: str) -> list[Path]:
-    """Build sdist and wheel of a folder.
+    """Build sdist and wheel of a checkout without anything else in it.
 
-    Parameters
-    ----------
-    source : Path
-        A checkout without anything else in it.
-    output : Path
-        Folder of the two files.
-    time : str
-        Seconds since 1970 that the files in them carry.
+    The files in them carry the time, in seconds since 1970.
     """
     subprocess.run(
         [sys.executable, "-m", "hatchling", "build", "-d", str(output)],

@@ -78,24 +78,15 @@ class NothingChanged(Exception):
 
 
 def exchange(module: ModuleType, source: str) -> bool:
-    """Put the functions and constants of another text of a module in place of its own.
+    """Put the functions and constants of another text of an imported module in place of its own.
 
-    Parameters
-    ----------
-    module : module
-        The module, as it was imported.
-    source : str
-        The other text.
-
-    Returns
-    -------
-    bool
-        Whether the change is wholly in functions, so that nothing computed on import is stale.
+    Returns whether the change is wholly in functions, so that nothing computed on import is stale.
 
     Raises
     ------
     NothingChanged
-        Where no function has the code: the module was imported late, or compiled in another way.
+        Where no function has the code: the module was imported late, or compiled in another
+        way.
     """
     path = str(module.__file__)
     right = compile(Path(path).read_text(encoding="utf-8"), path, "exec", dont_inherit=True)

@@ -205,15 +205,7 @@ def four_digits(value: float) -> float | None:
 
 
 class Comparison:
-    """All methods on one problem: the ladders are climbed at once, the timing is apart.
-
-    Parameters
-    ----------
-    case : Case
-        The problem.
-    names : Sequence[str]
-        methods.
-    """
+    """All methods on one problem: the ladders are climbed at once, the timing is apart."""
 
     def __init__(self, case: Case, names: Sequence[str]) -> None:
         self.case, self.subject = case, case.build()

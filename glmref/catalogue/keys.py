@@ -93,20 +93,10 @@ def name_of(text: str) -> str:
 
 
 def completed(doc: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Fill in what a tableau without claims may leave out.
+    """Fill in what a tableau without claims, for which :func:`bare` holds, may leave out.
 
-    Parameters
-    ----------
-    doc : Mapping
-        A document for which :func:`bare` holds.
-    where : str
-        Name of its file; the method is called after it.
-
-    Returns
-    -------
-    dict
-        The document with ``format``, ``name``, ``class``, ``claims`` and ``source``. ``class`` is
-        still missing where the keys do not tell it.
+    That is ``format``, ``name`` (after its file), ``class``, ``claims`` and ``source``; ``class``
+    is still missing where the keys do not tell it.
     """
     form = FORMATS[bool(doc.keys() & SECOND or str(doc.get("class")) in SECOND)]
     given = {

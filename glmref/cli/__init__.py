@@ -129,10 +129,7 @@ for command, new in HIDDEN.items():
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; no exception leaves this function.
 
-    Parameters
-    ----------
-    arguments : Sequence[str] or None
-        The command line without the program; that of the process by default.
+    The command line has no program in it; that of the process by default.
     """
     if "_GLMREF_COMPLETE" in os.environ:  # the shell asks for completions
         return int(group.main(prog_name="glmref") or 0)

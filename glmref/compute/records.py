@@ -125,18 +125,9 @@ class Records:
     """The records of a file, by the content of their tasks.
 
     Reading changes nothing. Writing happens under a lock, which a run holds from its first task to
-    its last.
-
-    Parameters
-    ----------
-    path : Path or None
-        The file, created with its folder when something is written. Where it is missing, sound
-        records of ``NAME.jsonl`` are taken over. ``None`` keeps records in memory only.
-
-    Attributes
-    ----------
-    notices : list of str
-        Sentences on what was damaged.
+    its last. The file is created with its folder when something is written. Where it is missing,
+    sound records of ``NAME.jsonl`` are taken over; without a path records are in memory only.
+    ``notices`` are sentences on what was damaged.
 
     Raises
     ------

@@ -35,12 +35,7 @@ _STEP_SIZE = {"kepler": "0.0625", "forced": "0.1"}
 class Bench:
     """One method, ready to step any problem.
 
-    Attributes
-    ----------
-    pair
-        Whether it is a partitioned pair. r: number of values.
-    L
-        Involution of a symmetric method. G: form of a conserving one; both ``None`` where not.
+    L is the involution of a symmetric method, G the form of a conserving one, ``None`` where not.
     """
 
     def __init__(self, method: GLM | PartitionedGLM, name: str) -> None:

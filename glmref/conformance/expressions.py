@@ -89,12 +89,7 @@ BALL_FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
 class Bounded:
     """A number with a first-order bound of its rounding error, in units of the round-off u.
 
-    Attributes
-    ----------
-    value : Any
-        The number.
-    error : Any
-        Bound of ``|computed - value| / u`` to first order.
+    The error bounds ``|computed - value| / u``.
     """
 
     __slots__ = ("error", "value")

@@ -174,11 +174,8 @@ class Half:
     def series(self, *, ended: bool) -> list[Series]:
         """Return the exact values but the first as series in x = h D, times h y'.
 
-        Parameters
-        ----------
-        ended : bool
-            At the time of an evaluation, half of whose update has been made; else in the middle
-            between two evaluations, the earlier of which has been made.
+        ``ended`` ones are at the time of an evaluation, half of whose update has been made; the
+        others in the middle between two evaluations, the earlier of which has been made.
         """
         n, half = self.length, Fraction(1, 2)
         rows = []

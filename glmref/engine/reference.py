@@ -206,15 +206,9 @@ class Stepper:
         return all(reader.place == 0 for reader in self.readers)
 
     def solution(self, values: np.ndarray) -> np.ndarray:
-        """Return the solution among the values, before a finishing method.
+        """Return the solution (.., d) among values (.., r, d), before a finishing method.
 
-        Parameters
-        ----------
-        values : (..., r, d).
-
-        Returns
-        -------
-        (..., d). Where each component is one of the values these are its very bits.
+        Where each component is one of the values these are its very bits.
         """
         if self.first_value:
             return values[..., 0, :]

@@ -192,13 +192,8 @@ class Deadline:
     """Says when ``budget`` seconds have passed since it was first asked.
 
     A run asks for the first time after its first steps, so that neither compilation nor the start
-    are charged.
-
-    Attributes
-    ----------
-    passed
-        Whether the answer has been yes; a run that was cancelled without it was cancelled by the
-        user.
+    are charged. ``passed`` says whether the answer has been yes; a run that was cancelled without
+    it was cancelled by the user.
     """
 
     def __init__(self, budget: float) -> None:

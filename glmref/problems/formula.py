@@ -128,21 +128,6 @@ _DOUBLE = np.dtype(float)
 class Formula:
     """A function given by expressions; calling it evaluates them.
 
-    Attributes
-    ----------
-    outputs : tuple[str, ...]
-        One expression per component.
-    common : tuple[tuple[str, str], ...]
-        Pairs (name, expression) computed first, in this order; each may use those before.
-    variables : tuple[str, ...]
-        Names of the arguments. The last one is a vector, written ``y[0]``, ``y[1]``...
-    parameters : Mapping[str, Number]
-        Values of the remaining names.
-    shape : tuple[int, ...] or None
-        Shape of the result, ``()`` for a scalar; by default one component per output.
-    context : Any
-        ``None`` for numpy in double precision, else an mpmath context.
-
     Called with a vector of shape (d,) it returns an array of ``shape``; with (d, m), that is one
     column per state, it returns ``shape + (m,)``.
 
@@ -152,11 +137,15 @@ class Formula:
         For an expression that is not arithmetic in the names given.
     """
 
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...]  #: One expression per component.
+    #: Pairs (name, expression) computed first, in this order; each may use those before.
     common: tuple[tuple[str, str], ...] = ()
+    #: Names of the arguments. The last one is a vector, written ``y[0]``, ``y[1]``...
     variables: tuple[str, ...] = ("t", "y")
-    parameters: Mapping[str, Number] = field(default_factory=dict)
+    parameters: Mapping[str, Number] = field(default_factory=dict)  #: Values of other names.
+    #: Shape of the result, ``()`` for a scalar; by default one component per output.
     shape: tuple[int, ...] | None = None
+    #: ``None`` for numpy in double precision, else an mpmath context.
     context: Any = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:

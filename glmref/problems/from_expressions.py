@@ -296,16 +296,10 @@ def time_of(value: Any, what: str) -> float:
 
 
 class _Names:
-    """Names of the components of y, and how they read in a formula.
+    """Names of the components of y = (q, p), and how they read in a formula.
 
-    Attributes
-    ----------
-    of_y : tuple of str
-        Names in the order of y = (q, p); empty where components are written ``q[i]``.
-    half : int
-        Number of coordinates, 0 where f is given.
-    layout : Layout
-        The lists of which q and p consist, where components are numbered.
+    There are none where components are written ``q[i]``, numbered in the lists of the layout, of
+    which q and p consist; ``half`` is the number of coordinates, 0 where f is given.
     """
 
     def __init__(self, of_y: tuple[str, ...], half: int, layout: Layout = FLAT) -> None:

@@ -85,41 +85,26 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Candidate:
-    """One method of a comparison.
-
-    Attributes
-    ----------
-    method : str
-        Its name.
-    order : int or None
-        Order claimed; of Nyström kind where the kinetic energy is quadratic.
-    long_runs : str
-        ``"bounded"``: one value, symplectic; ``"lost"`` and ``"predicted as bounded"``:
-        :func:`glmref.predict` says so at h; ``"lost"`` and ``"observed as bounded"``: a notice of a
-        watched run of a million steps, or none; ``"lost"``, ``"grows"``, ``"watched"`` and
-        ``"recorded as bounded"``: the file records it; ``"drifts"``: not symplectic; ``"not
-        recorded"``.
-    h, steps, error, energy_error, seconds, evaluations :
-        Of the cheapest run that reaches the tolerance; ``None`` where none does.
-    message : str
-        Why there is none.
-    works : tuple of Work
-        All runs, coarsest first.
-    renew : int
-        Steps after which these runs renewed the values, 0 for never: see :func:`glmref.solve`.
-    """
+    """One method of a comparison."""
 
     method: str
-    order: int | None
+    order: int | None  #: As claimed; of Nyström kind where the kinetic energy is quadratic.
+    #: ``"bounded"``: one value, symplectic; ``"lost"`` and ``"predicted as bounded"``:
+    #: :func:`glmref.predict` says so at h; ``"lost"`` and ``"observed as bounded"``: a notice of a
+    #: watched run of a million steps, or none; ``"lost"``, ``"grows"``, ``"watched"`` and
+    #: ``"recorded as bounded"``: the file records it; ``"drifts"``: not symplectic; ``"not
+    #: recorded"``.
     long_runs: str
+    #: Of the cheapest run that reaches the tolerance; ``None`` where none does.
     h: float | None = None
     steps: int | None = None
     error: float | None = None
     energy_error: float | None = None
     seconds: float | None = None
     evaluations: int | None = None
-    message: str = ""
-    works: tuple[Work, ...] = ()
+    message: str = ""  #: Why there is none.
+    works: tuple[Work, ...] = ()  #: All runs, coarsest first.
+    #: Steps after which these runs renewed the values, 0 for never: see :func:`glmref.solve`.
     renew: int = 0
 
     @property

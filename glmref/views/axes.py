@@ -197,16 +197,8 @@ def document(
 ) -> str:
     """Return a complete SVG document, readable without any style sheet or script.
 
-    Parameters
-    ----------
-    title : str
-        Stands in bold at the top; the picture is made wider where it needs more room.
-    width, height : float
-        Of the picture, in px.
-    parts : iterable of str
-        Its elements; empty ones are left out.
-    left : float
-        Where the title begins, in px.
+    The title stands in bold at the top from ``left`` on; the picture is made wider (than ``width``
+    px) where it needs more room. Empty parts are left out.
     """
     wide, high = round(max(width, left + 20 + _BOLD * len(title))), round(height)
     head = (

@@ -39,13 +39,8 @@ def _real_text(x: Scalar, digits: int) -> str:
 def tableau(grid: Sequence[Sequence[Cells]], style: Style) -> list[str]:
     """Draw a partitioned matrix; one that is wider than the terminal in parts, columns by columns.
 
-    Parameters
-    ----------
-    grid : Sequence[Sequence[Cells]]
-        Rows of blocks. Blocks side by side have as many rows, those above each other as many
-        columns.
-    style : Style
-        Decides the characters of the rules, and the width.
+    The grid has rows of blocks. Blocks side by side have as many rows, those above each other as
+    many columns.
     """
     places = [(j, k) for j, block in enumerate(grid[0]) for k in range(len(block[0]))]
     aligned = _on_the_point(grid)

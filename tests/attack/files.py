@@ -93,21 +93,11 @@ def enclosed() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Case:
-    """One file.
+    """One file."""
 
-    Attributes
-    ----------
-    number : int
-        Its number, which together with the seed gives it again.
-    kinds : tuple of str
-        Mutations that were made.
-    data : bytes
-        Its content.
-    """
-
-    number: int
-    kinds: tuple[str, ...]
-    data: bytes
+    number: int  #: Its number, which together with the seed gives it again.
+    kinds: tuple[str, ...]  #: Mutations that were made.
+    data: bytes  #: Its content.
 
     def __str__(self) -> str:
         return f"case {self.number}: {', '.join(self.kinds)}"

@@ -249,35 +249,18 @@ PARTS: dict[str, tuple[Callable[[], dict[str, Any]], str]] = {
 
 @dataclass(frozen=True)
 class Case:
-    """One call of :func:`glmref.solve`.
+    """One call of :func:`glmref.solve`."""
 
-    Attributes
-    ----------
-    kind : str
-        ``"problem"``, ``"formula"``, ``"force"``, ``"function"``, ``"parts"`` or ``"terms"``.
-    what : object
-        Its name, or number in the lists above.
-    state : tuple or None
-        Initial value, where it is not the problem's own.
-    t0 : float
-        Initial time.
-    method : str
-        Name of a method, see :func:`_loaded`.
-    arguments : dict
-        What :func:`glmref.solve` is called with besides.
-    lanes : int
-        How many initial values an ensemble has; 0 for a single run.
-    basis : int
-        Number of the basis of the values that a method carries; 0 for that of its file.
-    """
-
+    #: ``"problem"``, ``"formula"``, ``"force"``, ``"function"``, ``"parts"`` or ``"terms"``.
     kind: str
-    what: Any
-    state: tuple[float, ...] | None
-    t0: float
-    method: str
+    what: Any  #: Its name, or number in the lists above.
+    state: tuple[float, ...] | None  #: Initial value, where it is not the problem's own.
+    t0: float  #: Initial time.
+    method: str  #: Name of a method, see :func:`_loaded`.
+    #: What :func:`glmref.solve` is called with besides.
     arguments: dict[str, Any] = field(default_factory=dict)
-    lanes: int = 0
+    lanes: int = 0  #: How many initial values an ensemble has; 0 for a single run.
+    #: Number of the basis of the values that a method carries; 0 for that of its file.
     basis: int = 0
 
     def problem(self) -> Problem:

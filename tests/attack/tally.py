@@ -8,17 +8,11 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Tally:
-    """Counts of outcomes and the violations found.
+    """Counts of outcomes and the violations found."""
 
-    Attributes
-    ----------
-    outcomes : Counter
-        Name of an outcome -> how often it came.
-    violations : list of str
-        One text for each, with the case that shows it.
-    """
-
+    #: Name of an outcome -> how often it came.
     outcomes: Counter[str] = field(default_factory=Counter)
+    #: One text for each, with the case that shows it.
     violations: list[str] = field(default_factory=list)
 
     def text(self) -> str:

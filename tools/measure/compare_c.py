@@ -95,16 +95,8 @@ def compiler_version() -> str:
 def built(source: str, macro: str, folder: Path, *options: str) -> Loop:
     """Compile one loop for one problem: ``run(y, par, h, steps)``, which returns evaluations.
 
-    Parameters
-    ----------
-    source : str
-        Name of the file.
-    macro : str
-        Which problem.
-    folder : Path
-        For the library; a file ``table.h`` in it is what the source includes by that name.
-    options : str
-        Of the compiler, after :data:`FLAGS`.
+    The library lies in the folder; a file ``table.h`` in it is what the source includes by that
+    name. The options of the compiler come after :data:`FLAGS`.
     """
     library = folder / f"{source}{''.join(options)}.so"  # a library is loaded once by its path
     command = [str(compiler()), *FLAGS, *options, "-shared", "-fPIC", f"-D{macro}", f"-I{folder}"]

@@ -13,10 +13,7 @@ Seconds = dict[str, list[float]]
 def interleaved(runs: Mapping[str, Callable[[], object]], repeats: int) -> Seconds:
     """Time every run ``repeats`` times, taking turns; one turn before is not counted.
 
-    Parameters
-    ----------
-    runs : Mapping[str, Callable[[], object]]
-        Name -> what to time; everything is to be compiled and loaded beforehand.
+    Everything is to be compiled and loaded beforehand.
     """
     spent: Seconds = {name: [] for name in runs}
     for turn in range(repeats + 1):

@@ -15,14 +15,9 @@ from ..vectors import file_names
 
 
 class Adapter:
-    """The compiled engine.
+    """The compiled engine as some methods, by default all that have vectors.
 
-    Parameters
-    ----------
-    methods : Sequence[str] or None
-        Names of the methods it is; by default all that have vectors.
-    options : Any
-        Further arguments of :func:`glmref.solve`, such as ``arithmetic``.
+    The options are further arguments of :func:`glmref.solve`, such as ``arithmetic``.
     """
 
     def __init__(self, methods: Sequence[str] | None = None, **options: Any) -> None:

@@ -16,13 +16,7 @@ from ..vector_problems import problems
 
 
 class Adapter:
-    """``heyoka.taylor_adaptive``.
-
-    Parameters
-    ----------
-    tolerance : float
-        Heyoka's own, from which it derives the order.
-    """
+    """``heyoka.taylor_adaptive``, with a tolerance from which it derives the order."""
 
     problems = ("pendulum", "kepler")
 

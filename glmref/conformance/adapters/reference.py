@@ -15,13 +15,7 @@ from ..vectors import file_names
 
 
 class Adapter:
-    """The reference engine.
-
-    Parameters
-    ----------
-    methods : Sequence[str] or None
-        Names of the methods it is; by default all that have vectors.
-    """
+    """The reference engine as some methods, by default all that have vectors."""
 
     def __init__(self, methods: Sequence[str] | None = None) -> None:
         self.methods = tuple(file_names() if methods is None else methods)

@@ -36,27 +36,13 @@ from ..recognise import square_free
 
 @dataclass(frozen=True)
 class Family:
-    """The rational part of the construction at one c2.
+    """The rational part of the construction at one c2."""
 
-    Attributes
-    ----------
-    c2 : Fraction
-        Abscissa of the second stage.
-    A : tuple[tuple[Fraction, ...], ...]
-        (5, 5).
-    b, c : tuple[Fraction, ...]
-        (5,).
-    W : tuple[tuple[Fraction, ...], ...]
-        (5, 5).
-    S : tuple[tuple[Fraction, ...], ...]
-        Symmetric part of W on (v1, v2, v3).
-    """
-
-    c2: Fraction
-    A: tuple[tuple[Fraction, ...], ...]
-    b: tuple[Fraction, ...]
+    c2: Fraction  #: Abscissa of the second stage.
+    A: tuple[tuple[Fraction, ...], ...]  #: (5, 5).
+    b: tuple[Fraction, ...]  #: (5,), as c.
     c: tuple[Fraction, ...]
-    W: tuple[tuple[Fraction, ...], ...]
+    W: tuple[tuple[Fraction, ...], ...]  #: (5, 5).
 
     @property
     def S(self) -> tuple[tuple[Fraction, ...], ...]:
