@@ -23,7 +23,7 @@ from tests.shipped import shipped
 
 CLOSE = 0.1
 #: Errors at 48 steps of 1/384 are about 1e-23, and their differences are wanted to four digits.
-DIGITS = 45
+DIGITS = 32
 LENGTH = Fraction(1, 8)
 PROBLEMS = {
     "pendulum": ("pendulum", {"q0": "3/2", "p0": "3/10"}),

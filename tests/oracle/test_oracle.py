@@ -73,7 +73,7 @@ def believed(row: dict[str, Any]) -> bool | None:
     return None if says is None else says is (statement["verdict"] == "holds")
 
 
-@pytest.mark.sampled(40, whole=160)
+@pytest.mark.sampled(40, whole=40)
 @pytest.mark.parametrize("row", FALSE, ids=lambda row: row["name"])
 def test_the_oracle_does_not_believe_a_hostile_statement(row: dict[str, Any]) -> None:
     assert believed(row) is not True
@@ -86,9 +86,10 @@ def test_the_oracle_does_not_deny_a_true_statement_with_a_wrong_proof(row: dict[
 
 @pytest.mark.slow
 def test_the_oracle_has_an_opinion_of_hostile_statements() -> None:
-    """It denies more than four in five of the false ones, and more than ninety in all."""
-    denied = [believed(row) for row in FALSE].count(False)
-    assert denied > max(90, 0.8 * len(FALSE))
+    """It believes none, denies more than four in five of the false ones, more than ninety in all."""
+    says = [believed(row) for row in FALSE]
+    assert not [row["name"] for row, said in zip(FALSE, says, strict=True) if said]
+    assert says.count(False) > max(90, 0.8 * len(FALSE))
 
 
 NEARLY = {

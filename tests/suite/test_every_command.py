@@ -1,12 +1,14 @@
 """Every command that takes a method, on every shipped file and every one that is wrong on purpose.
 
 A method of a rare class reaches code that the tests of a command do not: each answer must be an
-exit code that the command documents, and never an internal error.
+exit code that the command documents, and never an internal error. Of wrong files, for the analysis
+and for a scene there is one file of every kind, and all where ``GLMREF_LONG`` is set.
 """
 
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -14,10 +16,26 @@ import pytest
 from glmref.catalogue.lookup import names, path_of
 from glmref.cli import main
 from glmref.exchange.export import TARGETS
+from glmref.measure import stability
+from glmref.views import portrait
 from tests.build import SOURCE
+from tests.shipped import shipped
 
 METHODS = names("methods")
 BROKEN = names("broken")
+
+
+def kinds(listed: list[str]) -> list[str]:
+    """Return of each kind of file the shortest: kinds differ in class, keys or claims."""
+    if "GLMREF_LONG" in os.environ:
+        return listed
+    found: dict[tuple[str, frozenset[str], frozenset[str]], str] = {}
+    for name in sorted(listed, key=lambda x: path_of(x).stat().st_size):
+        d = shipped(name)
+        found.setdefault((d["class"], frozenset(d), frozenset(d["claims"])), name)
+    return sorted(found.values())
+
+
 #: Parts of names of methods of which some answer takes seconds.
 LONG = (
     "6245",
@@ -57,8 +75,24 @@ def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
     return code
 
 
+@pytest.fixture
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw from few points: what a method breaks, it breaks there, too."""
+    for name, points in (
+        ("locus", {"turns": 24}),
+        ("interval", {"samples": 64}),
+        ("region", {"coarse": 5, "depth": 2}),
+    ):
+        whole = getattr(stability, name)
+        monkeypatch.setattr(
+            portrait, name, lambda *a, f=whole, few=points, **k: f(*a, **{**k, **few})
+        )
+    monkeypatch.setattr(portrait, "_SAMPLES", 48)
+
+
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
-@pytest.mark.parametrize("name", [*METHODS, *BROKEN])
+@pytest.mark.parametrize("name", [*METHODS, *kinds(BROKEN)])
+@pytest.mark.usefixtures("few_points")
 def test_what_describes_a_method_takes_every_one(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -73,15 +107,15 @@ def test_what_describes_a_method_takes_every_one(
 
 
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
-@pytest.mark.parametrize("name", [*METHODS, *BROKEN])
-def test_every_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("name", [*kinds(METHODS), *kinds(BROKEN)])
+def test_every_kind_of_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`verify` and `certify` have tests/suite/test_catalogue and test_judge_catalogue."""
     assert code_of(capsys, "analyze", name) in (0, 3)
 
 
 @pytest.mark.sampled(2, whole=30)
-@pytest.mark.parametrize("name", METHODS)
-def test_a_scene_takes_every_method(
+@pytest.mark.parametrize("name", kinds(METHODS))
+def test_a_scene_takes_every_kind_of_method(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     scene = tmp_path / "every.toml"

@@ -33,22 +33,12 @@ def test_the_entry_of_the_file_is_used_as_it_stands() -> None:
 
 
 def test_without_an_entry_one_is_made_of_the_citation() -> None:
-    method = {
-        "name": "it",
-        "source": {
-            "citation": "Nobody, N., 50% of A & B, Journal #1 (1987), 5_6",
-            "where": "eq. (3)",
-            "status": "derived",
-            "doi": "10.1000/a_b",
-        },
-    }
-    assert source_entry(method) == (
+    citation = "Nobody, N., 50% of A & B, Journal #1 (1987), 5_6"
+    source = {"citation": citation, "where": "eq. (3)", "status": "derived", "doi": "10.1000/a_b"}
+    assert source_entry({"name": "it", "source": source}) == (
         "@misc{it-source,\n"
         r"  note = {Nobody, N., 50\% of A \& B, Journal \#1 (1987), 5\_6}," + "\n"
-        "  howpublished = {eq. (3)},\n"
-        "  year = {1987},\n"
-        "  doi = {10.1000/a_b},\n"
-        "}"
+        "  howpublished = {eq. (3)},\n  year = {1987},\n  doi = {10.1000/a_b},\n}"
     )
 
 

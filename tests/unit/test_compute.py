@@ -53,6 +53,12 @@ def run(on: Executor, tasks: list[dict[str, Any]], limits: Limits = UNLIMITED) -
     return [done for _, done in in_order(on.run(behave, tasks, limits), tasks)]
 
 
+def client_of(**parts: Any) -> Any:
+    """Return what is asked of a client of Dask."""
+    given = {"dashboard_link": "", "cancel": lambda _: None} | parts
+    return SimpleNamespace(scheduler=SimpleNamespace(ncores=dict), **given)
+
+
 @pytest.mark.slow
 def test_results_do_not_depend_on_the_executor(dask: Executor) -> None:
     here = [done.value for done in run(Here(), SQUARES)]
@@ -96,9 +102,8 @@ def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
 ) -> None:
     from glmref.compute import cluster
 
-    client = SimpleNamespace(
-        dashboard_link="", cluster="own", cancel=lambda _: None,
-        scheduler=SimpleNamespace(ncores=dict), sync=lambda ask, **_: ask(),
+    client = client_of(
+        cluster="own", sync=lambda ask, **_: ask(),
         submit=lambda *_, key, **__: SimpleNamespace(key=key, add_done_callback=lambda _: None),
     )  # fmt: skip
     monkeypatch.setattr(cluster, "ASK", 0.0)
@@ -115,17 +120,13 @@ def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
 
     monkeypatch.setattr(cluster, "PATIENCE", 0.1)
     asked: list[float] = []
-
     cancelled: list[Any] = []
 
     def sync(ask: Any, callback_timeout: float) -> Any:
         asked.append(callback_timeout)
         raise TimeoutError
 
-    client = SimpleNamespace(
-        dashboard_link="", scheduler=SimpleNamespace(ncores=dict), sync=sync,
-        cancel=cancelled.append,
-    )  # fmt: skip
+    client = client_of(sync=sync, cancel=cancelled.append)
     with pytest.raises(UsageError, match="to the scheduler of the Dask cluster was lost"):
         next(cluster.Dask(client, "dask:frozen").run(behave, SQUARES))
     assert (asked, cancelled) == ([0.1], [])
@@ -144,9 +145,8 @@ def test_the_scheduler_is_asked_for_its_threads_once_in_a_while(
         done.add_done_callback = lambda ended: ended(done)
         return done
 
-    client = SimpleNamespace(
-        dashboard_link="", cluster=None, cancel=lambda _: None, submit=submit,
-        scheduler=SimpleNamespace(ncores=dict),
+    client = client_of(
+        cluster=None, submit=submit,
         sync=lambda ask, callback_timeout: asked.append(callback_timeout) or {},
     )  # fmt: skip
     monkeypatch.setattr(cluster, "ASK", pause)
