@@ -22,9 +22,10 @@ from glmref.problems import problem
 from tests.shipped import shipped
 
 CLOSE = 0.1
-#: Errors at 48 steps of 1/384 are about 1e-23, and their differences are wanted to four digits.
-DIGITS = 32
-LENGTH = Fraction(1, 8)
+#: Errors at 192 steps of 1/6144 are about 4e-26, and their differences are wanted to four digits.
+DIGITS = 36
+#: Short, so that orders settle after few doublings: of 1/8 some methods take twice as many steps.
+LENGTH = Fraction(1, 32)
 PROBLEMS = {
     "pendulum": ("pendulum", {"q0": "3/2", "p0": "3/10"}),
     "kepler": ("kepler", {"eccentricity": "1/5"}),

@@ -18,21 +18,21 @@ from glmref.cli import main
 from glmref.exchange.export import TARGETS
 from glmref.measure import stability
 from glmref.views import portrait
-from tests.build import SOURCE
+from tests.build import SOURCE, scene_text
 from tests.shipped import shipped
 
 METHODS = names("methods")
 BROKEN = names("broken")
 
 
-def kinds(listed: list[str]) -> list[str]:
-    """Return of each kind of file the shortest: kinds differ in class, keys or claims."""
+def kinds(listed: list[str], *keys: str) -> list[str]:
+    """Return of each kind of file the shortest: kinds differ in class or keys, or those of ``keys``."""
     if "GLMREF_LONG" in os.environ:
         return listed
-    found: dict[tuple[str, frozenset[str], frozenset[str]], str] = {}
+    found: dict[tuple[object, ...], str] = {}
     for name in sorted(listed, key=lambda x: path_of(x).stat().st_size):
         d = shipped(name)
-        found.setdefault((d["class"], frozenset(d), frozenset(d["claims"])), name)
+        found.setdefault((d["class"], frozenset(d), *(frozenset(d[x]) for x in keys)), name)
     return sorted(found.values())
 
 
@@ -50,20 +50,6 @@ LONG = (
     "s7",
     "s9",
 )
-#: One scene for all classes of methods: a Hamiltonian that is separable and quadratic.
-SCENE = """
-format = "glmref-scene-1"
-name = "every"
-title = "One method"
-question = "Does it run?"
-methods = ["{method}"]
-ask = ["state"]
-answer = {{ kind = "fastest", at = 1e-3 }}
-t_end = 1
-steps = [8]
-repeats = 1
-problem = {{ name = "harmonic-oscillator" }}
-"""
 
 
 def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
@@ -91,7 +77,7 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
-@pytest.mark.parametrize("name", [*METHODS, *kinds(BROKEN)])
+@pytest.mark.parametrize("name", [*METHODS, *kinds(BROKEN, "claims")])
 @pytest.mark.usefixtures("few_points")
 def test_what_describes_a_method_takes_every_one(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -109,7 +95,7 @@ def test_what_describes_a_method_takes_every_one(
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
 @pytest.mark.parametrize("name", [*kinds(METHODS), *kinds(BROKEN)])
 def test_every_kind_of_method_is_analysed(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """`verify` and `certify` have tests/suite/test_catalogue and test_judge_catalogue."""
+    """`verify` and `certify`, which read claims, have test_catalogue and test_judge_catalogue."""
     assert code_of(capsys, "analyze", name) in (0, 3)
 
 
@@ -118,8 +104,10 @@ def test_every_kind_of_method_is_analysed(name: str, capsys: pytest.CaptureFixtu
 def test_a_scene_takes_every_kind_of_method(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    scene = tmp_path / "every.toml"
-    scene.write_text(SCENE.format(method=name))
+    scene, answer = tmp_path / "every.toml", 'kind = "fastest"\nat = 1e-3'
+    # one for all classes of methods: its Hamiltonian is separable and quadratic
+    keys = {"methods": [name], "ask": ["state"], "t_end": 1, "steps": [8], "repeats": 1}
+    scene.write_text(scene_text("every", answer=answer, **keys))
     assert code_of(capsys, "run", str(scene), "--plan") in (0, 2)
     code_of(capsys, "run", str(scene), "--output", str(tmp_path / "out"))
 

@@ -26,6 +26,7 @@ from glmref.system.terminal import escaped
 from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
 from glmref.views.tables import csv_text, findings_csv, findings_junit
+from tests.build import scene_text
 
 #: Markup of every kind, an escape of terminals, a mark that turns a line round, what XML lacks.
 HOSTILE = (
@@ -194,31 +195,13 @@ def test_names_of_files_are_shown_without_control_characters(
         assert captured.err.count("\n") == 1 and not CONTROLS.search(captured.err)
 
 
-SCENE = """\
-format = "glmref-scene-1"
-name = "tiny"
-title = {text}
-question = {text}
-methods = ["rk4"]
-steps = [20]
-t_end = 1
-ask = ["state", "picture"]
-
-[problem]
-name = "harmonic-oscillator"
-
-[answer]
-kind = "ended"
-"""
-
-
 @pytest.mark.slow
 def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = tmp_path / "tiny.toml"
-    text = json.dumps(HOSTILE.replace("\ud800", ""))
-    path.write_text(SCENE.replace("{text}", text), encoding="utf-8")
+    path, text = tmp_path / "tiny.toml", HOSTILE.replace("\ud800", "")
+    keys = {"methods": ["rk4"], "steps": [20], "t_end": 1, "ask": ["state", "picture"]}
+    path.write_text(scene_text("tiny", title=text, question=text, **keys), encoding="utf-8")
     assert main(["run", str(path), "--output", str(tmp_path / "out")]) == 0
     captured = capsys.readouterr()
     assert not CONTROLS.search(captured.out + captured.err)
