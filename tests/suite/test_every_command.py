@@ -37,19 +37,7 @@ def kinds(listed: list[str], *keys: str) -> list[str]:
 
 
 #: Parts of names of methods of which some answer takes seconds.
-LONG = (
-    "6245",
-    "robust",
-    "thesis-3-8",
-    "hairer",
-    "order8",
-    "tanaka",
-    "-10",
-    "-12",
-    "-14",
-    "s7",
-    "s9",
-)
+LONG = tuple("6245 robust thesis-3-8 hairer order8 tanaka -10 -12 -14 s7 s9".split())
 
 
 def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
