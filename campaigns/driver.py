@@ -23,7 +23,7 @@ from glmref.catalogue.strict_json import write_json
 from glmref.compute import Done, Limits, Records, executor, measure
 from glmref.compute.executors import ENVIRONMENT
 from glmref.compute.identity import identity
-from glmref.compute.records import finite, key_of
+from glmref.compute.records import key_of
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
 
@@ -97,17 +97,6 @@ def carried_out(
     with executor() as where:
         measure(_one, tasks, store, where, limits or Limits(), record=record, advance=advance)
     return [one["value"] for one in map(store.find, tasks) if one is not None]
-
-
-def in_json(record: Any, number: Callable[[float], float | None] = finite) -> dict[str, Any]:
-    """Return a dataclass in JSON's types: its floats as ``number`` says, its tuples as lists."""
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, float):
-            return number(value)
-        return [plain(x) for x in value] if isinstance(value, tuple) else value
-
-    return {key: plain(value) for key, value in vars(record).items()}
 
 
 def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:

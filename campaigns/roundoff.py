@@ -26,8 +26,9 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete, in_json
+from campaigns.driver import arguments, carried_out, complete
 from glmref.catalogue.lookup import load
+from glmref.compute.records import in_json
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import samples_of

@@ -19,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete, in_json, record_of
+from campaigns.driver import arguments, carried_out, complete, record_of
 from glmref.catalogue.lookup import load
+from glmref.compute.records import in_json
 from glmref.engine.kernel import Kernel, prepare
 from glmref.errors import UsageError
 from glmref.measure.attempt import attempt

@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from campaigns.driver import in_json
 from campaigns.roundoff import VARIANTS, bodies, main, options_of, round_off, rows
 from glmref.catalogue.lookup import load
+from glmref.compute.records import in_json
 from glmref.errors import UsageError
 from glmref.problems import problem
 

@@ -22,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete, in_json, record_of
+from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.order6.compare import METHODS, four_digits
 from glmref.catalogue.lookup import load
+from glmref.compute.records import in_json
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import Stepper, apply_finish, apply_start, stepper
 from glmref.errors import GlmrefError

@@ -312,14 +312,15 @@ def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> s
     known, rows = {(run["method"], run["eccentricity"]): run for run in runs}, []
     for name in methods:
         mine = [known[name, e] for e in orbits]
-        cells = [", ".join(_shown(x) for x in run["energy"][-len(marks) :]) for run in mine]
+        cells = [", ".join(shown_error(x) for x in run["energy"][-len(marks) :]) for run in mine]
         where = [run["eccentricity"] for run in mine if run["bounded"]]
         verdict = "yes" if len(where) == len(orbits) else f"at {in_words(where)}" if where else "no"
         rows.append([f"`{name}`", *cells, verdict])
     return markdown(heads, rows)
 
 
-def _shown(x: float | None) -> str:
+def shown_error(x: float | None) -> str:
+    """Return an error in a cell of a table."""
     return "not finite" if x is None else f"{x:.1e}"
 
 

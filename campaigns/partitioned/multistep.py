@@ -26,7 +26,14 @@ import numpy as np
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.pages import markdown
 from campaigns.partitioned import work
-from campaigns.partitioned.long_runs import EVERY, RESTART, Case, case_of, three_digits
+from campaigns.partitioned.long_runs import (
+    EVERY,
+    RESTART,
+    Case,
+    case_of,
+    shown_error,
+    three_digits,
+)
 from campaigns.partitioned.long_runs import follow_at as follow
 from campaigns.partitioned.work import CASES, mean, need_of, need_row, needed, per_step, task_of
 from glmref.catalogue.lookup import load, names
@@ -288,7 +295,7 @@ def long_table(document: Mapping[str, Any]) -> str:
     heads, rows = "method, problem, h, $10^5$, $10^6$, $10^7$, ns a step, bounded", []
     for run in document["runs"]:
         what = ", ".join([run["problem"], *(f"{k} = {v}" for k, v in run["parameters"].items())])
-        cells = ["not finite" if x is None else f"{x:.1e}" for x in run["energy"][-3:]]
+        cells = [*map(shown_error, run["energy"][-3:])]
         cells += ["-" if run["ns"] is None else f"{run['ns']:.0f}", _cause(run)]
         rows.append([f"`{run['method']}`", what, f"{run['h']:g}", *cells])
     return markdown(heads.split(", "), rows)

@@ -24,7 +24,15 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.pages import markdown
-from campaigns.partitioned.long_runs import CASES, STEPS, Case, pair_names, pair_row, three_digits
+from campaigns.partitioned.long_runs import (
+    CASES,
+    STEPS,
+    Case,
+    pair_names,
+    pair_row,
+    shown_error,
+    three_digits,
+)
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
@@ -170,16 +178,11 @@ def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
     known = {(x["method"], x["problem"]): x for x in zero["runs"]}
     for own in document["runs"]:
         other = known[own["method"], own["problem"]]
-        cells = [_last(x, what) for what in ("energy", "carried") for x in (other, own)]
+        cells = [shown_error(x[what][-1]) for what in ("energy", "carried") for x in (other, own)]
         cells += ["yes" if x["bounded"] else "no" for x in (other, own)]
         rows.append([own["method"], own["problem"], *cells])
     head = "pair; problem; energy: zero; own; carried: zero; own; bounded: zero; own"
     return markdown(head.split("; "), rows)
-
-
-def _last(row: Mapping[str, Any], what: str) -> str:
-    value = row[what][-1]
-    return "not finite" if value is None else f"{value:.1e}"
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ..errors import DataError, UsageError, did_you_mean
-from ..system.files import read_text
+from ..system.files import read_text, reason
 from .keys import is_plain
 from .strict_json import MAX_BYTES, Double, parse_json, read_json, shown
 from .strict_toml import loads
@@ -94,7 +94,7 @@ def path_of(name: str | Path) -> Path:
     try:
         kind = _kind(path) if text else "no file"
     except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
-        raise UsageError(f"the file {shown(text)} cannot be read ({_reason(error)})") from None
+        raise UsageError(f"the file {shown(text)} cannot be read ({reason(error)})") from None
     if kind == "file":
         return path
     if kind != "no file" or path.suffix == ".json" or path.parent != Path():
@@ -115,10 +115,6 @@ def _kind(path: Path) -> str:
     if path.is_fifo():
         return "a named pipe"
     return "not a regular file" if path.exists() else "no file"
-
-
-def _reason(error: OSError | ValueError) -> str:
-    return getattr(error, "strerror", None) or str(error)
 
 
 def document(name: str | Path) -> dict[str, Any]:

@@ -15,7 +15,8 @@ import json
 import math
 import os
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,17 @@ def checksum(record: Mapping[str, Any]) -> str:
 def finite(value: float | None) -> float | None:
     """Return a float that JSON can carry: ``None`` for NaN and infinities."""
     return None if value is None or not math.isfinite(value) else float(value)
+
+
+def in_json(value: Any, number: Callable[[float], float | None] = finite) -> Any:
+    """Return a dataclass, a mapping or a list in JSON's types, floats as ``number`` says."""
+    if is_dataclass(value):
+        return {field.name: in_json(getattr(value, field.name), number) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {key: in_json(x, number) for key, x in value.items()}
+    if isinstance(value, tuple | list):
+        return [in_json(x, number) for x in value]
+    return number(value) if isinstance(value, float) else value
 
 
 def made(task: Mapping[str, Any], measured: Mapping[str, Any]) -> Record:

@@ -14,7 +14,7 @@ from ..errors import UsageError, did_you_mean
 from ..findings import Finding, Verdict
 from ..views.tables import one_line
 from .adapter import SHIPPED
-from .checks import RESTS_ON
+from .checks import RESTS_ON, claim_of
 
 #: The adapter that is wrong on purpose: a board on which it is not red shows nothing.
 PLANTED = "planted"
@@ -48,7 +48,7 @@ class Row:
         return {claim: self._cell(claim) for claim in CLAIMS}
 
     def _cell(self, claim: str) -> Cell:
-        mine = [x for x in self.findings if claim_of(x) == claim]
+        mine = [x for x in self.findings if claim_of(x.claim) == claim]
         wrong = [x for x in mine if x.verdict is Verdict.FAILS]
         undecided = [x for x in mine if x.verdict is Verdict.OPEN]
         if not mine:
@@ -59,11 +59,6 @@ class Row:
                 named = _DEFECT.fullmatch(said)
                 return Cell(verdict, named["defect"] if named else said)
         return Cell(Verdict.HOLDS, f"{len(mine)} of {len(mine)} checks hold")
-
-
-def claim_of(finding: Finding) -> str:
-    """Return the column of a finding: the first word of its id, without the order's number."""
-    return finding.claim.partition("/")[0].rstrip("0123456789")
 
 
 @dataclass(frozen=True)

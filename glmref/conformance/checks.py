@@ -49,6 +49,11 @@ RESTS_ON: Mapping[str, tuple[str, ...]] = {
 _BESIDE = {("coefficients", "order")}
 
 
+def claim_of(id_: str) -> str:
+    """Return the first word of the id of a check, without the order's number."""
+    return id_.partition("/")[0].rstrip("0123456789")
+
+
 @dataclass(frozen=True, eq=False)
 class Check:
     """One question to the integrator."""
@@ -59,8 +64,8 @@ class Check:
 
     @property
     def claim(self) -> str:
-        """First word of the id, without the order's number."""
-        return self.id.partition("/")[0].rstrip("0123456789")
+        """See :func:`claim_of`."""
+        return claim_of(self.id)
 
 
 class Suite:

@@ -19,7 +19,6 @@ from .expected_failures import read_known_failures
 from .subject import Subject
 
 if TYPE_CHECKING:
-    from ..findings import Finding
     from .checks import Check, Suite
 
 VARIABLE = "GLMREF_ADAPTER"
@@ -31,10 +30,6 @@ class Session:
 
     def __init__(self, suite: Suite, known: dict[str, str]) -> None:
         self.suite, self.known = suite, known
-
-    def finding(self, check: Check) -> Finding:
-        """Carry out one check."""
-        return self.suite.finding(check)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -113,7 +108,7 @@ class Asked:
 
     def __call__(self) -> None:
         """Fail with the sentence of the finding, or skip what cannot be judged."""
-        finding = self.session.finding(self.check)
+        finding = self.session.suite.finding(self.check)
         if str(finding.verdict) == "fails":
             pytest.fail(f"{self.check.id}: {finding.witness}", pytrace=False)
         if str(finding.verdict) == "open":

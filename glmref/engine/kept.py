@@ -30,7 +30,7 @@ from ..problems.tracing import Recorded, recorded, traced
 from ..problems.user import NoValue, UserFunction
 from ..system.cache import cache_folder, read_value, sources, write_value
 from .forms import Rows, StepForm
-from .reference import Stepper, stepper
+from .reference import stepper
 from .sweep import step_form
 
 T = TypeVar("T")
@@ -47,9 +47,7 @@ def problem_of(name: str) -> Problem:
     return problem(name) if name.endswith(".toml") else _shipped(name)
 
 
-@lru_cache(maxsize=_MOST)
-def _shipped(name: str) -> Problem:
-    return problem(name)
+_shipped = lru_cache(maxsize=_MOST)(problem)
 
 
 def method_of(name: str | Path) -> Method:
@@ -147,13 +145,8 @@ def _code() -> str:
     return f"{flint} {np.__version__} {sys.version} {code}"
 
 
-@lru_cache(maxsize=_MOST)
-def stepper_of(method: Method, problem: Problem) -> Stepper:
-    """Return the stepper in double precision.
-
-    It keeps rounded coefficients and nothing of a run.
-    """
-    return stepper(method, problem)
+#: The stepper in double precision: it keeps rounded coefficients and nothing of a run.
+stepper_of = lru_cache(maxsize=_MOST)(stepper)
 
 
 #: Problem, by identity -> the problem, what its functions were seen to do, and it in formulas.

@@ -85,14 +85,7 @@ def save(
 ) -> Path:
     """Write a method as a method file: what it came from, or its blocks, claims and source.
 
-    Parameters
-    ----------
-    method : GLM or PartitionedGLM or AdditiveGLM
-        Any method. One without a name gets that of the file.
-    path : str or Path
-        The file, which is replaced where there is one.
-    digits : int or None
-        Digits after the point, instead of exact expressions.
+    See :meth:`.Method.save`; a file that is there is replaced.
 
     Raises
     ------

@@ -24,7 +24,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from ..compute.records import finite
+from ..compute.records import in_json
 from ..engine.reference import stepper
 from ..method import Method
 from ..problems.formula import Formula
@@ -59,13 +59,7 @@ class ConvergenceRecord:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        return {
-            "steps": list(self.steps),
-            "sizes": [finite(x) for x in self.sizes],
-            "orders": [finite(x) for x in self.orders],
-            "order": finite(self.order),
-            "settled": self.settled,
-        }
+        return {key: x for key, x in in_json(self).items() if key != "extrapolated"}
 
 
 def observed_order(

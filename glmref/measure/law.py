@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..compute.records import finite
+from ..compute.records import in_json
 from ..engine.outcome import Solution
 from ..engine.solve import solve
 from ..errors import UsageError
@@ -53,8 +53,7 @@ class Law:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
-        return {k: finite(v) if isinstance(v, float) else v for k, v in record.items()}
+        return in_json(self)
 
 
 @dataclass(frozen=True)
@@ -79,11 +78,7 @@ class Diagnosis:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        record = {key: getattr(self, key) for key in self.__dataclass_fields__}
-        return {
-            k: v.as_json() if isinstance(v, Law) else finite(v) if isinstance(v, float) else v
-            for k, v in record.items()
-        }
+        return in_json(self)
 
 
 def fit_law(t: np.ndarray, deviation: np.ndarray, *, ended: bool = False) -> Law:

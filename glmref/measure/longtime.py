@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ..compute.records import finite
+from ..compute.records import in_json
 from ..engine.clocks import solved_form, without_clocks
 from ..engine.outcome import Solution
 from ..engine.solve import solve
@@ -52,10 +52,7 @@ class Drift:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types."""
-        numbers = {
-            k: finite(getattr(self, k)) for k in self.__slots__ if k not in ("quantity", "kind")
-        }
-        return {"quantity": self.quantity, "kind": self.kind, **numbers}
+        return in_json(self)
 
 
 def along(function: Callable[[Any], Any], y: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.lookup import load
-from ..compute.records import finite
+from ..compute.records import in_json
 from ..engine.clocks import solved_form, without_clocks
 from ..engine.outcome import Outcome, Solution
 from ..engine.reference import stepper
@@ -80,13 +80,7 @@ class Work:
 
     def as_json(self) -> dict[str, Any]:
         """Return the record in JSON's types: no NaN, no infinity."""
-        record = {k: getattr(self, k) for k in self.__dataclass_fields__}
-        record["seconds"] = self.seconds.as_json()
-        record["notices"] = list(self.notices)
-        for key, value in record.items():
-            if isinstance(value, float):
-                record[key] = finite(value)
-        return record
+        return in_json(self)
 
 
 def measure(

@@ -18,6 +18,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from ..compute.records import in_json
 from ..errors import DataError
 from ..system.files import read_text
 
@@ -44,16 +45,7 @@ class Cell:
 
     def as_json(self) -> dict[str, Any]:
         """Return the cell as a JSON object."""
-        return {
-            "benchmark": self.benchmark,
-            "parameters": dict(self.parameters),
-            "values": dict(self.values),
-            "quartiles": {name: list(pair) for name, pair in self.quartiles.items()},
-            "commit": self.commit,
-            "date": self.date,
-            "machine": self.machine,
-            "python": self.python,
-        }
+        return in_json(self)
 
 
 def read_results(folder: Path) -> list[Cell]:

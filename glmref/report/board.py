@@ -8,7 +8,8 @@ from pathlib import Path
 
 from .. import __version__
 from ..conformance.adapter import SHIPPED
-from ..conformance.board import CLAIMS, PLANTED, Run, claim_of, recipe
+from ..conformance.board import CLAIMS, PLANTED, Run, recipe
+from ..conformance.checks import claim_of
 from ..system.files import make_folder, write_text
 from ..views.tables import findings_json
 from .markup import Page, Site, render
@@ -30,7 +31,7 @@ def build_board(runs: Sequence[Run], output: Path, today: str = "") -> Path:
         write_text(output / files[run.name], findings_json(listed) + "\n")
         if run.name in SHIPPED:
             write_text(output / "recipes" / f"{run.name}.Dockerfile", recipe(run.name))
-    known = {claim_of(x) for run in runs for row in run.rows for x in row.findings}
+    known = {claim_of(x.claim) for run in runs for row in run.rows for x in row.findings}
     body = render(
         "board.html", runs=runs, claims=[x for x in CLAIMS if x in known], files=files,
         shipped=SHIPPED, planted=PLANTED,

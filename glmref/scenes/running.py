@@ -159,15 +159,11 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
         message = f"{type(error).__name__}: {error}"
         outcome = SYSTEM_REFUSED if isinstance(error, OSError | ImportError) else FAILED
         measured = {
-            "outcome": FUNCTION_FAILED if _user_function(task) else outcome,
+            # what a Python function of the user's does is not ours to answer for
+            "outcome": FUNCTION_FAILED if given_by_user(_subject(task)) else outcome,
             "message": message,
         }
     return {**measured, "where": circumstances()}
-
-
-def _user_function(task: Mapping[str, Any]) -> bool:
-    """Return whether the problem's right-hand side is a Python function: not ours to answer for."""
-    return given_by_user(_subject(task))
 
 
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:

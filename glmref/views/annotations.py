@@ -69,7 +69,7 @@ def sarif(remarks: Sequence[Remark]) -> str:
             "locations": [
                 {
                     "physicalLocation": {
-                        "artifactLocation": {"uri": _uri(x.path), "uriBaseId": "%SRCROOT%"},
+                        "artifactLocation": {"uri": quote(x.path), "uriBaseId": "%SRCROOT%"},
                         "region": {"startLine": x.line},
                     }
                 }
@@ -87,10 +87,6 @@ def sarif(remarks: Sequence[Remark]) -> str:
     }
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return json_text({"$schema": _SARIF, "version": "2.1.0", "runs": [run]})
-
-
-def _uri(path: str) -> str:
-    return quote(path)
 
 
 def badge(tables: int, remarks: Sequence[Remark]) -> str:

@@ -114,7 +114,7 @@ def _refusal(member: Family, candidates: Sequence[Forms]) -> Derivation:
             f"c2 = {member.c2}, gamma2/gamma1 = {direction}: {', '.join(wrong)}, must be positive"
         )
         statements.append(Statement(text, Proof.EXACT))
-    least = _least(member)
+    least = least_growth(member)
     if least is not None:
         text = (
             f"c2 = {member.c2}: all real alpha, beta, gamma of this W, symmetric or not, have a "
@@ -122,10 +122,6 @@ def _refusal(member: Family, candidates: Sequence[Forms]) -> Derivation:
         )
         statements.append(Statement(text, Proof.ENCLOSED))
     return Derivation("order6", [], statements, refused=True)
-
-
-def _least(member: Family) -> Exact | None:
-    return least_growth(member)
 
 
 #: How much the parasitic part grows in data/measurements/long-runs.json, in a word.
