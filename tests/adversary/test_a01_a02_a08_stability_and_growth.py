@@ -14,7 +14,6 @@ from .deceive import Proof, Verdict, decimal, doc, findings, never_holds, shippe
 
 FAST = examples(12)
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
-ABOUT_V = ("zero-stable", "parasitism-free", "g-symplectic", "growth")
 
 
 def multistep(rho: list[Fraction], beta: list[Fraction], claims: dict, digits: int | None) -> dict:

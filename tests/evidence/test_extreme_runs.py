@@ -266,7 +266,6 @@ def test_a_wrong_jacobian_gives_the_right_answer_or_a_failure(name, entry):
     found = attempt(p, load(name), h=0.01, steps=100, solver="newton", start="zero")
     assert found.outcome in ("completed", "stage solve failed", "not finite")
     if found.outcome == "completed":
-        assert found.solution is not None
         assert found.solution.y[-1][0] == pytest.approx(np.cos(1.0), abs=1e-3)
     right = Problem(f=p.f, y0=[1.0])
     assert attempt(right, load(name), h=0.01, steps=100, solver="newton").outcome == "completed"

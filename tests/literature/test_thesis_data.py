@@ -72,7 +72,6 @@ def test_file_holds_the_starting_method_3_6(name: str, stages: list[list[str]]) 
 def test_g4123_has_three_stages_order_4_and_no_growth() -> None:
     # The counterexample of the literature to "free of parasitism only with many stages".
     method = load("g4123")
-    assert isinstance(method, GLM)
     assert (method.s, method.r) == (3, 2)
     assert order(method) == 4
     assert order(method, "identity") == 2

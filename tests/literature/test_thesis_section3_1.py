@@ -61,7 +61,6 @@ def test_g_of_n_of_3_8_and_of_order_6_is_indefinite(
 
 def test_g_form_of_p_is_positive_and_so_a_norm() -> None:
     G = method_n(1, -1, 1).G
-    assert G is not None
     assert G[1][1].sign() == 1
 
 

@@ -30,7 +30,6 @@ def functions_of(path: Path) -> frozenset[str]:
 
 @pytest.mark.parametrize("record", [r for r in ERRATA if r.test], ids=lambda r: r.id)
 def test_the_named_test_exists(record: Erratum) -> None:
-    assert record.test is not None
     path, _, function = record.test.partition("::")
     assert (ROOT / path).is_file(), path
     assert function in functions_of(ROOT / path)
@@ -66,7 +65,6 @@ def test_texts_are_plain_sentences() -> None:
 def test_records_stand_in_the_order_of_the_thesis() -> None:
     def section(record: Erratum) -> tuple[int, ...]:
         match = re.match(r"[0-9.]+", record.id)
-        assert match is not None
         return tuple(int(x) for x in match[0].strip(".").split("."))
 
     chapters = [section(r)[:2] for r in ERRATA]

@@ -79,7 +79,6 @@ def test_the_misprint_of_the_example_is_named_as_shown(
 
 def test_the_python_example_runs() -> None:
     block = re.search(r"```python\n(.*?)```", README, re.DOTALL)
-    assert block is not None
     done = subprocess.run(
         [sys.executable, "-c", block[1]], capture_output=True, text=True, check=False, timeout=60
     )
@@ -201,7 +200,6 @@ def test_ci_runs_the_two_commands_before_anything_else_is_installed() -> None:
     assert block is not None
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     reading = re.search(r"^mapfile -t commands < <\((.*)\)$", ci, re.MULTILINE)
-    assert reading is not None
     found = subprocess.run(
         ["bash", "-c", reading[1]], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -338,33 +338,24 @@ def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) 
     assert certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None) == {}
 
 
-@pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2")])
-def test_growth_at_a_multiple_eigenvalue_1_is_shown_without_the_principal_value(
-    mu: tuple[str, str],
+@pytest.mark.parametrize(
+    ("zeta", "mu"),
+    [("1", x) for x in (("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2"))]
+    + [("-1", x) for x in (("5/2", "1/2"), ("-1", "9/10"), ("2", "2"))],
+)
+def test_both_numbers_of_a_multiple_eigenvalue_are_shown_without_the_principal_value(
+    zeta: str, mu: tuple[str, str]
 ) -> None:
-    a, b = mu
+    """Two values at 1 beside the solution, or at -1."""
+    a, b = mu if zeta == "1" else (f"-({x})" for x in mu)
     d = {"format": "glmref-method-1", "class": "glm", "name": "x", "A": [["0"] * 3] * 3,
          "U": [["1", "0", "0"], ["1", "1", "0"], ["1", "0", "1"]],
          "B": [["1", "0", "0"], [f"-({a})", a, "0"], [f"-({b})", "0", b]],
-         "V": [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]],
-         "claims": {"growth": [a, b]}, "source": SOURCE}  # fmt: skip
-    shown = facts_for(load_document(d)).judge("growth", [a, b])
-    value: Any = shown.value
-    numbers = sorted(map(float, value))
+         "V": [["1", "0", "0"], ["0", zeta, "0"], ["0", "0", zeta]],
+         "claims": {"growth": list(mu)}, "source": SOURCE}  # fmt: skip
+    shown = facts_for(load_document(d)).judge("growth", list(mu))
+    numbers: Any = shown.value
     assert shown.verdict is Verdict.HOLDS
-    assert numbers == pytest.approx(sorted(float(Fraction(x)) for x in mu), abs=1e-9)
-    assert certified(d, "growth")["statement"]["verdict"] == "holds"
-
-
-@pytest.mark.parametrize("mu", [("5/2", "1/2"), ("-1", "9/10"), ("2", "2")])
-def test_both_numbers_of_a_double_eigenvalue_are_shown(mu: tuple[str, str]) -> None:
-    a, b = mu
-    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "A": [["0"] * 3] * 3,
-         "U": [["1", "0", "0"], ["1", "1", "0"], ["1", "0", "1"]],
-         "B": [["1", "0", "0"], [a, f"-({a})", "0"], [b, "0", f"-({b})"]],
-         "V": [["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]],
-         "claims": {"growth": [a, b]}, "source": SOURCE}  # fmt: skip
-    shown = facts_for(load_document(d)).judge("growth", [a, b])
-    value: Any = shown.value
-    assert shown.verdict is Verdict.HOLDS
-    assert sorted(map(float, value)) == pytest.approx(sorted(float(Fraction(x)) for x in mu))
+    right = sorted(float(Fraction(x)) for x in mu)
+    assert sorted(map(float, numbers)) == pytest.approx(right, abs=1e-9)
+    assert zeta == "-1" or certified(d, "growth")["statement"]["verdict"] == "holds"

@@ -187,7 +187,6 @@ def test_a_pair_whose_u_is_not_determined_is_reducible() -> None:
             d = {"class": "partitioned", "separable": True, "q": first, "p": second}
             assert proved(d, "reducible", True)[0]
             found = written(d, "reducible", False)
-            assert isinstance(found, dict)
             found["parts"][0]["rule"], found["statement"]["verdict"] = "irreducible", "holds"
             assert not judge.verdict(found)[0]
 
@@ -297,14 +296,13 @@ def test_radicals_beside_decimals_stand_in_the_field(root: str) -> None:
          "V": [["1", "0"], ["0", "1/2"]], "digits": 8}  # fmt: skip
     for claim, declared in (("preconsistent", True), ("symmetric", False), ("order", 1)):
         found = written(d, claim, declared)
-        assert isinstance(found, dict)
         assert root in found["field"]["radicals"]
         assert judge.verdict(found)[0]
         del found["field"]["radicals"][root]
         assert not judge.verdict(found)[0]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, besides=("tsitouras", "s3"))
 @pytest.mark.parametrize("name", ["tsitouras-5-4", "s3-w3", "rodas4", "ros34pw2", "ros3p"])
 def test_orders_at_below_and_above_those_of_a_file_are_certified(name: str) -> None:
     """A sweep form asks for the equations of the order claimed, so that no other one is tried."""
@@ -325,7 +323,6 @@ def test_the_base_of_a_composition_has_its_radicals_in_the_field() -> None:
     for claim, declared, expected in (("order", 4, True), ("symmetric", True, False)):
         assert proved(d, claim, declared)[0] == expected
         found = written(d, claim, declared)
-        assert isinstance(found, dict)
         assert list(found["field"]["radicals"]) == ["sqrt(3)"]
 
 
@@ -343,10 +340,8 @@ def test_fields_as_they_are_written() -> None:
 def test_what_stands_in_a_certificate_for_readers() -> None:
     doubled = {"class": "glm", "A": [["0"]], "U": [["1"]], "B": [["2"]], "V": [["1"]]}
     found = written(doubled, "order", 0)
-    assert isinstance(found, dict)
     assert found["identities"] == ["u and v of consistency do not exist"]
     found = written({**doubled, "B": [["1"]]}, "order", 1)
-    assert isinstance(found, dict)
     assert found["identities"] == [
         "B xiD(t) + V eta(t) = (E eta)(t), 1 trees", "the condition of [o] is not zero, order 2",
     ]  # fmt: skip
@@ -367,7 +362,6 @@ def test_names_of_rows_are_no_numbers(name: str) -> None:
     d["embedded"][0]["name"] = name
     assert proved(d, "embedded-order", {name: 2})[0]
     found = written(d, "embedded-order", {name: 2})
-    assert isinstance(found, dict)
     assert found["field"] == {"kind": "rational"}
 
 

@@ -146,7 +146,6 @@ def test_nystrom_methods() -> None:
 def test_embedded_rows_of_nystrom_methods() -> None:
     """Dormand, El-Mikkawy and Prince (1987), RKN4(3)4FM: a row of order 3 for q and for q'."""
     doc = glmref.load("dormand-prince-rkn-4-3").document
-    assert doc is not None
     table = {key: doc[key] for key in ("A", "b", "b_prime", "c")}
     row = {key: doc["embedded"][0][key] for key in ("b", "b_prime")}
     found = glmref.check(table, order=4, embedded=row | {"order": 3})

@@ -197,7 +197,6 @@ def test_ctrl_c_reaches_the_program_once_and_no_child_complains() -> None:
         text=True,
         start_new_session=True,  # so that the signal reaches the children, as Ctrl-C does
     )
-    assert process.stdout is not None
     first = process.stdout.readline()  # the whole takes some 5 s more
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=30)

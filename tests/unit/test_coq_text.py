@@ -335,7 +335,6 @@ def test_a_folder_gets_one_file_for_each_name(
 
 def test_the_title_of_a_file_stands_first() -> None:
     document = load("rk4").document
-    assert document is not None
     assert to_coq("rk4").startswith(f"(* {document['title']}\n")
     assert to_coq(replace(SMALL["no order"], name="x")).startswith("(* x\n")
 

@@ -98,7 +98,6 @@ def test_values_functions_and_starting_methods_are_taken_as_given():
     made = started("gsymplectic-n", lambda problem, h: h * values)
     np.testing.assert_array_equal(made.values, 0.1 * values)
     own = load("gsymplectic-n").starting
-    assert own is not None
     assert started("gsymplectic-n", own).evaluations == own.stages
 
 

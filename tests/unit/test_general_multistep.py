@@ -137,7 +137,6 @@ def test_other_roots_are_refused(given: dict[str, str], what: str) -> None:
 
 def test_the_growth_parameters_are_the_residues() -> None:
     found = residues(method(Q4, P4))
-    assert found is not None
     q = [x.mu.as_fraction() for x in found["f"]]
     p = [x.mu.as_fraction() for x in found["k"]]
     assert q == list(Q4.residues)
@@ -171,7 +170,6 @@ def test_the_parasitic_part_of_a_linear_system_grows_at_the_rate_of_its_residue(
         [-h * p[1] @ q[0], p[2] - h * rate * p[1] @ p[0]],
     ])  # fmt: skip
     eigenvalues, found = np.linalg.eigvals(step), residues(m)
-    assert found is not None
     for half, sign in zip(found.values(), (1, -1), strict=True):
         for x, n in both_ways(half):
             nearest = np.abs(eigenvalues - complex(x.eigenvalues[n])).argmin()
@@ -183,7 +181,6 @@ def test_every_half_has_a_residue_that_grows() -> None:
     """The sum of the k - 1 residues is -1, so that one is -1/(k - 1) or less."""
     for name in GENERAL:
         found = residues(load(name))
-        assert found is not None
         for half in found.values():
             mu = [complex(x.mu).real for x, _ in both_ways(half)]
             assert abs(sum(mu) + 1) < 1e-12

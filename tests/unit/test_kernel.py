@@ -26,7 +26,6 @@ def test_the_tree_with_leaves_alone_refutes_an_order_and_proves_none():
     kernel, series = searched("gauss-3")
     assert kernel._beyond(series, 3, 5, [0.0]) is None
     found = kernel._beyond(series, 6, 7, [0.0])
-    assert found is not None
     assert (found.lower, found.upper, found.tree, found.exact) == (6, 6, "[oooooo]", True)
     assert found.residual == pytest.approx(1 / 2800)
 
@@ -58,7 +57,6 @@ def test_the_tree_decides_over_balls_what_it_excludes_and_is_enclosed():
     kernel, series = searched(runge_kutta([["0.50"]], ["1"], digits=2))
     assert kernel._beyond(series, 0, 2, [0.0]) is None  # a ball around zero
     found = kernel._beyond(series, 0, 3, [0.0])
-    assert found is not None
     assert (found.upper, found.exact) == (2, False)
 
 

@@ -175,7 +175,6 @@ def heun_like() -> list[list[float]]:
 
 def test_to_float_of_a_pair_keeps_what_rounding_lost() -> None:
     pair = glmref.load("pair-4-4")
-    assert isinstance(pair, glmref.PartitionedGLM)
     rounded = pair.to_float()
     assert rounded.A_hat.shape == (pair.n_P, pair.n_Q) and rounded.G is not None
     i, j = np.argwhere(rounded.A_hat_residue != 0)[0]

@@ -32,7 +32,6 @@ def test_a_published_pair_is_proved(name):
     assert proof.identity
     assert proof.width < WIDTH
     implied = implied_by(doc, None)
-    assert implied is not None
     assert {"g-symplectic", "symmetric", "consistent"} <= implied.true
     assert ("symplectic" in implied.true) == (doc["class"] == "splitting")
     assert implied.at_least["order"] == implied.at_least["order-identity"] == proof.order

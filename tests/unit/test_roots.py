@@ -137,7 +137,6 @@ def test_a_ball_is_narrow_beside_its_number_where_its_terms_cancel(factor: str) 
     for _ in range(100):
         power = power * (number("root(2,3)") - 1)
     roots = power._as_roots()
-    assert roots is not None
     found = roots.enclosed(53)
     assert (found.real.rad() + found.imag.rad()) * 2**53 < found.abs_lower()
 
