@@ -236,10 +236,10 @@ def single(A, U, B, V):
 
 def test_what_an_enclosure_implies_only_raises_a_lower_bound():
     from glmref.errors import ExactnessError
-    from glmref.prove.implications import _SEAL, Implied
+    from glmref.prove.implications import Implied
     from glmref.prove.ranges import Range
 
-    kernel = Kernel(load("rk4"), Implied(at_least={"order": 3}, seal=_SEAL))
+    kernel = Kernel(load("rk4"), Implied(at_least={"order": 3}))
     for found in (Range(3, 4), Range(4, 4)):
         assert kernel._with_implied("order", found) is found
     assert kernel._with_implied("order", Range(2, None)) == Range(3, None, exact=False)
@@ -416,15 +416,15 @@ def test_eigenvalues_that_are_proposed_are_checked(second, proposed, truth):
 
 def test_growth_that_no_equation_gives_is_that_of_the_matrices():
     from glmref.prove.finders import eigen_witness
-    from glmref.prove.implications import _SEAL, Implied
+    from glmref.prove.implications import Implied
 
     method = load("milne-simpson")
-    kernel = Kernel(method, Implied(seal=_SEAL))
+    kernel = Kernel(method, Implied())
     (c,) = method.components
     witness = {"o": eigen_witness(c.V)}
     known = kernel._growth([Exact(Fraction(-1, 3))], witness)
     assert (known.truth, known.exact) == (True, True)
-    assert Kernel(method, Implied(growth_zeros=1, seal=_SEAL))._growth([Exact(0)], {}).truth is True
+    assert Kernel(method, Implied(growth_zeros=1))._growth([Exact(0)], {}).truth is True
 
 
 def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them():

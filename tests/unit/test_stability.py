@@ -46,17 +46,14 @@ from tests.classical import (
 )
 
 
-def a_stability(m):
-    """What the kernel knows of it."""
-    return Kernel(m).known("a-stable", Proposal())
+def known(m, claim="a-stable"):
+    """What the kernel knows of a method, of its name, or of what makes it."""
+    m = m() if callable(m) else glmref.load(m) if isinstance(m, str) else m
+    return Kernel(m).known(claim, Proposal())
 
 
-def is_a_stable(m):
-    return a_stability(m).truth
-
-
-def is_l_stable(m):
-    return Kernel(m).known("l-stable", Proposal()).truth
+def rk(family, s):
+    return lambda: runge_kutta(*family(s))
 
 
 TR_BDF2 = runge_kutta(
@@ -108,93 +105,52 @@ def test_all_ways_to_the_stability_polynomial_agree():
     assert _through_stages(m) == _through_values(m) == _stage_by_stage(m)
 
 
-@pytest.mark.parametrize("s", range(1, 6))
-def test_gauss_is_a_stable_and_not_l_stable(s):
-    m = runge_kutta(*gauss(s))
-    assert is_a_stable(m) is True and is_l_stable(m) is False
-
-
 @pytest.mark.parametrize(
-    "method", [radau_iia(1), radau_iia(2), radau_iia(3), lobatto_iiic(2), lobatto_iiic(4)]
-)
-def test_radau_iia_and_lobatto_iiic_are_l_stable(method):
-    assert is_l_stable(runge_kutta(*method)) is True
-
-
-def test_lobatto_iiia_is_a_stable():
-    assert is_a_stable(runge_kutta(*lobatto_iiia(4))) is True
-    assert is_l_stable(runge_kutta(*lobatto_iiia(4))) is False
-
-
-@pytest.mark.parametrize(("k", "expected"), [(1, True), (2, True), (3, False), (6, False)])
-def test_bdf_is_a_stable_up_to_order_2(k, expected):
-    m = linear_multistep(*bdf(k))
-    assert is_a_stable(m) is expected and is_l_stable(m) is expected
-    assert is_a_stable(one_leg(*one_leg_twin(*bdf(k)))) is expected
-
-
-@pytest.mark.parametrize(("k", "expected"), [(0, True), (1, True), (2, False), (3, False)])
-def test_adams_moulton_is_a_stable_up_to_order_2(k, expected):
-    assert is_a_stable(linear_multistep(*adams_moulton(k))) is expected
-
-
-@pytest.mark.parametrize(
-    "m",
+    ("m", "a", "l_"),
     [
-        runge_kutta([["0"]], ["1"]),
-        linear_multistep(*adams_bashforth(2)),
-        linear_multistep(["-1", "0", "1"], ["0", "2", "0"]),
+        *((rk(gauss, s), True, False) for s in range(1, 6)),
+        *((rk(radau_iia, s), True, True) for s in (1, 2, 3)),
+        *((rk(lobatto_iiic, s), True, True) for s in (2, 4)),
+        (rk(lobatto_iiia, 4), True, False),
+        (TR_BDF2, True, True),  # although its first stage is explicit
+        *((linear_multistep(*bdf(k)), k < 3, k < 3) for k in (1, 2, 3, 6)),
+        *((one_leg(*one_leg_twin(*bdf(k))), k < 3, None) for k in (1, 2, 3, 6)),
+        *((linear_multistep(*adams_moulton(k)), k < 2, None) for k in range(4)),
+        # |R| <= 1 on the axis exactly for gamma >= 1/4 (Hairer and Wanner, IV.3)
+        (sdirk("1/4"), True, None), (sdirk("249/1000"), False, None), (sdirk("1"), True, None),
+        (sdirk("(3+sqrt(3))/6"), True, None),  # Norsett; see below for the other one of order 3
+        ("gsymplectic-p", True, None),  # its form is definite
     ],
-)
-def test_explicit_methods_are_not_a_stable(m):
-    found = a_stability(m)
-    assert found.truth is False and "grows without bound" in found.reason
+)  # fmt: skip
+def test_a_and_l_stability_are_those_of_the_literature(m, a, l_):
+    assert known(m).truth is a
+    assert l_ is None or known(m, "l-stable").truth is l_
 
 
-def test_sdirk_methods_are_a_stable_for_one_of_the_two_order_3_coefficients():
-    # Norsett: A-stable for gamma = (3 + sqrt 3)/6, not for (3 - sqrt 3)/6
-    assert is_a_stable(sdirk("(3+sqrt(3))/6")) is True
-    found = a_stability(sdirk("(3-sqrt(3))/6"))
-    assert found.truth is False and "modulus 2.73205" in found.reason
-
-
-@pytest.mark.parametrize(("gamma", "expected"), [("1/4", True), ("249/1000", False), ("1", True)])
-def test_a_stability_limit_of_order_2_sdirk_is_sharp(gamma, expected):
-    # |R| <= 1 on the axis exactly for gamma >= 1/4 (Hairer and Wanner, IV.3)
-    assert is_a_stable(sdirk(gamma)) is expected
-
-
-def test_tr_bdf2_is_l_stable_although_its_first_stage_is_explicit():
-    assert only_zeros(*leading_part(stability_polynomial(TR_BDF2)))
-    assert is_l_stable(TR_BDF2) is True
-
-
-def test_composition_with_a_negative_step_has_a_pole_on_the_left():
-    found = a_stability(composition(runge_kutta(*gauss(1)), ["2", "-3", "2"]))
-    assert found.truth is False and "pole" in found.reason
-
-
-def test_g_symplectic_method_with_definite_form_is_a_stable_and_with_indefinite_form_not():
-    assert is_a_stable(glmref.load("gsymplectic-p")) is True
-    found = a_stability(glmref.load("gsymplectic-n"))
-    assert found.truth is False and "z = 3 i" in found.reason
+@pytest.mark.parametrize(
+    ("m", "truth", "reason"),
+    [
+        (runge_kutta([["0"]], ["1"]), False, "grows without bound"),
+        (linear_multistep(*adams_bashforth(2)), False, "grows without bound"),
+        (linear_multistep(["-1", "0", "1"], ["0", "2", "0"]), False, "grows without bound"),
+        (sdirk("(3-sqrt(3))/6"), False, "modulus 2.73205"),
+        # a negative step has a pole on the left
+        (lambda: composition(runge_kutta(*gauss(1)), ["2", "-3", "2"]), False, "pole"),
+        ("gsymplectic-n", False, "z = 3 i"),  # its form is indefinite
+        ("s3-w3", None, "published decimals"),
+        # a repeated passenger of modulus one
+        (GLM(A=[["1"]], U=[["1", "0", "0"]], B=[["1"], ["0"], ["0"]],
+             V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]]), None, "may be multiple"),
+    ],
+)  # fmt: skip
+def test_what_is_not_a_stable_or_not_decided_says_why(m, truth, reason):
+    found = known(m)
+    assert found.truth is truth and reason in found.reason
 
 
 def test_behaviour_at_infinity_of_the_midpoint_rule():
     leading, unbounded = leading_part(stability_polynomial(runge_kutta(*gauss(1))))
     assert poly.monic(leading) == P(1, 1) and unbounded == 0  # M tends to -1
-
-
-def test_published_decimals_are_open_with_a_reason():
-    found = a_stability(glmref.load("s3-w3"))
-    assert found.truth is None and "published decimals" in found.reason
-
-
-def test_repeated_passenger_of_modulus_one_is_left_open():
-    m = GLM(A=[["1"]], U=[["1", "0", "0"]], B=[["1"], ["0"], ["0"]],
-            V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]])  # fmt: skip
-    found = a_stability(m)
-    assert found.truth is None and "may be multiple" in found.reason
 
 
 def test_stability_function_is_for_one_step_methods():
@@ -256,6 +212,7 @@ def test_only_a_power_of_w_at_infinity_has_zeros_only():
         ((3,), 0, True),
     ):  # fmt: skip
         assert only_zeros(tuple(map(exact, leading)), unbounded) is zeros
+    assert only_zeros(*leading_part(stability_polynomial(TR_BDF2)))
 
 
 def P(*coefficients):
