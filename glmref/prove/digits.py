@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import islice
+from math import floor
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import SOLUTION
@@ -22,13 +23,15 @@ from ..exact import Exact, rounded_decimal
 from ..exact.judging import Fraction as rational
 from ..exact.judging import fast_judge
 from ..exact.linalg import Vector
-from ..method.component import Palette
+from ..judge.refusals import Refused
 from ..system.budget import spend
-from ..theory.trees import Tree, tree, trees
+from ..theory.trees import parse_tree
 
 if TYPE_CHECKING:
     from .kernel import Found, Proposal
 
+#: A tree as the judge writes it: the colour, and the trees of the children in order.
+Plain = tuple[str, tuple[Any, ...]]
 #: A condition of the next order has a residual above so many times the one declared.
 GAP = 1000
 #: Trees with one branch that are tried before all trees of an order are listed.
@@ -80,12 +83,6 @@ class Sized:
     order: int = 0
 
 
-@cache
-def _plain(t: Tree) -> tuple[str, tuple[Any, ...]]:
-    """Return a tree as the judge writes it: the colour and the trees of the children in order."""
-    return t.colour, tuple(sorted(map(_plain, t.children)))
-
-
 def _rational(values: Sequence[Any]) -> tuple[Any, ...]:
     """Return rational numbers as the judge's."""
     found = []
@@ -110,77 +107,94 @@ class _Residuals:
         Of a method that carries one value.
     exponent : int
         The residuals are near ``10^-exponent``.
-    counts : callable
-        Which trees are conditions.
+    nystrom : bool
+        Whether the conditions are those of second-order systems.
     """
 
-    def __init__(self, kernel: Any, exponent: int, counts: Callable[[Tree], bool]) -> None:
-        self.palette: Palette = kernel.palette
-        self.counts = counts
+    def __init__(self, kernel: Any, exponent: int, nystrom: bool) -> None:
+        self.palette, self.system = tuple(kernel.palette.items()), kernel.method.system
+        self.nystrom, self.judge = nystrom, fast_judge()
         tables = ((c, tuple(map(_rational, A))) for c, (A, *_) in kernel.blocks.items())
-        self.found = fast_judge().rules_digits.sizes_of(tuple(tables), exponent)
+        self.found = self.judge.rules_digits.sizes_of(tuple(tables), exponent)
         self.one = self.found.one
 
     def weights(self, b: Mapping[str, Any]) -> dict[str, Any]:
         """Return weights by colour, with what is known of their residuals."""
         return {c: self.found.weights(_rational(row)) for c, row in b.items()}
 
-    def residual(self, t: Tree, b: Mapping[str, Any], *, keep: bool = False) -> tuple[int, int]:
+    def residual(self, t: Plain, b: Mapping[str, Any], *, keep: bool = False) -> tuple[int, int]:
         """Return bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
         spend()
-        low, high = self.found.residual(_plain(t), b[t.colour], keep)
+        low, high = self.found.residual(t, b[t[0]], keep)
         return int(low), int(high)
 
-    def exactly(self, t: Tree, b: Mapping[str, Any]) -> Fraction:
+    def exactly(self, t: Plain, b: Mapping[str, Any]) -> Fraction:
         """Return ``|b Phi(t) - 1 / gamma(t)|`` itself, in units."""
-        found = self.found.exactly(_plain(t), b[t.colour])
+        found = self.found.exactly(t, b[t[0]])
         return Fraction(int(found.p), int(found.q))
 
-    def level(self, n: int) -> Iterator[Tree]:
-        """Yield trees of an order that are conditions."""
-        return filter(self.counts, trees(n, self.palette))
+    def level(self, n: int) -> list[Plain]:
+        """Return the trees of an order that are conditions.
 
-    def through(self, order: int) -> Iterator[tuple[Tree, bool]]:
+        Raises
+        ------
+        ExactnessError
+            Where they are more than the judge lists.
+        """
+        try:
+            return self.judge.trees.pool_of(self, n, self.nystrom)
+        except Refused as error:
+            raise ExactnessError(f"trees of order {n}: {error}") from error
+
+    def text(self, t: Plain) -> str:
+        """Return the text of a tree."""
+        return str(parse_tree(self.judge.trees.show(t)))
+
+    def through(self, order: int) -> Iterator[tuple[Plain, bool]]:
         """Yield trees through an order, and whether what is found of them serves higher orders."""
         for n in range(1, order + 1):
-            level = list(self.level(n))
+            level = self.level(n)
             if n < order - 1:
-                self.found.prepare([_plain(t) for t in level])
+                self.found.prepare(level)
             yield from ((t, n < order) for t in level)
 
     def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:
         """Compare the residuals of the weights by colour with what is declared."""
         b = self.weights(weights)
         most, least = Fraction(size) * self.one, step_below(size) * self.one
-        low, high = Fraction(0), Fraction(0)
-        largest = ""
+        limit, step = floor(most), floor(least)
+        low: int | Fraction = 0
+        high: int | Fraction = 0
+        largest: Plain | None = None
         for t, keep in self.through(order):
+            x: int | Fraction
+            y: int | Fraction
             x, y = self.residual(t, b, keep=keep)
-            if x <= most < y or x <= least < y:  # it may be that number itself
+            if x <= limit < y or x <= step < y:  # it may be that number itself
                 x = y = self.exactly(t, b)
-            if x > most:
+            if x > limit and x > most:
                 if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
                     y = self.exactly(t, b)
-                found = rounded_up(Fraction(y, self.one))
-                reason = f"tree {t} of order {t.order} has residual {found}"
-                return Sized(False, reason, str(t))
+                found, text = rounded_up(Fraction(y, self.one)), self.text(t)
+                reason = f"tree {text} of order {self.judge.trees.size(t)} has residual {found}"
+                return Sized(False, reason, text)
             if x > low:
-                low, largest = Fraction(x), str(t)
-            high = max(high, Fraction(y))
-        if not low > least:
+                low, largest = x, t
+            high = max(high, y)
+        if largest is None or not low > least:
             if low == 0 and order <= LISTED and self.vanish(b, order):
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
-            if low and rounded_up(low / self.one) != rounded_up(high / self.one):
+            if low and rounded_up(Fraction(low, self.one)) != rounded_up(Fraction(high, self.one)):
                 unsure = (t for t, _ in self.through(order) if self.residual(t, b)[1] > low)
                 high = max(low, *(self.exactly(t, b) for t in unsure))
-            shown = rounded_up(high / self.one)
+            shown = rounded_up(Fraction(high, self.one))
             reason = f"the residuals through order {order} are at most {shown}"
             return Sized(False, reason, order=order)
         assert high <= most, "a residual that may be larger was computed exactly"
         for t in self.beyond(order + 1):
             if self.residual(t, b)[1] > GAP * most and self.exactly(t, b) > GAP * most:
-                return Sized(True, "", largest, str(t))
+                return Sized(True, "", self.text(largest), self.text(t))
         reason = f"no condition of order {order + 1} has a residual above {GAP} times {size}"
         return Sized(False, reason, order=order + 1)
 
@@ -207,15 +221,15 @@ class _Residuals:
         last = max((self.residual(t, b)[1] for t in beyond), default=self.one)
         return [*found, max(found[-1], Fraction(last, self.one))]
 
-    def beyond(self, order: int) -> Iterator[Tree]:
+    def beyond(self, order: int) -> Iterator[Plain]:
         """Yield trees of an order: first those with one branch.
 
         Of one method without a system of its own every tree counts, and those with one child need
         no list of the trees of their order.
         """
         if len(self.palette) == 1:
-            for t in islice(trees(order - 1, self.palette), ONE_BRANCH + 2):
-                yield tree([t])
+            for t in islice(self.level(order - 1), ONE_BRANCH + 2):
+                yield self.palette[0][0], (t,)
         yield from self.level(order)
 
 
@@ -250,10 +264,6 @@ class DigitRules:
             for name, x in kernels.items()
         }
 
-    def _counted(self) -> Callable[[Tree], bool]:
-        """Return which trees are conditions."""
-        return self.timed._counts(nystrom=self._is_nystrom)
-
     def to_digits(self, declared: Mapping[str, Any]) -> dict[str, Sized]:
         """Return what is known of each of the declared orders, by the names of the weights."""
         rows = self._rows_of_weights()
@@ -270,7 +280,7 @@ class DigitRules:
         if max(p for p, _ in sized.values()) > most:
             raise ExactnessError(f"trees are compared through order {most} here")
         exponent = max(-int(e.partition("e")[2]) for _, e in sized.values())
-        found = _Residuals(self.timed, exponent, self._counted())
+        found = _Residuals(self.timed, exponent, self._is_nystrom)
         return {name: found.judged(weights, *sized[name]) for name, weights in rows.items()}
 
     @cached_property
@@ -285,7 +295,7 @@ class DigitRules:
             Where several values are carried, or entries are not rational.
         """
         self._check_one_value()
-        residuals = _Residuals(self.timed, SMALLEST, self._counted())
+        residuals = _Residuals(self.timed, SMALLEST, self._is_nystrom)
         most, rows = self._most(nystrom=self._is_nystrom), self._rows_of_weights()
         return {name: residuals.sizes(weights, most) for name, weights in rows.items()}
 

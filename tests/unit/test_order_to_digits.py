@@ -18,9 +18,10 @@ from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.judge import verdict
 from glmref.judge.rules_digits import Sizes
+from glmref.judge.trees import read_tree
 from glmref.prove import digits
 from glmref.prove.analysis import JUMP, _steps
-from glmref.prove.digits import LARGE, _plain, rounded_up, step_below
+from glmref.prove.digits import LARGE, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, trees, trees_up_to
@@ -386,12 +387,12 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
             max(abs(x - y / unit) for x, y in zip(before.values, row, strict=True)) <= before.radius
         )
         for tree in trees_up_to(4):
-            for found, exact in ((fixed.phi(_plain(tree)), slopes(A, tree)),
-                                 (fixed.below(_plain(tree)), stages(A, tree))):  # fmt: skip
+            for found, exact in ((fixed.phi(read_tree(str(tree))), slopes(A, tree)),
+                                 (fixed.below(read_tree(str(tree))), stages(A, tree))):  # fmt: skip
                 lost = [abs(x - y / unit) for x, y in zip(found.values, exact, strict=True)]
                 assert max(lost) <= found.radius, tree
                 assert found.size == max(map(abs, found.values))
-            low, high = fixed.residual(_plain(tree), weights)
+            low, high = fixed.residual(read_tree(str(tree)), weights)
             assert low <= residual(A, b, tree) / unit <= high
 
 
