@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..catalogue.claims import ORDER, ORDER_IDENTITY
 from ..engine.reference import Stepper, apply_finish, apply_start, stepper
 from ..engine.starting_values import enhanced_start
 from ..errors import GlmrefError, UsageError
@@ -161,7 +162,7 @@ class Bench:
             return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
         coarse = self.engine(task, FAULT_DIGITS)
         # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
-        passes = max(1, min(5, self.facts.order.order - 1))
+        passes = max(1, min(5, self.facts.kernel.range(ORDER.key).value - 1))
         first = np.array(coarse.problem.y0)
         small = coarse.arithmetic.context
         values, _ = enhanced_start(
@@ -173,8 +174,7 @@ class Bench:
     def shown_order(self) -> int:
         """Return the order that a run shows, with the start and finish of the data, if any."""
         started = getattr(self.method, "starting", None) is not None
-        facts = self.facts
-        return facts.classical_order.order if started else facts.order_identity.order
+        return self.facts.kernel.range((ORDER if started else ORDER_IDENTITY).key).value
 
     def inner_stages(
         self, A: Matrix, task: TestProblem, t: Any, y: np.ndarray, h: Any

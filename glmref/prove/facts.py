@@ -20,7 +20,6 @@ from ..findings import Proof
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
-from ..theory.order import nystrom_order_of, order_of
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
 from ..theory.symmetry import symmetry
@@ -33,7 +32,6 @@ from .verdicts import Judgement, judged
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
-    from ..theory.order import OrderResult
     from ..theory.parasitism import Parasitism
     from ..theory.reduction import Reduction
     from ..theory.spectrum import Boundedness
@@ -131,35 +129,13 @@ class Facts:
         return tuple(x for c in found if c is not None for x in c)
 
     @cached_property
-    def order(self) -> OrderResult:
-        """Order with a free principal part of the starting series."""
-        return order_of(self.method, principal="free")
-
-    @cached_property
-    def order_identity(self) -> OrderResult:
-        """Order with the identity as principal part: the outputs are the solution."""
-        return order_of(self.method, principal="identity")
-
-    @cached_property
-    def nystrom_order(self) -> OrderResult:
-        """Order of a partitioned method on second-order systems, principal parts the identity."""
-        return nystrom_order_of(self.method)
-
-    @property
-    def classical_order(self) -> OrderResult:
-        """What users call the order.
-
-        For one-step methods the first value is the solution; what they reach with start and finish
-        is their effective order. Methods that carry several values come with a starting method,
-        whose principal part is free; it is the identity where that costs no order, and the error
-        constants are then those of the solution itself.
-        """
-        same = self.is_one_step or self.order_identity.order == self.order.order
-        return self.order_identity if same else self.order
-
-    @cached_property
     def local_error(self) -> Mapping[Tree, Scalar]:
-        """Residuals of the trees of order p + 1, p the :attr:`classical_order`."""
+        """Residuals of the trees of order p + 1, p the order.
+
+        For one-step methods the first value is the solution. Methods that carry several values come
+        with a starting method, whose principal part is free; it is the identity where that costs no
+        order, and the error constants are then those of the solution itself.
+        """
         order, identity = (self.kernel.range(x.key).value for x in (ORDER, ORDER_IDENTITY))
         return self.kernel.residuals(free=not (self.is_one_step or order == identity))
 

@@ -154,26 +154,6 @@ def order_of(
     return _search(series, result, most, counts)
 
 
-def nystrom_order_of(pair: Method, *, max_order: int = 9) -> OrderResult:
-    """Decide the order of a pair on second-order systems, q' = M^-1 p, p' = k(q).
-
-    The outputs are taken as the solution itself (no finishing method). Symplectic
-    Runge-Kutta-Nystrom methods in the form of splittings of p^2/2 + V(q) are the case r = 1.
-
-    Returns
-    -------
-    OrderResult
-        As :func:`order_of`, the starting series on the trees that count only; order 0 where the
-        pair is not preconsistent.
-
-    References
-    ----------
-    Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections II.2.3 and III.2.3;
-    Blanes and Moan, J. Comput. Appl. Math. 142 (2002), 313-330.
-    """
-    return order_of(pair, max_order=max_order, principal="identity", counts=counted("nystrom"))
-
-
 def _check_arguments(order: int, principal: str) -> None:
     if principal not in ("free", "identity"):
         raise UsageError(f"`principal` must be 'free' or 'identity', got {principal!r}")
