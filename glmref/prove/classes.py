@@ -24,14 +24,15 @@ residuals R at n + 1:
 * :func:`plan` chooses pairs (t, u), as many as zeta_1 has independent values on them, where Q = 0
   *defines* zeta_1, and classes where zeta_1 stays free. For q = 1 these are all pairs (theorem
   2).
-* :func:`follows` decides whether the identities ``R(t*u) + R(u*t) = (E Q)(t, u) - Q(t, u)`` of
-  order n + 1 and some given equations R = 0 leave only the zero solution: then all of R at n + 1
-  and all of Q at n vanish, and the induction goes on.
+* The judge (``conditions_follow``) decides whether the identities ``R(t*u) + R(u*t) = (E Q)(t, u)
+  - Q(t, u)`` of order n + 1 and some given equations R = 0 leave only the zero solution: then all
+  of R at n + 1 and all of Q at n vanish, and the induction goes on. :func:`representatives` lists
+  as few equations as there can be.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -291,24 +292,6 @@ def _identities(
                     row[at] -= x * y
         rows.append(row)
     return index, rows
-
-
-def follows(order: int, q: int, given: Collection[Tree], family: Family = Family.ROOTED) -> bool:
-    """Return whether R = 0 at the given trees of an odd order gives R = 0 at all of that order.
-
-    Supposed are stage order q, R = 0 and Q = 0 below, Q = 0 on the defining pairs of ``order -
-    1``. Then all of Q at ``order - 1`` vanishes too.
-    """
-    if order == 1:
-        return set(classes(1, q, family)) <= set(given)
-    index, rows = _identities(order, q, family)
-    span = _Span()
-    rank = sum(span.add(row) for row in rows)
-    for t in given:
-        if t.order == order and t in family:
-            reduced, _ = reduce_tree(t, q)
-            rank += span.add([Fraction(int(i == index[reduced])) for i in range(len(index))])
-    return rank == len(index)
 
 
 @cache

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,6 +12,8 @@ import pytest
 from glmref.errors import DataError
 from glmref.exact import Exact, linalg
 from glmref.exact.linalg import Matrix
+from glmref.judge import trees as judge_trees
+from glmref.judge.classes import conditions_follow
 from glmref.method.component import Component
 from glmref.method.sweep import SweepForm
 from glmref.prove.classes import (
@@ -19,7 +22,6 @@ from glmref.prove.classes import (
     _identities,
     attach,
     classes,
-    follows,
     free_tree,
     moves,
     pairs,
@@ -29,6 +31,13 @@ from glmref.prove.classes import (
 )
 from glmref.prove.equations import Series, starting_series
 from glmref.theory.trees import Tree, parse_tree, pruned, tree, trees
+
+
+def follows(order: int, q: int, given: Sequence[Tree]) -> bool:
+    """What the judge says of the conditions of an odd order, with the free trees of the finder."""
+    read = judge_trees.read_tree
+    free = {n: tuple(read(str(t)) for t in plan(n, q).free) for n in range(2, order, 2)}
+    return conditions_follow(order, q, {read(str(t)) for t in given}, free)
 
 
 def free_trees(order: int) -> list[tuple[Tree, ...]]:
