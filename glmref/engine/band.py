@@ -49,7 +49,7 @@ class Band:
 
 
 def band_of(structure: Structure) -> Band | None:
-    """Return the band of a square structure: the columns of each row that are not zero.
+    """Return the band of a square structure, which has the columns of each row that are not 0.
 
     ``None`` where a dense matrix is as good.
     """

@@ -35,7 +35,7 @@ def stable_step(problem: Problem, method: Method, *, t_end: float) -> float | No
 
     ``math.inf`` where every damped eigenvalue stays in the region for every h; ``None`` where
     nothing is predicted: of more than :data:`MOST_COMPONENTS` components, and of partitioned
-    methods, which are no functions of eigenvalues.
+    methods, whose steps are no functions of eigenvalues.
     """
     if not isinstance(method, GLM) or problem.dimension > MOST_COMPONENTS:
         return None

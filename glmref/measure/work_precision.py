@@ -133,29 +133,30 @@ def measure(
         options["every"] = max(1, abs(whole) // SAMPLES)
     solution, timing = _timed(solved_form(problem, method), method, options, repeats, budget)
     solution = without_clocks(solution, problem)
-    return Work(
-        method=method.name,
-        problem=problem.name,
-        h=float(h),
-        steps=solution.steps,
-        t_end=_last_time(problem, solution),
-        outcome=str(solution.outcome),
-        message="" if solution.completed else solution.message,
-        seconds=timing,
-        evaluations=solution.evaluations,
-        velocity_evaluations=solution.velocity_evaluations,
-        iterations=solution.iterations,
-        start_evaluations=begin.evaluations
-        + solution.start_evaluations
-        + solution.finish_evaluations,
-        start_seconds=begin.seconds,
-        build_seconds=solution.build_seconds,
-        kernel=solution.kernel,
-        **{
-            "notices": solution.notices,
-            **(_errors(problem, solution, ask) if solution.completed else {}),
-        },
-    )
+    found = of_run(method, problem, h, solution)
+    found |= {"seconds": timing, "start_seconds": begin.seconds}
+    found["start_evaluations"] += begin.evaluations
+    return Work(**found | (_errors(problem, solution, ask) if solution.completed else {}))
+
+
+def of_run(method: Method, problem: Problem, h: float, solution: Solution) -> dict[str, Any]:
+    """Return what the record of any run has, but for its times."""
+    return {
+        "method": method.name,
+        "problem": problem.name,
+        "h": float(h),
+        "steps": solution.steps,
+        "t_end": _last_time(problem, solution),
+        "outcome": str(solution.outcome),
+        "message": "" if solution.completed else solution.message,
+        "evaluations": solution.evaluations,
+        "velocity_evaluations": solution.velocity_evaluations,
+        "iterations": solution.iterations,
+        "start_evaluations": solution.start_evaluations + solution.finish_evaluations,
+        "build_seconds": solution.build_seconds,
+        "kernel": solution.kernel,
+        "notices": solution.notices,
+    }
 
 
 def _check_questions(problem: Problem, ask: Collection[str]) -> None:

@@ -15,7 +15,7 @@ from ..catalogue.lookup import load
 from ..compute import Done, Executor, Limits, Records
 from ..compute.child import MEMORY
 from ..compute.executors import Here
-from ..compute.records import made
+from ..compute.records import in_json, made
 from ..engine.outcome import StartFailed
 from ..errors import GlmrefError
 from ..measure.attempt import FUNCTION_FAILED, check_function, given_by_user
@@ -33,6 +33,7 @@ from ..measure.work_precision import (
     check_interruption,
     judged_state,
     measure,
+    of_run,
 )
 from ..problems.user import FunctionFailed
 from .model import TIMED, Scene, subject_of
@@ -271,23 +272,8 @@ def _sampled(
         seconds.append(solution.seconds)
         if len(seconds) >= task["repeats"] or sum(seconds) > task["budget"]:
             break
-    return solution, {
-        "method": method.name,
-        "problem": subject.name,
-        "h": task["h"],
-        "steps": solution.steps,
-        "t_end": float(solution.t[-1]),
-        "outcome": str(solution.outcome),
-        "message": "" if solution.completed else solution.message,
-        "seconds": Timing.of(seconds).as_json(),
-        "evaluations": solution.evaluations,
-        "velocity_evaluations": solution.velocity_evaluations,
-        "iterations": solution.iterations,
-        "start_evaluations": solution.start_evaluations + solution.finish_evaluations,
-        "build_seconds": solution.build_seconds,
-        "kernel": solution.kernel,
-        "notices": list(solution.notices),
-    }
+    record = of_run(method, subject, task["h"], solution) | {"seconds": Timing.of(seconds)}
+    return solution, in_json(record)
 
 
 def _law(method: Any, subject: Any, solution: Any) -> dict[str, Any]:
