@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ..errors import DataError, UsageError, did_you_mean
-from ..system.files import read_text, reason
+from ..system.files import given_file, read_text
 from .keys import is_plain
 from .strict_json import MAX_BYTES, Double, parse_json, read_json, shown
 from .strict_toml import loads
@@ -90,31 +90,12 @@ def path_of(name: str | Path) -> Path:
     known = _index(data_root())
     if text in known:
         return Path(known[text][1])
-    path = Path(text)
-    try:
-        kind = _kind(path) if text else "no file"
-    except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
-        raise UsageError(f"the file {shown(text)} cannot be read ({reason(error)})") from None
-    if kind == "file":
-        return path
-    if kind != "no file" or path.suffix == ".json" or path.parent != Path():
-        what = "does not exist" if kind == "no file" else f"is {kind}"
-        raise UsageError(
-            f"the file {shown(text)} {what}; give a method file or a name of `glmref list`"
-        )
+    found = given_file(text, ".json", shown(text), "a method file or a name of `glmref list`")
+    if found is not None:
+        return found
     # what is wrong on purpose is not proposed to somebody who did not ask for it
     hint = did_you_mean(text, names("methods"), otherwise="see `glmref list`")
     raise UsageError(f"there is no method named {shown(text)}; {hint}")
-
-
-def _kind(path: Path) -> str:
-    if path.is_file():
-        return "file"
-    if path.is_dir():
-        return "a folder"
-    if path.is_fifo():
-        return "a named pipe"
-    return "not a regular file" if path.exists() else "no file"
 
 
 def document(name: str | Path) -> dict[str, Any]:

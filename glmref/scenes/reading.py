@@ -7,7 +7,6 @@ import hashlib
 import json
 import math
 import re
-import stat
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
@@ -24,7 +23,7 @@ from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
 from ..problems.table import OWN, from_table
-from ..system.files import kind_of, named_in, read_bytes, read_text, reason
+from ..system.files import given_file, named_in, read_bytes, read_text
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 _TEXTS = ("format", "name", "title", "question")
@@ -85,20 +84,9 @@ def _path_of(text: str) -> Path:
     shipped = names()
     if text in shipped:
         return data_root() / "scenes" / f"{text}.toml"
-    path = Path(text)
-    try:
-        mode = path.stat().st_mode if text else None
-    except FileNotFoundError:
-        mode = None
-    except (OSError, ValueError) as error:
-        raise UsageError(f"the file {shown(text)} cannot be read ({reason(error)})") from None
-    if mode is not None and stat.S_ISREG(mode):
-        return path
-    if mode is not None or path.suffix == ".toml" or path.parent != Path():
-        what = "does not exist" if mode is None else f"is {kind_of(mode)}"
-        raise UsageError(
-            f"the file {shown(text)} {what}; give a scene file or one of {', '.join(shipped)}"
-        )
+    what = f"a scene file or one of {', '.join(shipped)}"
+    if (found := given_file(text, ".toml", shown(text), what)) is not None:
+        return found
     hint = did_you_mean(text, shipped, otherwise=f"the scenes are {', '.join(shipped)}")
     raise UsageError(f"there is no scene named {shown(text)}; {hint}")
 

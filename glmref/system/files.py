@@ -164,6 +164,31 @@ def named_in(folder: Path, name: object, key: str, what: str = "the file that na
     return found
 
 
+def given_file(name: str, suffix: str, named: str, what: str) -> Path | None:
+    """Return the file that a user gives; ``None`` for a word that is no file's name here.
+
+    ``named`` is the name in a sentence, and ``what`` says what to give instead.
+
+    Raises
+    ------
+    UsageError
+        For a file that is missing, not regular, or cannot be read.
+    """
+    path = Path(name)
+    try:
+        mode = path.stat().st_mode if name else None
+    except FileNotFoundError:
+        mode = None
+    except (OSError, ValueError) as error:  # a name too long, a folder one may not enter
+        raise UsageError(f"the file {named} cannot be read ({reason(error)})") from None
+    if mode is not None and stat.S_ISREG(mode):
+        return path
+    if mode is None and path.suffix != suffix and path.parent == Path():
+        return None
+    found = "does not exist" if mode is None else f"is {kind_of(mode)}"
+    raise UsageError(f"the file {named} {found}; give {what}")
+
+
 # --- writing --------------------------------------------------------------------------------------
 
 

@@ -61,7 +61,7 @@ def test_a_near_miss_names_what_was_meant() -> None:
         ("nothing.json", "does not exist"),
         (".", "is a folder"),
         ("", "there is no method named"),
-        ("/dev/null", "is not a regular file"),
+        ("/dev/null", "is a device"),
         ("a" * 3000 + ".json", "cannot be read"),
         ("a\0b", "there is no method named|cannot be read"),
     ],
