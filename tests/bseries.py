@@ -84,11 +84,7 @@ def combine(terms: Sequence[tuple[Any, Series]]) -> Series:
 
 
 def elementary_weights(
-    A: Sequence[Sequence[Any]],
-    B: Sequence[Any],
-    order: int,
-    *,
-    u: Coefficient = 1,
+    A: Sequence[Sequence[Any]], B: Sequence[Any], order: int, *, u: Coefficient = 1
 ) -> Series:
     """Return the series of ``Y = y + h A f(Y)``, ``x = u y + h B f(Y)``."""
     outputs = B if isinstance(u, tuple) else (B,)

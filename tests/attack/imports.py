@@ -25,14 +25,9 @@ CASES = "tables"
 COUNT = 2000
 SECONDS = 5.0
 NAMES = (
-    "heun-2",
-    "rk4",
-    "dormand-prince-5",
-    "kennedy-carpenter-ark-4-3",
-    "stormer-verlet",
-    "ruth-3",
+    "heun-2", "rk4", "dormand-prince-5", "kennedy-carpenter-ark-4-3", "stormer-verlet", "ruth-3",
     "g6245",
-)
+)  # fmt: skip
 #: Texts that would end a comment, go on after it, be a formula or be seen as others.
 TEXTS = ("*/ evil(); /*", "a\nevil()", "a\r\x85\u2028evil()", "=# evil() #=", '"""\nevil()\n"""', "a\\", "??/",
          "\x1b[2J", "\u202e\u200b", "\ud800", "=cmd()", "@SUM(1)", "\x00", "</script>", "\uff0bcmd()")  # fmt: skip

@@ -285,13 +285,9 @@ class Case:
     def __str__(self) -> str:
         parts = [
             *([f"{self.lanes} lanes"] if self.lanes else []),
-            *([f"basis {self.basis}"] if self.basis else []),
-            self.kind,
-            str(self.what),
-            f"y0 = {self.state}",
-            f"t0 = {self.t0!r}",
-            self.method,
-        ]
+            *([f"basis {self.basis}"] if self.basis else []), self.kind, str(self.what),
+            f"y0 = {self.state}", f"t0 = {self.t0!r}", self.method,
+        ]  # fmt: skip
         return ", ".join([*parts, json.dumps(self.arguments, default=shown)])
 
 

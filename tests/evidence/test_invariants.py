@@ -102,8 +102,7 @@ def test_there_are_many_such_methods_and_wrong_ones():
 
 @pytest.mark.sampled(0, besides=("gauss",), whole=20)
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=() if n in FAST else pytest.mark.slow) for n in FORMS],
+    "name", [pytest.param(n, marks=() if n in FAST else pytest.mark.slow) for n in FORMS]
 )
 def test_a_g_symplectic_method_keeps_its_form_to_round_off(name):
     method = load(name)

@@ -13,12 +13,7 @@ from mpmath import ellipk, sin
 from glmref.catalogue.lookup import load, names
 from glmref.exact.expression import parse
 from glmref.measure.longtime import follow, watch
-from glmref.measure.parasitic import (
-    growth,
-    loss,
-    modes,
-    solution_direction,
-)
+from glmref.measure.parasitic import growth, loss, modes, solution_direction
 from glmref.problems import problem
 from tests.shipped import shipped
 

@@ -120,8 +120,7 @@ def test_a_full_disk_costs_the_cache_of_kernels_and_no_run(runs: Runs) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "number",
-    [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)],
+    "number", [signal.SIGINT, signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)]
 )
 def test_a_signal_ends_a_run_and_keeps_what_is_done(runs: Runs, number: signal.Signals) -> None:
     name = f"signal-{number.name}"
@@ -154,16 +153,9 @@ def test_two_signals_end_a_run_in_processes_as_one_does(runs: Runs, pause: float
         encoding="utf-8",
     )
     command = [
-        sys.executable,
-        "-m",
-        "glmref",
-        "run",
-        str(scene),
-        "--output",
-        str(runs.folder / name),
-        "--on",
-        "local:2",
-    ]
+        sys.executable, "-m", "glmref", "run", str(scene), "--output", str(runs.folder / name),
+        "--on", "local:2",
+    ]  # fmt: skip
     process = runs.popen(command, start_new_session=True)
     time.sleep(3.0 + 20 * pause)  # while processes start, and while they compute
     process.send_signal(signal.SIGTERM)

@@ -71,10 +71,7 @@ def test_composition_is_linear_in_what_is_applied_last(series, factor):
     assert both == combine([(factor, compose(a, b)), (1 - factor, compose(a, c))])
 
 
-GAUSS_2 = {
-    "A": [["1/4", "1/4-sqrt(3)/6"], ["1/4+sqrt(3)/6", "1/4"]],
-    "b": ["1/2", "1/2"],
-}
+GAUSS_2 = {"A": [["1/4", "1/4-sqrt(3)/6"], ["1/4+sqrt(3)/6", "1/4"]], "b": ["1/2", "1/2"]}
 HEUN_3 = {"A": [[0, 0, 0], ["1/3", 0, 0], [0, "2/3", 0]], "b": ["1/4", 0, "3/4"]}
 
 

@@ -89,8 +89,7 @@ def g_symplectic_defects(method: GLM, G: Matrix, D: Sequence[Entry]) -> tuple[Ma
         linalg.sub(linalg.matmul(star(V), G, V), G),
         linalg.sub(linalg.matmul(D, U), linalg.matmul(star(B), G, V)),
         linalg.sub(
-            linalg.add(linalg.matmul(D, A), linalg.matmul(star(A), D)),
-            linalg.matmul(star(B), G, B),
+            linalg.add(linalg.matmul(D, A), linalg.matmul(star(A), D)), linalg.matmul(star(B), G, B)
         ),
     )
 
@@ -111,8 +110,7 @@ def symplectic_matrix(A: Matrix, b: Vector) -> Matrix:
     """``M = diag(b) A + A^T diag(b) - b b^T`` of a Runge-Kutta method, section 1.3."""
     weighted = linalg.matmul(linalg.diagonal(b), A)
     return linalg.sub(
-        linalg.add(weighted, linalg.transpose(weighted)),
-        tuple(tuple(x * y for y in b) for x in b),
+        linalg.add(weighted, linalg.transpose(weighted)), tuple(tuple(x * y for y in b) for x in b)
     )
 
 

@@ -57,10 +57,7 @@ def test_file_holds_the_tableau_of_the_thesis(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "stages"),
-    [
-        ("thesis-start-3-6-printed", START_PRINTED),
-        ("gsymplectic-n-start-3-6", START_CORRECTED),
-    ],
+    [("thesis-start-3-6-printed", START_PRINTED), ("gsymplectic-n-start-3-6", START_CORRECTED)],
 )
 def test_file_holds_the_starting_method_3_6(name: str, stages: list[list[str]]) -> None:
     file, typed = load(name).starting, starter_n(stages)

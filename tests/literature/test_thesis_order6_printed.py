@@ -11,15 +11,7 @@ from glmref.exact import exact, linalg
 from glmref.exact.linalg import Matrix
 
 from .exactly import determinant, dot, matrix, order, same, vector
-from .thesis import (
-    A6_PRINTED,
-    B6,
-    C6,
-    W6_HAT_PRINTED,
-    W6_PRINTED,
-    W6_TILDE_PRINTED,
-    one_value,
-)
+from .thesis import A6_PRINTED, B6, C6, W6_HAT_PRINTED, W6_PRINTED, W6_TILDE_PRINTED, one_value
 
 W, A, B, C = W6_PRINTED, A6_PRINTED, B6, C6
 C2 = Fraction(1, 15)

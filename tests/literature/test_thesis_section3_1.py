@@ -45,9 +45,7 @@ def form(G: Matrix, y: Vector, z: Vector | None = None) -> Exact:
 
 
 @pytest.mark.parametrize("build", [method_n, order4, lambda: real_form(order6())])
-def test_g_of_n_of_3_8_and_of_order_6_is_indefinite(
-    build: object,
-) -> None:
+def test_g_of_n_of_3_8_and_of_order_6_is_indefinite(build: object) -> None:
     # ||y||_G^2 is <y, y>_G, and it is no norm: it takes both signs, so zero for some y != 0.
     G = build().G
     first, second = ([int(i == k) for i in range(len(G))] for k in (0, 1))

@@ -130,11 +130,8 @@ def sweep(b: Vector, omega: Vector, gamma: Vector, z: Scalar) -> GLM:
     """
     g = linalg.diagonal(vector(["1", "-1/2", "-1/2", "1"]))
     X = (
-        tuple(exact(1) for _ in b),
-        omega,
-        tuple(w.conjugate() for w in omega),
-        gamma,
-    )
+        tuple(exact(1) for _ in b), omega, tuple(w.conjugate() for w in omega), gamma,
+    )  # fmt: skip
     B = tuple(tuple(x * weight for x, weight in zip(row, b, strict=True)) for row in X)
     V = linalg.diagonal((exact(1), z, z.conjugate(), exact(-1)))
     star = linalg.conjugate_transpose

@@ -30,24 +30,11 @@ FOLDERS = {
 FUNCTIONS = {"sqrt", "root", "exp", "pi", "i"}
 COEFFICIENTS = {
     *(
-        "A",
-        "U",
-        "B",
-        "V",
-        "X",
-        "b",
-        "alpha",
-        "beta",
-        "a",
-        "gamma",
-        "A_hat",
-        "b_hat",
-        "q",
-        "p",
+        "A", "U", "B", "V", "X", "b", "alpha", "beta", "a", "gamma", "A_hat", "b_hat", "q", "p",
         "parts",
     ),
     *("c", "v", "w", "V_hat", "G", "D", "D_P", "D_Q", "constants", "unknowns"),
-}
+}  # fmt: skip
 
 
 def no_float(text):

@@ -18,9 +18,7 @@ from tests.sources import PACKAGE, SOURCES, nodes, text
 ROOT = PACKAGE.parent
 
 #: Subpackages that import inside functions as a rule, and why.
-ON_DEMAND = {
-    "cli": "a command loads what it runs, and help nothing",
-}
+ON_DEMAND = {"cli": "a command loads what it runs, and help nothing"}
 
 FILES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path

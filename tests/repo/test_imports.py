@@ -22,16 +22,10 @@ from glmref.prove.verdict_cache import SUBPACKAGES
 from tests.sources import PACKAGE, SOURCES, nodes, text
 
 LAYERS = [
-    "judge errors findings system",
-    "exact method",
-    "catalogue theory compute",
-    "prove derive",
-    "problems engine",
-    "measure views",
-    "scenes exchange conformance audit",
-    "report cli",
+    "judge errors findings system", "exact method", "catalogue theory compute", "prove derive",
+    "problems engine", "measure views", "scenes exchange conformance audit", "report cli",
     "__main__ __init__",
-]
+]  # fmt: skip
 HEIGHT = {
     subpackage: (row, column)
     for row, line in enumerate(LAYERS)
@@ -459,16 +453,8 @@ def test_code_seldom_asks_of_what_kind_a_method_is() -> None:
 def test_nothing_is_unpickled_and_no_connection_is_opened() -> None:
     """`compute/child.py` binds a local socket to hold a core; `urllib.parse` writes addresses."""
     banned = {
-        "pickle",
-        "marshal",
-        "shelve",
-        "socket",
-        "ssl",
-        "http",
-        "ftplib",
-        "smtplib",
-        "requests",
-    }
+        "pickle", "marshal", "shelve", "socket", "ssl", "http", "ftplib", "smtplib", "requests",
+    }  # fmt: skip
     found = {
         (str(path.relative_to(PACKAGE)), module[0])
         for path in SOURCES

@@ -16,19 +16,13 @@ ROOT = Path(__file__).parents[2]
 WAYS = sorted((ROOT / "docs" / "ways").glob("*.sh"))
 SAID = {
     "analyst": [
-        "L-stable",
-        "4 hold, 0 fail, 0 open",
-        "wrote my-method.svg",
-        "open pages/index.html",
+        "L-stable", "4 hold, 0 fail, 0 open", "wrote my-method.svg", "open pages/index.html",
     ],
     "author": [
-        "13 holds, 0 fails",
-        "its coefficients differ: B[1][2]",
-        "exit code 1",
-        "is rk4 (to 0)",
+        "13 holds, 0 fails", "its coefficients differ: B[1][2]", "exit code 1", "is rk4 (to 0)",
     ],
     "contributor": ["1 hold, 0 fail", "wrote data/SHA256SUMS", "passed"],
-}
+}  # fmt: skip
 
 
 def commands(script: Path) -> list[str]:

@@ -1,8 +1,8 @@
-"""Every command that takes a method, on every shipped file and every one that is wrong on purpose.
+"""Every command that takes a method, on every kind of shipped file and of those wrong on purpose.
 
 A method of a rare class reaches code that the tests of a command do not: each answer must be an
-exit code that the command documents, and never an internal error. Of wrong files, for the analysis
-and for a scene there is one file of every kind, and all where ``GLMREF_LONG`` is set.
+exit code that the command documents, and never an internal error. Every file is taken where
+``GLMREF_LONG`` is set; in any case by ``show`` and ``cite`` (tests/unit/test_show.py, test_bibtex.py).
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
-@pytest.mark.parametrize("name", [*METHODS, *kinds(BROKEN, "claims")])
+@pytest.mark.parametrize("name", [*kinds(METHODS, "claims"), *kinds(BROKEN, "claims")])
 @pytest.mark.usefixtures("few_points")
-def test_what_describes_a_method_takes_every_one(
+def test_what_describes_a_method_takes_every_kind(
     name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     picture = tmp_path / "picture.svg"

@@ -30,10 +30,7 @@ CAUGHT = {
     "petsc-1bee": ("order", "h^1.00, not h^2", "order 1: the weight of f[k] misses 1/2 by 0.25"),
     "openmodelica-rk1214": ("order", "h^1.00, not h^14"),
     "openmodelica-fehlberg45": (
-        "order",
-        "h^2.00, not h^5",
-        "nearest is rkf45-4",
-        "B[1][1] is 0.121",
+        "order", "h^2.00, not h^5", "nearest is rkf45-4", "B[1][1] is 0.121",
     ),
     "openmodelica-fehlberg12": ("order", "not h^2", "the weight of [o] misses 1/2 by 0.002"),
     "torchdiffeq-tsit5": ("order", "h^3.94, not h^5", "have order 4"),
@@ -53,7 +50,7 @@ CAUGHT = {
     "petsc-glee25i": ("coefficients", "have order 1: the weight of [o] misses 1/2 by 1.4e-05"),
     "desolver-abas5o6h": ("order", "h^4.00, not h^6", "have order 4"),
     "desolver-babs9o7h": ("order", "h^4.00, not h^7", "have order 4"),
-}
+}  # fmt: skip
 #: Those that take less than a second stay in the quick tests; the runs of the others are long.
 QUICK = {"diffrax-kencarp5", "sciml-mcate42", "petsc-glee25i", "nodepy-ssp53",
          "rklib-rks5", "tudat-rkf89", "desolver-babs9o7h"}  # fmt: skip

@@ -18,12 +18,9 @@ from glmref.catalogue.lookup import load
 from glmref.exchange.feed import CHECKERS, tableau_text
 
 SOME = (
-    "gauss-2",
-    "dormand-prince-5-4",
-    "dormand-prince-sign",
-    "gauss-2-seven-digits",
+    "gauss-2", "dormand-prince-5-4", "dormand-prince-sign", "gauss-2-seven-digits",
     "feagin-14-printed",
-)
+)  # fmt: skip
 Checker = Callable[[list[Path]], list[dict[str, Any]]]
 MOST = 8
 

@@ -165,8 +165,7 @@ def test_the_order_is_seen_in_runs(name, order):
 
 
 @pytest.mark.parametrize(
-    ("row", "order"),
-    [(("11/30", "2/5"), 2), (("4/15", "2/5"), 3), (("11/30", "3/10"), 3)],
+    ("row", "order"), [(("11/30", "2/5"), 2), (("4/15", "2/5"), 3), (("11/30", "3/10"), 3)]
 )
 def test_two_entries_would_mend_the_printed_imkg_354a(row, order):
     """The sum of its fourth row must be 2/3, and the print does not say which of two is wrong."""

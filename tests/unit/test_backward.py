@@ -234,10 +234,7 @@ def test_a_symplectic_map_has_a_hamiltonian_field():
     rk4 = UnderlyingMethod.of_method(load("rk4")).through(6)
     assert [
         any(is_zero(x) is False for _, x in symplectic_defects(rk4.map, n)) for n in (4, 5)
-    ] == [
-        False,
-        True,
-    ]
+    ] == [False, True]
 
 
 #: name, order computed, orders reached: Hamiltonian, conjugate-symplectic, preserving H; None: all.

@@ -96,10 +96,7 @@ def test_what_is_wrong_on_purpose_is_named_only_where_it_is_asked_for() -> None:
             path_of(name[:-1] + "_")
         told = re.findall(r"[a-z0-9.-]+(?= or |\?)", str(refusal.value))
         assert not wrong & set(told)
-    with pytest.raises(
-        UsageError,
-        match="did you mean broken",
-    ):
+    with pytest.raises(UsageError, match="did you mean broken"):
         names("brokn")
 
 

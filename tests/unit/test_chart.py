@@ -75,9 +75,7 @@ def test_long_names_lie_inside_the_picture():
     assert float(label.get("x")) + 6.5 * 40 <= float(root.get("width"))
 
 
-@given(
-    st.lists(st.floats(-200, 900), min_size=1, max_size=25),
-)
+@given(st.lists(st.floats(-200, 900), min_size=1, max_size=25))
 def test_labels_are_apart_and_keep_their_order(wanted):
     placed = place_labels(wanted, 46.0, 400.0)
     order = sorted(range(len(wanted)), key=lambda k: wanted[k])

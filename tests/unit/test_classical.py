@@ -6,14 +6,7 @@ import pytest
 
 from glmref.exact import Exact
 from glmref.exact.linalg import dot
-from tests.classical import (
-    collocation,
-    gauss,
-    lobatto_iiia,
-    lobatto_iiib,
-    lobatto_iiic,
-    radau_iia,
-)
+from tests.classical import collocation, gauss, lobatto_iiia, lobatto_iiib, lobatto_iiic, radau_iia
 
 
 def quadrature_order(A, b):

@@ -147,13 +147,8 @@ def test_every_kind_of_method_is_checked_and_analysed(
 def test_a_shipped_method_without_its_format_is_the_same_method(name: str, tmp_path: Path) -> None:
     whole = document(name)
     keys = BLOCKS[whole["class"]] | {
-        "class",
-        "constants",
-        "digits",
-        "field",
-        "unknowns",
-        "enclosure",
-    }
+        "class", "constants", "digits", "field", "unknowns", "enclosure",
+    }  # fmt: skip
     plain = glmref.load(write(tmp_path, {k: x for k, x in whole.items() if k in keys}))
     method = glmref.load(name)
     for x, y in zip(plain.components, method.components, strict=True):

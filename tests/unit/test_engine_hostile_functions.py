@@ -98,10 +98,7 @@ def test_a_function_that_means_well_is_stepped_right(method, engine):
 def test_parts_that_compute_in_place_are_stepped_right(method, engine):
     options = {"h": 0.1, "steps": 100, "engine": engine}
     expected = solve(Problem(force=("-q[0]",), y0=(1, 0)), method, **options)
-    for given in (
-        {"dq": dq_spoils, "dp": dp_in_place},
-        {"force": dp_in_place},
-    ):
+    for given in ({"dq": dq_spoils, "dp": dp_in_place}, {"force": dp_in_place}):
         run = solve(Problem(**given, y0=(1.0, 0.0)), method, **options)
         assert run.completed, run.message
         assert np.abs(run.y - expected.y).max() < 2e-14

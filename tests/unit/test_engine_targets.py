@@ -59,7 +59,7 @@ METHODS = {
     # both eigenvalues of A are 1/2, and there is one vector for them: the stages are not separated
     "one vector": GLM(
         [["3/4", "-1/4"], ["1/4", "1/4"]], [["1"], ["1"]], [["1/2", "1/2"]], [["1"]], name="jordan"
-    ),
+    )
 }
 
 

@@ -128,16 +128,11 @@ def test_integer_arithmetic_of_indices():
 @pytest.mark.parametrize(
     "body",
     [
-        "x[0] = max(x[1], x[2])",
-        "y = [1.0, 2.0]\nx[0] = y[0]",
-        "k = 1\nk = x[0]",
-        "if n:\n    x[0] = 1.0",
-        "k = not n",
-        "x[0] = unknown",
-        "x[0] = float(n)",
+        "x[0] = max(x[1], x[2])", "y = [1.0, 2.0]\nx[0] = y[0]", "k = 1\nk = x[0]",
+        "if n:\n    x[0] = 1.0", "k = not n", "x[0] = unknown", "x[0] = float(n)",
         "for i in x:\n    x[0] = i",
     ],
-)
+)  # fmt: skip
 def test_what_is_not_understood_is_refused(body):
     lines = "\n".join("    " + line for line in body.splitlines())
     with pytest.raises(translate.Unsupported):

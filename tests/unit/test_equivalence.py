@@ -7,12 +7,7 @@ from glmref.errors import UsageError
 from glmref.exact import exact
 from glmref.method import GLM, as_matrix
 from glmref.method.families import linear_multistep, runge_kutta
-from glmref.theory.equivalence import (
-    drop_idle_stages,
-    merge_equal_stages,
-    reachable_values,
-    reduce,
-)
+from glmref.theory.equivalence import drop_idle_stages, merge_equal_stages, reachable_values, reduce
 from glmref.theory.reduction import reduction
 from glmref.theory.stability import stability_polynomial
 from tests.classical import adams_moulton, gauss

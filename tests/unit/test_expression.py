@@ -108,13 +108,7 @@ def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> 
         *(
             (f"exp({x})", "a rational multiple of pi")
             for x in (
-                "i",
-                "2*i",
-                "i/pi",
-                "pi*pi*i",
-                "pi*i+i",
-                "i*pi*sqrt(pi)",
-                "2*i*pi/(1+pi)",
+                "i", "2*i", "i/pi", "pi*pi*i", "pi*i+i", "i*pi*sqrt(pi)", "2*i*pi/(1+pi)",
                 "sqrt(pi)*i",
             )
         ),
@@ -130,7 +124,7 @@ def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> 
         ("+".join(["sqrt(2)"] * (MAX_RADICALS + 1)), f"{MAX_RADICALS + 1} roots"),
         ("1" * (MAX_LENGTH + 1), f"at most {MAX_LENGTH} are read"),
     ],
-)
+)  # fmt: skip
 def test_wrong_expression_is_refused_with_its_reason(text: str, what: str) -> None:
     with pytest.raises(DataError) as caught:
         parse(text)
@@ -163,24 +157,12 @@ def test_weights_count_what_constants_stand_for() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "0",
-        "-3/7",
-        "sqrt(2)",
-        "-sqrt(3)/2",
-        "(3-sqrt(3))/6",
-        "1-2/sqrt(3)",
-        "i",
-        "1/2+i*sqrt(3)/2",
-        "exp(2*pi*i/8)",
-        "sqrt((65274*sqrt(330)-347009)/1265902)",
-        "sqrt(2+sqrt(3))-sqrt(5)*sqrt(2+sqrt(3))",
-        "sqrt(2)*sqrt(3)+sqrt(5)/7",
-        "root(2,5)",
-        "1/(2-root(2,3))",
-        "root(3/2,7)*root(3/2,7)",
-        "root(3,5)+sqrt(2)*root(2,3)",
+        "0", "-3/7", "sqrt(2)", "-sqrt(3)/2", "(3-sqrt(3))/6", "1-2/sqrt(3)", "i",
+        "1/2+i*sqrt(3)/2", "exp(2*pi*i/8)", "sqrt((65274*sqrt(330)-347009)/1265902)",
+        "sqrt(2+sqrt(3))-sqrt(5)*sqrt(2+sqrt(3))", "sqrt(2)*sqrt(3)+sqrt(5)/7", "root(2,5)",
+        "1/(2-root(2,3))", "root(3/2,7)*root(3/2,7)", "root(3,5)+sqrt(2)*root(2,3)",
     ],
-)
+)  # fmt: skip
 def test_printed_number_parses_back_to_itself(text: str) -> None:
     value = parse(text)
     assert parse(to_text(value)) == value

@@ -214,26 +214,14 @@ def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
 #: Texts that would end a comment, continue it on the next line, or be seen as another text.
 ENDS = (
     *(
-        "*/ int evil; /*",
-        "a\nevil()",
-        "a\revil()",
-        "a\x85evil()",
-        "=# evil() #=",
+        "*/ int evil; /*", "a\nevil()", "a\revil()", "a\x85evil()", "=# evil() #=",
         '"""\nevil()\n"""',
     ),
     *(
-        "*\\ int evil; /\\*",
-        "a\\",
-        "??/",
-        "\x1b[2J",
-        "\u202e",
-        "\u200b",
-        "\ud800",
-        "=cmd()",
-        "@SUM(1)",
-        "\x00",
+        "*\\ int evil; /\\*", "a\\", "??/", "\x1b[2J", "\u202e", "\u200b", "\ud800", "=cmd()",
+        "@SUM(1)", "\x00",
     ),
-)
+)  # fmt: skip
 
 
 @pytest.mark.sampled(60)

@@ -69,11 +69,8 @@ def test_an_order_of_the_identity_needs_first_values_that_are_the_solution(monke
     assert orders()["nystrom-order"] == orders()["order-identity"] == 3
     monkeypatch.setattr(kind, "principal_is_zero", lambda self, p, identity, nystrom: False)
     assert orders().keys() == {
-        "order",
-        "effective-order",
-        "starting-order",
-        "nystrom-starting-order",
-    }
+        "order", "effective-order", "starting-order", "nystrom-starting-order",
+    }  # fmt: skip
     assert orders()["starting-order"] == orders()["nystrom-starting-order"] == 0
 
 

@@ -106,10 +106,7 @@ def chain(n, **options):
     ("H", "y0"),
     [
         # both halves have a root that occurs twice, and f is made of both
-        (
-            "sqrt(1 + px**2 + py**2) - 1/sqrt(qx**2 + qy**2)",
-            {"qx": 1, "qy": 0, "px": 0, "py": 0.5},
-        ),
+        ("sqrt(1 + px**2 + py**2) - 1/sqrt(qx**2 + qy**2)", {"qx": 1, "qy": 0, "px": 0, "py": 0.5}),
         # a constant under a sum is no part of a gradient
         (
             "sum(1 - cos(p[i]) for i in range(n)) + sum(1 - cos(q[i]) for i in range(n))",

@@ -10,11 +10,7 @@ from glmref.exact import exact, root_of_unity
 from glmref.exact.linalg import diagonal
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.families import linear_multistep, partitioned_runge_kutta
-from glmref.theory.parasitism import (
-    _parasitic,
-    growth,
-    growth_parameters,
-)
+from glmref.theory.parasitism import _parasitic, growth, growth_parameters
 
 
 def test_growth_of_n_and_p_is_the_printed_one():

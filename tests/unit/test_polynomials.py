@@ -137,12 +137,8 @@ def test_roots_are_counted_where_they_are():
     circle = poly.mul(poly.from_roots([exact(x) for x in (-1, -1, 1, 0)]), P(1, 0, 1))
     assert unimodular_roots(circle) == 4
     assert [unimodular_roots(q) for q in (P(3), P(0, 1), P(1, 1), P(1, 3, 1), P(1, 2))] == [
-        0,
-        0,
-        1,
-        0,
-        0,
-    ]
+        0, 0, 1, 0, 0,
+    ]  # fmt: skip
 
 
 def test_a_first_root_is_enclosed_from_above():

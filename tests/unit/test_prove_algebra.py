@@ -10,13 +10,7 @@ import pytest
 
 from glmref.exact import Ball, Exact, ball, exact
 from glmref.prove import algebra
-from glmref.prove.algebra import (
-    bounded,
-    diagonal_values,
-    in_right_half,
-    inside_circle,
-    leaves_disc,
-)
+from glmref.prove.algebra import bounded, diagonal_values, in_right_half, inside_circle, leaves_disc
 from glmref.theory import polynomials as poly
 
 SMALL = Ball.around(ball(0), Fraction(1, 10**20))

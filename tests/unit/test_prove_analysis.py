@@ -12,15 +12,7 @@ import pytest
 from glmref import analyze, load
 from glmref.catalogue.lookup import document
 from glmref.exact.expression import parse
-from glmref.prove import (
-    classes,
-    digits,
-    enclosure,
-    equations,
-    krawczyk,
-    starting,
-    system,
-)
+from glmref.prove import classes, digits, enclosure, equations, krawczyk, starting, system
 from glmref.prove.verifier import facts_for
 from glmref.theory import starting_series
 

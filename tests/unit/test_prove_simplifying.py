@@ -144,17 +144,10 @@ def test_what_an_enclosure_cannot_mean_is_refused(changes: dict[str, Any], said:
 @pytest.mark.parametrize(
     "text",
     [
-        "column 8",
-        "column 0",
-        "stage 8 2",
-        "stage 1 8",
-        "stage 1",
-        "embedded other [o]",
-        "order",
-        "defect 1",
-        "embedded [o]",
+        "column 8", "column 0", "stage 8 2", "stage 1 8", "stage 1", "embedded other [o]", "order",
+        "defect 1", "embedded [o]",
     ],
-)
+)  # fmt: skip
 def test_equations_without_a_meaning_are_refused(text: str) -> None:
     with pytest.raises(DataError):
         replaced(document(), document()["enclosure"]["equations"][0], text)

@@ -115,10 +115,7 @@ def test_equations_without_a_meaning_are_refused_in_a_sentence(equation: str, me
     assert len(str(found.value)) < 300
 
 
-@pytest.mark.parametrize(
-    "read",
-    [lambda x: Equation.read(x, 1), lambda x: Equation.read(x, 2)],
-)
+@pytest.mark.parametrize("read", [lambda x: Equation.read(x, 1), lambda x: Equation.read(x, 2)])
 def test_refusals_quote_the_beginning_of_an_equation(read: Any) -> None:
     for text in ("9" * 4000, "column " + "9" * 4000):
         with pytest.raises(DataError, match="is unknown; write") as found:

@@ -169,11 +169,8 @@ def test_the_modified_equation_of_euler_and_of_the_implicit_midpoint_rule():
     # Hairer, Lubich, Wanner (2006), example IX.7.1 and (IX.1.6): coefficients divided by sigma
     euler = modified_equation(Series.of(from_rk([[0]], [1]), 3))
     assert [euler[Tree(t)] for t in ("o", "[o]", "[oo]", "[[o]]")] == [
-        1,
-        F(-1, 2),
-        F(1, 6),
-        F(1, 3),
-    ]
+        1, F(-1, 2), F(1, 6), F(1, 3),
+    ]  # fmt: skip
     midpoint = modified_equation(Series.of(load("implicit-midpoint"), 3))
     assert [midpoint[Tree(t)] for t in ("[o]", "[oo]", "[[o]]")] == [0, F(-1, 12), F(1, 12)]
 

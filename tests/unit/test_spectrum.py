@@ -13,12 +13,7 @@ from glmref.exact.linalg import block_diagonal, diagonal, dot, matvec, vecmat
 from glmref.method import as_matrix
 from glmref.method.families import linear_multistep
 from glmref.theory import polynomials as poly
-from glmref.theory.spectrum import (
-    Boundedness,
-    eigenvectors,
-    power_bounded,
-    unimodular_eigenvalues,
-)
+from glmref.theory.spectrum import Boundedness, eigenvectors, power_bounded, unimodular_eigenvalues
 from tests.classical import bdf
 
 

@@ -9,13 +9,7 @@ import glmref
 from glmref.errors import UsageError
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.families import (
-    composition,
-    linear_multistep,
-    one_leg,
-    runge_kutta,
-    splitting,
-)
+from glmref.method.families import composition, linear_multistep, one_leg, runge_kutta, splitting
 from glmref.prove.kernel import Kernel, Proposal
 from glmref.theory import polynomials as poly
 from glmref.theory.stability import (

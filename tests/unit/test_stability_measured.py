@@ -7,14 +7,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.measure.attempt import attempt
-from glmref.measure.stability import (
-    amplification,
-    bounded,
-    interval,
-    locus,
-    radius,
-    region,
-)
+from glmref.measure.stability import amplification, bounded, interval, locus, radius, region
 from glmref.method import GLM
 from glmref.problems import problem
 from glmref.theory import polynomials as poly
@@ -66,8 +59,7 @@ QUICK = {"leapfrog", "gsymplectic-n", "g6245-w3"}
 
 @pytest.mark.sampled(2, besides=("g6245-w3",))
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in WITH_INTERVAL],
+    "name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in WITH_INTERVAL]
 )
 def test_measured_periodicity_intervals_are_the_computed_ones(name):
     method = load(name)

@@ -17,13 +17,7 @@ from glmref.method.families import (
     runge_kutta,
     splitting,
 )
-from glmref.theory.symmetry import (
-    _better,
-    adjoint,
-    symmetry,
-    symmetry_as_given,
-    symmetry_residual,
-)
+from glmref.theory.symmetry import _better, adjoint, symmetry, symmetry_as_given, symmetry_residual
 from glmref.theory.symplectic import judge_identities
 from tests.classical import (
     adams_moulton,

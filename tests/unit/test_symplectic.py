@@ -31,15 +31,9 @@ from tests.classical import (
 )
 
 GSYMPLECTIC = [
-    "gsymplectic-n",
-    "gsymplectic-p",
-    "thesis-3-8",
-    "s4-symmetric",
-    "g4123",
-    "g6245",
-    "g6245-w3",
+    "gsymplectic-n", "gsymplectic-p", "thesis-3-8", "s4-symmetric", "g4123", "g6245", "g6245-w3",
     "g6245-w3-complex",
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", GSYMPLECTIC)

@@ -80,23 +80,10 @@ def test_alternating_colours():
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        "oo",
-        "[",
-        "]",
-        "[]",
-        "[o",
-        "o]",
-        "x",
-        "[o o]",
-        "[f]",
-        "f[o]",
-        "f[",
-        "f[]",
-        "o[o]",
+        "", "oo", "[", "]", "[]", "[o", "o]", "x", "[o o]", "[f]", "f[o]", "f[", "f[]", "o[o]",
         "[" * 3000,
     ],
-)
+)  # fmt: skip
 def test_what_is_not_a_tree_is_refused(text):
     with pytest.raises(UsageError):
         parse_tree(text)
