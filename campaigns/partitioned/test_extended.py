@@ -10,6 +10,7 @@ from campaigns.pages import measured
 from campaigns.partitioned import extended
 from campaigns.partitioned.extended import METHODS, needed, run
 from glmref import solve
+from glmref.measure.work_precision import reference_state
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -48,6 +49,20 @@ def test_a_binding_that_is_no_rotation_loses_the_order(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(extended.Copies, "bind", one_sided)
     assert order("yoshida-verlet-6", "bound") < 4.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["uneven-plane", "discrete-schroedinger"])
+def test_a_weaker_binding_errs_less(name: str) -> None:
+    """The free copies are the limit."""
+    one = problem(name)
+    end = reference_state(one, 20.0).state
+    errors = [
+        float(np.abs(run(one, 20.0, 100, "kahan-li-8", "bound", omega)[0] - end).max())
+        for omega in (20.0, 5.0, 1.0, 0.25)
+    ]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < errors[0] / 100
 
 
 def test_evaluations_of_a_step() -> None:

@@ -1,0 +1,219 @@
+r"""Methods for semi-separable systems: those on the front, and the long runs of those shipped.
+
+    python -m campaigns.partitioned.semi_separable data/measurements/nonseparable.json
+
+The roots of :data:`FOUND` are by covariance matrix adaptation (Hansen, Ostermeier 2001) of their
+angles: fewest evaluations at 1e-9 on :data:`SEARCHED` and two problems that are not in the record,
+without growth in 20,000 steps there, with an interval of at least 0.10 and residues of p below 1.6.
+On the other problems of the record nothing was chosen.
+
+*Interval.* The largest h omega_1 up to which a charge with the frequencies omega_1 and r omega_1,
+
+    q' = p,  p' = i (omega_1 + r omega_1) p + r omega_1^2 q,
+
+is stable for every r of :data:`RATIOS`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.driver import arguments
+from campaigns.partitioned.extended import SCENES
+from glmref import solve
+from glmref.catalogue.reader import load_document
+from glmref.derive.general_multistep import GeneralHalf, general_document
+from glmref.derive.recipes.general_multistep import SHIPPED, half_of
+from glmref.measure.work_precision import energy_error, reference_state, state_error
+from glmref.method import Method
+from glmref.problems import problem
+
+#: The roots of q and p that the search found, by the name in the record.
+FOUND = {
+    "found-10": ("37/100 -7/25 -73/100 -1", "39/50 33/50 47/100 -1/50 -49/50"),
+    "found-12": ("81/100 3/5 7/25 -73/100 -1", "17/20 19/25 69/100 23/50 -7/100 -49/50"),
+}
+#: What is measured.
+FRONT = ("multistep-kinetic-8", "multistep-kinetic-10", *FOUND)
+#: The problems of the record that the search used.
+SEARCHED = ("magnetic-trap", "penning-trap", "relativistic-charge", "rotating-three-body")
+#: Ratios of the two frequencies; near 0 and 1 two of the roots are one.
+RATIOS = (-1.0, -0.8, -0.6, -0.4, -0.2, -0.05, 0.05, 0.2, 0.4, 0.6)
+TOLERANCE = 1e-9
+#: Where the time of a notice changes with the last bits.
+CHAOTIC = "magnetic-bottle"
+#: Steps of the first run, most steps, factor between two runs, and steps of a long run.
+_FIRST, _MOST, _FACTOR, _LONG = 100, 4_000, 1.08, 1_000_000
+#: Step of h omega_1, and what rounding may add to an eigenvalue of modulus 1.
+_GRID, _UNIT = 0.005, 1e-7
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Both halves of a method.
+
+    Attributes
+    ----------
+    q, p : GeneralHalf
+        Implicit and explicit.
+    """
+
+    q: GeneralHalf
+    p: GeneralHalf
+
+    @staticmethod
+    def of(name: str) -> Pair:
+        """Return a pair by its name in the record."""
+        roots = FOUND.get(name) or (SHIPPED[name].q, SHIPPED[name].p)
+        return Pair(*(half_of(x, key, semi=True) for x, key in zip(roots, "qp", strict=True)))
+
+    @property
+    def method(self) -> Method:
+        """The method with its start, without proofs."""
+        document = general_document("found", self.q, self.p, title="found")
+        source = {"citation": "-", "where": "-", "status": "derived"}
+        return load_document({**document, "source": source, "claims": {"order": self.q.order}})
+
+    @cached_property
+    def _arrays(self) -> list[np.ndarray]:
+        """V (r, r), B (r, 2) and the output (r,) of q and of p."""
+        blocks = [half.block() for half in (self.q, self.p)]
+        return [np.array(x[key], dtype=float) for x in blocks for key in ("V", "B", "output")]
+
+    def step(self, h: float, ratio: float) -> np.ndarray:
+        """Return the step of the charge (n, n) on the values and the slopes at its beginning."""
+        Vq, Bq, wq, Vp, Bp, wp = self._arrays
+        m = len(Vq)
+        one = np.eye(m + len(Vp) + 2, dtype=complex)
+        yq, yp, vq, vp = one[:m], one[m:-2], one[-2], one[-1]
+        yp = Vp @ yp + np.outer(Bp[:, 0], vp)
+        p = wp @ yp
+        yq = Vq @ yq + np.outer(Bq[:, 0], vq) + np.outer(Bq[:, 1], h * p)
+        force = h * (1j * (1 + ratio) * p + ratio * (wq @ yq))
+        return np.vstack([yq, yp + np.outer(Bp[:, 1], force), h * p, force])
+
+    @property
+    def interval(self) -> float:
+        """The largest h omega_1 on a grid up to which the charge is stable for every ratio."""
+        k = 2
+        while all(
+            np.abs(np.linalg.eigvals(self.step(k * _GRID, r))).max() < 1 + _UNIT for r in RATIOS
+        ):
+            k += 1
+        return round((k - 1) * _GRID, 3)
+
+
+@cache
+def _ends() -> dict[str, float]:
+    """Return the last time of each problem, as its scene has it."""
+    scenes = [tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))]
+    return {x["problem"]["name"]: float(x["t_end"]) for x in scenes if "problem" in x}
+
+
+def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
+    """Yield steps, evaluations and the error of the last state, coarse to fine."""
+    one, end, steps = problem(name), _ends()[name], _FIRST
+    exact = reference_state(one, end)
+    while steps <= _MOST:
+        found = solve(one, method, h=end / steps, steps=steps, every=steps)
+        error = state_error(found.y[-1], exact) if found.completed else math.inf
+        yield steps, found.evaluations + found.start_evaluations, error
+        steps = math.ceil(steps * _FACTOR)
+
+
+def needed(method: Method, name: str) -> tuple[int, int] | None:
+    """Return steps and evaluations, start included, for the tolerance at two step sizes on end."""
+    before: tuple[int, float] | None = None
+    found: tuple[int, int] | None = None
+    for steps, count, error in _errors(method, name):
+        if error > TOLERANCE:
+            found = None
+        elif found is not None:
+            return found
+        else:
+            part = 1.0
+            if before is not None and math.isfinite(before[1]):
+                part = math.log(before[1] / TOLERANCE) / math.log(before[1] / error)
+            last = before[0] if before is not None else count
+            found = steps, round(last * (count / last) ** part)
+        before = count, error
+    return None
+
+
+def long_run(method: Method | str, name: str, h: float, steps: int) -> dict[str, Any]:
+    """Return the largest relative error of the energy over 1,000 samples, and the notice's time."""
+    one = problem(name)
+    found = solve(one, method, h=h, steps=steps, every=steps // 1000)
+    energy = energy_error(one, found) if found.completed else math.nan
+    return {
+        "energy": float(f"{energy:.2g}") if math.isfinite(energy) else None,
+        "reported": None if found.suspect is None else float(f"{found.suspect:.6g}"),
+    }
+
+
+def moved(method: str, name: str, h: float) -> dict[str, Any]:
+    """Return the times of the notice for starts that differ by 0 to 3e-15 in the first value."""
+    one, times = problem(name), []
+    for k in range(4):
+        y0 = [Fraction(x) for x in one.y0]
+        y0[0] += Fraction(k, 10**15)
+        found = solve(replace(one, y0=tuple(y0)), method, h=h, steps=120_000, every=1000)
+        times.append(found.suspect and float(f"{found.suspect:.6g}"))
+    return {"problem": name, "method": method, "h": h, "reported": times}
+
+
+def row(name: str, gauss: Mapping[str, int]) -> dict[str, Any]:
+    """Return what the record has of one method, with the evaluations over the best Gauss."""
+    pair = Pair.of(name)
+    method, cases = pair.method, []
+    for x, best in gauss.items():
+        case: dict[str, Any] = {"problem": x, "evaluations": None}
+        if (found := needed(method, x)) is not None:
+            steps, count = found
+            h = float(f"{_ends()[x] / steps:.3g}")
+            case |= {"evaluations": count, "over_gauss": float(f"{count / best:.3g}"), "h": h}
+            case |= long_run(method, x, h, _LONG)
+        cases.append(case)
+    return {
+        "method": name,
+        "q": [str(c) for c in (*pair.q.cosines, *[-1] * pair.q.minus_one)],
+        "p": [str(c) for c in (*pair.p.cosines, *[-1] * pair.p.minus_one)],
+        "order": pair.q.order,
+        "error_constants": [float(f"{float(x.error_constant):.3g}") for x in (pair.q, pair.p)],
+        "residue": float(f"{max(abs(float(x)) for x in pair.p.residues):.3g}"),
+        "interval": pair.interval,
+        "cases": cases,
+    }
+
+
+def main(path: Path) -> None:
+    """Measure the methods of the front, repeat the long runs, and write both into the record."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    semi = record["semi-separable"]
+    gauss = {
+        x["problem"]: min(n for k, n in x["methods"].items() if k.startswith("gauss") and n)
+        for x in semi["evaluations"]
+        if x["tolerance"] == TOLERANCE
+    }
+    semi["front"] = [row(name, gauss) for name in FRONT]
+    semi["long"] = [
+        x | long_run(x["method"], x["problem"], x["h"], x["steps"]) for x in semi["long"]
+    ]
+    lost = [x for x in semi["long"] if x["problem"] == CHAOTIC and x["method"] in FRONT]
+    semi["moved"] = [moved(x["method"], CHAOTIC, x["h"]) for x in lost]
+    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(arguments(sys.argv[1:])[0]))
