@@ -16,8 +16,9 @@ along the orbit, and no part of the solution's own perturbations, which grow on 
 **Growth.** On a periodic orbit the product of the Psi_n over a period decides (Floquet). On others
 the averaged logarithm does where the growth parameters vanish, so that Psi_n is near to I (Hairer,
 Lubich and Wanner 2006, sections XIV.3 and XV.5), averaged with smooth weights, which converges fast
-on quasi-periodic orbits (Das, Saiki, Sander and Yorke, Nonlinearity 30 (2017) 4111). Else only
-clear growth within the pilot run counts.
+on quasi-periodic orbits (Das, Saiki, Sander and Yorke, Nonlinearity 30 (2017) 4111). Else, and
+where they show it to be earlier, clear growth in two runs that begin with phi counts
+(:mod:`.planted`).
 
 **Size.** phi begins as what the start leaves, read off the pilot run, and at least as round-off,
 :data:`ROUND_OFF`. The run is lost where phi reaches :data:`LEVEL` of the solution. Both constants
@@ -30,8 +31,9 @@ were fixed before any run was compared; nothing is fitted.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +51,9 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
-from .saturation import saturation
+from .longtime import energy_deviation
+from .planted import LINEAR, SMALL, growth, size_at
+from .saturation import TOO_MUCH, saturation
 from .underlying import Underlying
 
 #: Size of a parasitic part that the start does not excite.
@@ -59,13 +63,20 @@ LEVEL = 0.3
 #: Passes of the iteration for Psi, each an order of h.
 PASSES = 6
 #: Steps of the pilot run, in which a period is looked for; of these, steps whose derivatives are
-#: taken where there is none and the growth parameters vanish, fewer where they would be more
-#: numbers than MOST; and so many as the size of the start is read off.
+#: taken and whose energy is the early one where there is none, fewer derivatives where they would
+#: be more numbers than MOST; and so many as the size of the start is read off.
 PILOT, STEPS, LEAST, START, MOST = 5000, 1000, 200, 512, 2_000_000
 #: Growth of a parasitic part in the pilot run beyond which its start is not read off.
 MUCH = 1e4
-#: Growth in the second half of the pilot run that is not that of a power of time.
-CLEAR = 50.0
+#: Growth in half of a run that is not that of the time itself; and a part of the steps of loss that
+#: is clearly fewer.
+CLEAR, EARLIER = 3.0, 0.5
+#: So many times the smooth part of the values, seen by the eigenvector of a part, is that of their
+#: changes, relative to the solution and its changes.
+SMOOTH = 3.0
+#: The energy has left its early level beyond the first power of ten that is so many times that, or
+#: its round-off.
+DEPARTED, ROUNDED = 10, 1e-14
 #: Parts of the size of the solution: beyond it an orbit has left, within it it has come back.
 AWAY, NEAR = 0.1, 1e-3
 #: Part of a value by which it is moved for a central difference: its square and the inverse times
@@ -129,6 +140,9 @@ class Prediction(Shown):
         Why it is open, or ``""``.
     level : float or None
         Relative energy error that a run that saturates reaches. Later it may be lost all the same.
+    departure : tuple[float, float] or None
+        Relative energy error, the first power of ten at least ten times that of the early steps,
+        and the step by which a part brings it there; ``None`` where that is open.
     """
 
     method: str
@@ -141,6 +155,7 @@ class Prediction(Shown):
     parts: tuple[ParasiticPart, ...] = ()
     why: str = ""
     level: float | None = None
+    departure: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         return f"<Prediction: {self.text}>"
@@ -255,19 +270,33 @@ def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray)
     return np.swapaxes((plus - minus) / widths[:, None], 1, 2)
 
 
-def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray, passes: int = PASSES) -> np.ndarray:
-    """Return Psi_n, (N + 1 - passes, m, m), from the derivatives of N steps."""
+def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> list[np.ndarray]:
+    """Return Psi_n, (N + 1 - passes, m, m), from the derivatives of N steps.
+
+    That of two passes fewer than :data:`PASSES`, then that of so many.
+    """
     n, m = b.right.shape
     here = b.right @ b.left
     inverse = np.linalg.inv(V - b.zeta * np.eye(n) + here) @ (np.eye(n) - here)
     C = np.zeros((len(steps) + 1, n, m), dtype=b.right.dtype)
-    for _ in range(passes):
-        T = b.right + C[:-1]
+    found = []
+    for passes in range(PASSES + 1):
+        T = b.right + C[: len(steps)]
         after = _times(steps[: len(T)], T)
         psi = b.left @ after / b.zeta
-        change = b.zeta * (C[1:] @ psi - C[:-1]) - (after - V @ T)
-        C = inverse @ change
-    return b.left @ _times(steps[: len(C)], b.right + C) / b.zeta
+        if passes >= PASSES - 2:
+            found.append(psi)
+        last = len(C) - 1
+        rest = after[:last] - _onto(V, T[:last])
+        C = _onto(inverse, b.zeta * (C[1:] @ psi[:last] - C[:last]) - rest)
+    return [found[0], found[-1]]
+
+
+def _onto(matrix: np.ndarray, many: np.ndarray) -> np.ndarray:
+    """Return the products of a matrix with many, as one product."""
+    count, n, m = many.shape
+    flat = many.swapaxes(0, 1).reshape(n, -1)
+    return (matrix @ flat).reshape(-1, count, m).swapaxes(0, 1)
 
 
 def _times(real: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -307,20 +336,26 @@ class _Course:
 
     rate: float  #: per step
     steps: float  #: step at which it is large
-    #: (m,) phi at the last return before that; ``None`` where no return is known
-    late: np.ndarray | None = None
+    late: np.ndarray  #: (m,) phi at the last return before that
+
+
+#: Nothing is known.
+_OPEN = _Course(math.nan, math.nan, np.zeros(0))
 
 
 class _Growing:
     """One parasitic part along the pilot orbit.
 
     ``psi`` (N, m, m) are the propagators of the steps, ``start`` (m,) is its size at the start and
-    ``level`` that at which the run is lost.
+    ``period`` the number of steps of a period, not whole.
     """
 
-    def __init__(self, psi: np.ndarray, start: np.ndarray, level: float) -> None:
-        self.psi, self.start, self.level = psi, start, level
+    def __init__(self, psi: np.ndarray, start: np.ndarray, period: float | None) -> None:
+        self.psi, self.start = psi, start
         self.products = _products(psi)
+        self.near = bool(np.isfinite(_logarithms(psi)).all())  # else steps are too large
+        known = self.near and period is not None and period + 3 < len(psi)
+        self.period = period if known else None
 
     def size(self, product: np.ndarray) -> float:
         """Return the size of phi where the product of the propagators is so much."""
@@ -329,12 +364,11 @@ class _Growing:
         least = ROUND_OFF * float(np.linalg.norm(product, 2))
         return max(float(np.linalg.norm(product @ self.start)), least)
 
-    def found(self, period: float | None, *, grows: bool) -> _Course:
-        """Return its course, found in the way that fits; ``grows`` says that mu is not zero."""
-        near = np.isfinite(_logarithms(self.psi)).all()  # else steps are too large for averages
-        if period is not None and near and period + 3 < len(self.psi):
-            return self.periodic(period)
-        return self.seen() if grows or not near else self.averaged()
+    def found(self, level: float) -> _Course:
+        """Return its course to a size; NaN where steps are too large."""
+        if not self.near:
+            return _OPEN
+        return self.averaged(level) if self.period is None else self.periodic(self.period, level)
 
     def late(self, product: np.ndarray) -> np.ndarray:
         """Return phi where the product of the propagators is so much, also from round-off."""
@@ -343,66 +377,86 @@ class _Growing:
             return phi
         return np.linalg.svd(product)[0][:, 0]
 
-    def averaged(self) -> _Course:
-        """Return the same where the propagators are near to I.
+    def averaged(self, level: float) -> _Course:
+        """Return the same from the averaged logarithm of the propagators.
 
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         """
         logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
         for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):
             mean = np.tensordot(_weights(len(some)), some, 1)
-            done, before = self._repeated(_exponential(mean))
+            done, before = self._repeated(_exponential(mean), level)
             rate = float(np.max(np.linalg.eigvals(mean).real))
             found.append(_Course(rate, done + 1, self.late(before)))
         return max(found, key=lambda course: course.steps)
 
-    def periodic(self, period: float) -> _Course:
+    def periodic(self, period: float, level: float) -> _Course:
         """Return the same from the product over a period of so many steps, repeated."""
         whole = int(period)
         part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
         once = _exponential(part) @ self.products[whole]
         if not np.isfinite(once).all():
-            return self.seen()
+            return _OPEN
         rate = math.log(np.max(np.abs(np.linalg.eigvals(once)))) / period
-        done, before = self._repeated(once)
-        last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= self.level),
+        done, before = self._repeated(once, level)
+        last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= level),
                     whole) if math.isfinite(done) else 0  # fmt: skip
         return _Course(rate, done * period + last, self.late(before))
 
-    def seen(self) -> _Course:
-        """Return the same from growth by :data:`CLEAR` within the pilot run; NaN if it is less."""
-        lengths = range(len(self.psi), 0, -1)
-        end = next((n for n in lengths if self.size(self.products[n]) < math.inf), 0)
-        half = end // 2
-        early, late = (self.size(self.products[n]) for n in (half, end))
-        lost = next((n for n, x in enumerate(self.products) if self.size(x) >= self.level), None)
-        if not late > CLEAR * early:
-            return _Course(math.nan, math.nan if lost is None else float(lost))
-        rate = math.log(late / early) / (end - half)
-        further = math.log(self.level / late) / rate
-        return _Course(rate, float(lost) if lost is not None else end + further)
-
-    def _repeated(self, once: np.ndarray) -> tuple[float, np.ndarray]:
+    def _repeated(self, once: np.ndarray, level: float) -> tuple[float, np.ndarray]:
         """Return how often a product may be taken until phi is large, and what it is then."""
         powers = [once]
         with np.errstate(all="ignore"):
-            while self.size(powers[-1]) < self.level and 2 ** len(powers) <= FOR_EVER:
+            while self.size(powers[-1]) < level and 2 ** len(powers) <= FOR_EVER:
                 powers.append(powers[-1] @ powers[-1])
-            if self.size(powers[-1]) < self.level:
+            if self.size(powers[-1]) < level:
                 return math.inf, powers[-1]
             total, done = np.eye(len(once), dtype=once.dtype), 0
             for k in reversed(range(len(powers) - 1)):
                 further = powers[k] @ total
-                if self.size(further) < self.level:
+                if self.size(further) < level:
                     total, done = further, done + 2**k
         return done, total
 
 
+class _Followed:
+    """One parasitic part as the runs that begin with it show it.
+
+    ``phi`` (N, m) is the part after ``steps`` (N,), up to a constant and a turn, and ``start`` its
+    size at the start, not zero. It is followed while it is larger than ``other`` (N,), what the
+    solution's own perturbation may add to it: that grows on chaotic orbits.
+    """
+
+    def __init__(self, steps: np.ndarray, phi: np.ndarray, start: float, other: np.ndarray) -> None:
+        sizes = np.linalg.norm(phi, axis=1)
+        own = sizes > other
+        sizes /= sizes[0]
+        small = np.logical_and.accumulate(own & (sizes * SMALL < LINEAR))
+        self.steps, self.phi, self.sizes, self.start = steps[small], phi[small], sizes[small], start
+
+    def found(self, level: float) -> _Course:
+        """Return its course to a size; NaN where it is not reached and growth is not clear."""
+        if not len(self.steps):
+            return _OPEN
+        n, end, needed = self.steps, float(self.steps[-1]), level / self.start
+        over = np.flatnonzero(self.sizes >= needed)
+        if len(over):
+            steps = max(float(n[over[0]]), 1.0)
+            return _Course(math.log(self.sizes[over[0]]) / steps, steps, self.phi[-1])
+        early, late = (
+            self.sizes[(n >= x * end / 4) & (n <= (x + 1) * end / 4)].max(initial=0.0)
+            for x in (1, 3)
+        )
+        if not late > CLEAR * early > 0:
+            return _OPEN
+        rate = math.log(late / early) / (end / 2)
+        return _Course(rate, end + math.log(needed / late) / rate, self.phi[-1])
+
+
 def _products(psi: np.ndarray) -> list[np.ndarray]:
     found = [np.eye(psi.shape[-1], dtype=psi.dtype)]
-    with np.errstate(all="ignore"):
-        for step in psi:
-            found.append(step @ found[-1])
+    for step in psi:
+        found.append(step @ found[-1])
     return found
 
 
@@ -457,6 +511,76 @@ def _start(
     return _weights(len(back)) @ np.array(back)
 
 
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """A part whose course is known."""
+
+    bundle: _Bundle
+    course_to: Callable[[float], _Course]  #: to a size
+    course: _Course  #: to that of the loss
+
+
+@dataclass(frozen=True, eq=False)
+class _Pilot:
+    """The pilot run, and runs that begin as it does with a parasitic part besides."""
+
+    method: Method
+    problem: Problem
+    h: float
+    y: np.ndarray  #: (N, d)
+    start: np.ndarray  #: (r, d)
+    period: float | None
+
+    @cached_property
+    def size(self) -> float:
+        """Size of the solution."""
+        first = float(np.linalg.norm(self.y[0]))
+        return first or float(np.max(np.linalg.norm(self.y, axis=1)))
+
+    def part(self, b: _Bundle, phi: np.ndarray) -> np.ndarray:
+        """Return what phi, (m,), and its conjugate add to the values, of the size of the solution.
+
+        Where it is zero round-off excites all directions.
+        """
+        if np.linalg.norm(phi) <= ROUND_OFF:
+            phi = np.ones(b.right.shape[1])
+        found = b.right @ phi * (self.size / np.linalg.norm(phi))
+        found = 2 * np.real(found) if np.iscomplexobj(b.right) else np.real(found)
+        return found.reshape(self.start.shape)
+
+    def followed(
+        self, bundles: Sequence[_Bundle], starts: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Follow all parts in one run: steps (N,) and values (N, n)."""
+        part = sum(self.part(b, phi) for b, phi in zip(bundles, starts, strict=True))
+        return growth(self.method, self.problem, self.h, self.start, np.asarray(part))
+
+    def level(self, one: _Known) -> float | None:
+        """Return the level at which the energy error stays, ``None`` where it is lost."""
+        part = self.part(one.bundle, one.course.late)
+        return saturation(self.method, self.problem, self.h, self.start, part, one.course.rate)
+
+    def departure(self, known: Sequence[_Known]) -> tuple[float, float] | None:
+        """Return the first level beyond the early energy errors, and the step when it is passed."""
+        if self.problem.hamiltonian is None or not known:
+            return None
+        error = energy_deviation(self.problem, np.real(self.y[: STEPS + 1]))
+        level = 10.0 ** math.ceil(math.log10(DEPARTED * max(float(error.max()), ROUNDED)))
+        if not level <= TOO_MUCH:
+            return None
+        times = [math.inf]
+        for one in known:
+            if math.isfinite(one.course.steps):
+                part, rate = self.part(one.bundle, one.course.late), max(one.course.rate, 1e-9)
+                steps = math.ceil(min(self.period or STEPS, 1 / rate))
+                size = size_at(
+                    self.method, self.problem, self.h, self.start, part, level=level, steps=steps
+                )
+                times.append(one.course_to(min(size, LEVEL) * self.size).steps)
+        return level, min(times)
+
+
+@np.errstate(all="ignore")  # what is not finite is looked for where it matters
 def predict(
     method: Method | str | Path, problem: Problem | str, h: float, t_end: float | None = None,
     *, start: Any = None,
@@ -513,9 +637,9 @@ def predict(
     if run.steps < LEAST:
         return Prediction(*given, LOST, float(run.steps), why=run.message)
     assert run.history is not None
-    first_order, y = any(b.grows for b in bundles), np.asarray(run.y)
+    y = np.asarray(run.y)
     period = _period(y)
-    count = STEPS if not first_order else run.steps
+    count = STEPS
     if period is not None and period + 4 < MOST // V.size:
         count = max(START, math.ceil(period) + 4)
     count = min(count, MOST // V.size, run.steps - PASSES)
@@ -523,48 +647,47 @@ def predict(
     steps = _derivatives(chosen, subject, h, values[:-1])
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
-    length = abs(end - begin)
-    size = float(np.linalg.norm(y[0])) or float(np.max(np.linalg.norm(y, axis=1)))
-    known, parts = [], []
-    for b in bundles:
-        found: list[_Course] = []
-        for passes in (PASSES - 2, PASSES):
-            with np.errstate(all="ignore"):
-                psi = _propagators(V, b, steps, passes)[:count]
-                if not np.isfinite(psi).all():
-                    return Prediction(*given, OPEN, why=UNRESOLVED)
-                growing = _Growing(psi, _start(engine, b, psi, values, h), LEVEL * size)
-                found.append(growing.found(period, grows=b.grows))
-        before, course = found
-        lost = course.steps
-        early, late = sorted((before.steps, lost))
-        if early * abs(h) <= length and late > 2 * early:
-            lost = math.nan  # the passes do not converge
-        begins = math.hypot(*np.abs(growing.start))
+    pilot = _Pilot(chosen, subject, h, y, values[0], period)
+    most, large = abs((end - begin) / h), LEVEL * pilot.size
+
+    def expanded(b: _Bundle) -> tuple[_Growing, float]:
+        """Return a part, and the step of loss; NaN where the passes for Psi do not converge."""
+        found = []
+        for psi in (x[:count] for x in _propagators(V, b, steps)):
+            growing = _Growing(psi, _start(engine, b, psi, values, h), period)
+            found.append(growing.found(large).steps)
+        unsettled = min(found) <= most and max(found) > 2 * min(found)
+        return growing, math.nan if unsettled or any(map(math.isnan, found)) else found[-1]
+
+    expansions = [expanded(b) for b in bundles]
+    known: list[_Known] = []
+    parts = []
+    for b, (growing, expected) in zip(bundles, expansions, strict=True):
+        begins = float(np.linalg.norm(growing.start))
         begins = begins if begins > ROUND_OFF else 0.0
-        parts.append(ParasiticPart(complex(b.zeta), begins, course.rate / h, lost))
-        if not math.isnan(lost):
-            known.append((lost, b, course))
-    first = min(known, key=lambda x: x[0], default=None)
-    if first is not None and first[0] * abs(h) <= length:
-        lost, b, course = first
-        level, phi = None, course.late
-        if phi is not None:
-            part = _in_values(b.right, phi * (size / np.linalg.norm(phi)))
-            level = saturation(
-                chosen, subject, h, values[0], part.reshape(engine.shape), course.rate
-            )
+        one = _Known(b, growing.found, growing.found(large))
+        if growing.period is None or math.isnan(expected):
+            n, change = pilot.followed(bundles, [growing.start for growing, _ in expansions])
+            smooth = max(float(np.linalg.norm(b.left @ x.ravel())) for x in values[:START])
+            moved = engine.solution(change.reshape(-1, *engine.shape))
+            other = SMOOTH * smooth / pilot.size * np.linalg.norm(moved, axis=1)
+            seen = _Followed(n, change @ b.left.T, begins or ROUND_OFF, other).found
+            if b.grows or math.isnan(expected) or seen(large).steps < EARLIER * expected:
+                one = _Known(b, seen, seen(large))
+        parts.append(ParasiticPart(complex(b.zeta), begins, one.course.rate / h, one.course.steps))
+        if not math.isnan(one.course.steps):
+            known.append(one)
+    first = min(known, key=lambda one: one.course.steps, default=None)
+    found = Prediction(*given, OPEN, parts=tuple(parts), departure=pilot.departure(known))
+    if first is not None and first.course.steps <= most:
+        level = pilot.level(first)
         verdict = LOST if level is None else SATURATES
-        return Prediction(*given, verdict, lost, complex(b.zeta), tuple(parts), level=level)
-    if first is None or len(known) < len(parts):
-        return Prediction(*given, OPEN, None, None, tuple(parts), UNRESOLVED)
-    return Prediction(*given, BOUNDED, first[0], complex(first[1].zeta), tuple(parts))
-
-
-def _in_values(right: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    """Return what phi, (m,), and its conjugate where it is complex add to the values: (r d,)."""
-    found = right @ phi
-    return 2 * np.real(found) if np.iscomplexobj(right) else np.real(found)
+    elif first is None or len(known) < len(parts):
+        return replace(found, why=UNRESOLVED)
+    else:
+        level, verdict = None, BOUNDED
+    zeta = complex(first.bundle.zeta)
+    return replace(found, verdict=verdict, steps=first.course.steps, zeta=zeta, level=level)
 
 
 def _depends_on_time(problem: Problem) -> bool:

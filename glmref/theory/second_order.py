@@ -10,7 +10,9 @@ A symmetric method has A' = -P A P, a G-symplectic one A' = -D^-1 A^T D (U = D^-
 D A + A^T D = B^T G B give U V^-1 B = A + D^-1 A^T D): of both the right-hand side is
 ``2 z tr A + (2/3) z^3 tr A^3 + ..``. The eigenvalue at 1 takes z and, from order 3 on, no z^3. So
 the growth parameters have the sum ``2 tr A - 1`` and the I3 the sum ``(2/3) tr A^3``: a triangular
-A with nonnegative diagonal and growth parameters zero has tr A = 1/2 and some I3 > 0.
+A with nonnegative diagonal and growth parameters zero has tr A = 1/2 and some I3 > 0. One whose I3
+are all zero has three nonzero diagonal entries at least: a + b = 1/2 with a^3 + b^3 = 0 asks for
+a^2 - a b + b^2 = 0, which has no real solution but a = b = 0.
 
 References
 ----------

@@ -43,7 +43,7 @@ def test_on_a_linear_problem_they_are_the_eigenvalues_of_the_step(name):
     V, bundles, steps = _along(name, problem("harmonic-oscillator"), h, 20)
     known = np.linalg.eigvals(steps[0])
     for b in bundles:
-        psi = prediction._propagators(V, b, steps)
+        psi = prediction._propagators(V, b, steps)[-1]
         assert len(psi) == len(steps) - PASSES + 1
         for x in np.linalg.eigvals(b.zeta * psi[0]):
             assert min(abs(known - x)) < 1e-8
@@ -53,7 +53,7 @@ def test_growth_of_the_solution_is_not_growth_of_a_parasitic_part():
     # y' = y grows as exp(t), and phi' = mu phi by 1 - 2/sqrt(3) < 0 to first order
     h, growing = 0.05, glmref.Problem(f=("y[0]",), y0=(1,))
     V, bundles, steps = _along("gsymplectic-n", growing, h, 10)
-    (psi,) = (prediction._propagators(V, b, steps) for b in bundles)
+    (psi,) = (prediction._propagators(V, b, steps)[-1] for b in bundles)
     assert psi.ravel() == pytest.approx(math.exp(h * (1 - 2 / math.sqrt(3))), abs=h**3)
 
 
@@ -94,9 +94,36 @@ def test_multistep_methods_do_not_grow_on_keplers_orbit():
 
 
 @pytest.mark.slow
-def test_weak_growth_of_first_order_is_open_where_no_orbit_is_periodic():
-    chain = predict("gsymplectic-n", "toda", 0.1)
-    assert chain.verdict == OPEN and "not periodic" in chain.why
+def test_growth_of_first_order_where_no_orbit_is_periodic_is_seen_in_runs_that_begin_with_it():
+    h, subject = 0.125, problem("fput", sites=8)
+    found = predict("gsymplectic-n", subject, h, 1e4)
+    run = follow(subject, load("gsymplectic-n"), h=h, steps=70_000)
+    error = energy_deviation(subject, run.y)
+    assert found.verdict == LOST and found.departure is not None
+    for level, steps in (found.departure, (0.1, found.steps)):
+        assert steps * h == pytest.approx(run.t[np.argmax(error > level)], rel=0.1)
+    # slower than clear in so many steps
+    slow = predict("gsymplectic-n", "henon-heiles", 0.05, 1e6)
+    assert slow.verdict == OPEN and "not periodic" in slow.why and slow.departure is None
+
+
+def _followed(sizes):
+    sizes = np.asarray(sizes, dtype=float)
+    return prediction._Followed(np.arange(len(sizes)), sizes[:, None], 1e-9, 0 * sizes)
+
+
+def test_growth_that_is_followed():
+    n = np.arange(1001)
+    known = math.log(0.3 / 1e-9)
+    fast, slow = (_followed(np.exp(n * rate)).found(0.3) for rate in (0.025, 0.005))
+    assert fast.steps == pytest.approx(known / 0.025, rel=0.01)  # beyond what counts as small
+    assert slow.steps == pytest.approx(known / 0.005) and slow.rate == pytest.approx(0.005)
+    assert _followed(np.exp(n * 0.025)).found(1e-6).steps == math.ceil(math.log(1000) / 0.025)
+    # growth with time, too slow, none, and a run that broke off at once
+    for sizes in (1 + n, np.exp(n * 0.002), 1 + 0 * n, [1.0]):
+        assert math.isnan(_followed(sizes).found(0.3).steps)
+    # what is beyond linear equations is not growth
+    assert math.isnan(_followed(np.where(n > 900, 1e9, 1)).found(0.3).steps)
 
 
 def test_what_is_not_predicted():
@@ -172,8 +199,8 @@ def test_the_words_for_few_steps():
 @settings(max_examples=20, deadline=None)
 def test_the_step_of_loss_is_that_of_the_exponential(rate, angle, start):
     turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-    part = prediction._Growing(np.array([np.eye(2)] * 9), np.array([start, 0.0]), 0.3)
-    done, total = part._repeated(math.exp(rate) * turn)
+    part = prediction._Growing(np.array([np.eye(2)] * 9), np.array([start, 0.0]), None)
+    done, total = part._repeated(math.exp(rate) * turn, 0.3)
     known = math.log(0.3 / start) / rate
     assert done == pytest.approx(known, abs=1.5) or done == pytest.approx(known, rel=1e-9)
     assert part.size(total) < 0.3
