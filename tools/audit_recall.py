@@ -38,6 +38,7 @@ class Seen(StrEnum):
     ALIKE = "same numbers and order"
     NO_ORDER = "no declared order"
     OTHER_ORDER = "another declared order"
+    MORE = "an order that the special reader does not see"
     SAID = "said to be unread"
     OTHER = "other numbers"
     SILENT = "nothing said"
@@ -82,6 +83,8 @@ def compared(special: Sequence[Table], general: Sequence[Table]) -> Iterator[tup
         beside = [y for y in near if abs(y.line - x.line) <= NEAR and y.name.find(x.name) >= 0]
         if any(y.order == x.order for y in same):
             yield x, Seen.ALIKE
+        elif same and x.order is None:
+            yield x, Seen.MORE
         elif same:
             yield x, Seen.NO_ORDER if same[0].order is None else Seen.OTHER_ORDER
         elif beside:

@@ -83,7 +83,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     found: list[Found] = []
     matrices = [x for x in made if not x.flat]
     vectors = [x for x in made if x.flat]
-    for rule in (_general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
+    for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
         found += rule(block, matrices, vectors)
     if not matrices:
         storage = _low_storage(vectors)
@@ -120,6 +120,48 @@ def _guarded(name: str, line: int, arrays: list[Array], make: Any) -> Iterator[F
         reached = reach(Trial(table).scheme(), 3, stop=1.0)
         table.loose = reached.to(LOOSE)
     yield Found(table, arrays)
+
+
+# --- additive methods by rows of numbers ----------------------------------------------------------
+
+
+def imkg(rows: list[list[Any]]) -> list[Rows]:
+    """Return the explicit and the implicit part (s, s) of an IMKG method.
+
+    Its numbers are a and a^ below the diagonals, d^ on that of the implicit part, and, where it is
+    given, b in the first columns: Steyer et al. (2019), "Efficient IMEX Runge-Kutta methods for
+    nonhydrostatic dynamics".
+    """
+    below, hat, diagonal = rows[:3]
+    s = len(hat) + 1
+    first = rows[3] if len(rows) == 4 else [ZERO] * (s - 2)
+    parts = []
+    for entries, own in ((below, []), (hat, diagonal)):
+        A = [[ZERO] * s for _ in range(s)]
+        for i in range(1, s):
+            if i > 1:
+                A[i][0] = first[i - 2]
+            if i <= len(own):
+                A[i][i] = own[i - 1]
+            A[i][i - 1] = entries[i - 1]
+        parts.append(A)
+    return parts
+
+
+def _imkg(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """Yield the method of a call of that name with its three or four rows."""
+    rows = [x.value for x in vectors]
+    s = len(rows[0]) + 1 if rows else 0
+    given = "imkg" in block.called.lower() and not matrices and len(rows) in (3, 4)
+    if not given or len(rows[1]) != s - 1 or len(rows[2]) >= s or len(rows[-1]) < s - 2:
+        return
+
+    def make(table: Table) -> None:
+        table.kind, table.A = "additive", imkg(rows)
+        table.b, table.c = [A[-1] for A in table.A], [None, None]
+
+    name = next((x for x in reversed(block.path()) if x != block.called), block.called)
+    yield from _guarded(name, vectors[0].line, vectors, make)
 
 
 # --- general linear methods -----------------------------------------------------------------------

@@ -17,7 +17,7 @@ from ..exact import Exact
 from .arrays import gsl, odeint
 from .code import Statement, statements
 from .compositions import compositions
-from .kinds import transformed
+from .kinds import imkg, transformed
 from .named import constants
 from .plain import from_csv, from_json
 from .principia import structs
@@ -480,7 +480,8 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         table.order = order
         return table
     if kind == "IMKGTableau" and len(call.args) in (3, 4):
-        return _imkg(name, line, [vector(run.value(x)) for x in call.args], order)
+        A = imkg([vector(run.value(x)) for x in call.args])
+        return Table(name, line, "additive", A, [x[-1] for x in A], [None, None], order)
     return None
 
 
@@ -500,24 +501,6 @@ def _wide(value: Any, s: int) -> Rows:
     if isinstance(value, Sparse):
         return _square(value, s, base=1)
     return [vector(row, s) for row in value]
-
-
-def _imkg(name: str, line: int, given: list[list[Number]], order: int | None) -> Table:
-    """Read tables of Steyer et al. (2019): a, a^ below the diagonal, d^ on it, b in column 1."""
-    below, hat, diagonal = given[:3]
-    s = len(hat) + 1
-    first = given[3] if len(given) == 4 else [ZERO] * (s - 2)
-    parts = []
-    for entries, own in ((below, []), (hat, diagonal)):
-        A = [[ZERO] * s for _ in range(s)]
-        for i in range(1, s):
-            if i > 1:
-                A[i][0] = first[i - 2]
-            if i <= len(own):
-                A[i][i] = own[i - 1]
-            A[i][i - 1] = entries[i - 1]
-        parts.append(A)
-    return Table(name, line, "additive", parts, [A[-1] for A in parts], [None, None], order)
 
 
 def _esdirk(run: _Run, call: ast.Call, name: str, order: int | None) -> Table:

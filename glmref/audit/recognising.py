@@ -20,6 +20,7 @@ from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
 from .entries import Array, arrays, of_subject, role_of, size
 from .folding import flattened
+from .inline import inline_sums
 from .kinds import others
 from .lexer import Language, Remark
 from .readers import ORDINALS, by_name
@@ -398,10 +399,29 @@ def tables(
     _used_by(found, everything, collector)
     declare(found, collector.remarks)
     found += _in_two_tables(found)
+    if about:
+        found += _of_arithmetic(found, everything, collector)
     for table in found:
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
+
+
+def _of_arithmetic(
+    found: list[Table], blocks: list[Block], collector: Collector
+) -> Iterator[Table]:
+    """Yield as unread each function without a table whose step has its numbers in it."""
+    seen: set[int] = set()
+    for line in inline_sums(collector.tokens):
+        around = [x for x in blocks if x.line <= line <= x.last and x.kind == "code"
+                  and x.name not in CHOICES]  # fmt: skip
+        block = max(around, key=lambda x: x.line)
+        if id(block) in seen or any(block.line <= x.line <= block.last for x in found):
+            continue
+        seen.add(id(block))
+        name = (block.own or block.name) if block.parent is not None else "step"
+        yield Table(name, line, unread="the numbers of a step stand in its arithmetic",
+                    general=True, last=line, block=block)  # fmt: skip
 
 
 def _in_two_tables(found: list[Table]) -> list[Table]:
@@ -642,9 +662,10 @@ def _of_block(
         near = [x for x in near if x is not array] + _closing(made)
         best = candidates(array, near)
         called = bool(block.called) and array.name == ""
+        told = _STRONG.search(block.called) is not None
         if (
             best is not None
-            and _is_table(best, about=about, called=called)
+            and _is_table(best, about=about, called=called, told=told)
             and not _is_explicit_part(best, made)
         ):
             found.append((best, near))
@@ -685,8 +706,11 @@ def _is_explicit_part(x: Candidate, made: Sequence[Array]) -> bool:
     )  # fmt: skip
 
 
-def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
-    """Return whether a candidate is a table and no other matrix."""
+def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
+    """Return whether a candidate is a table and no other matrix.
+
+    It may stand in a call (`called`), and that call may be one of a tableau (`told`).
+    """
     s = len(x.reading.A)
     entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
     broken = sum(y != 0 and y == y and y != round(y) for y in entries)
@@ -697,6 +721,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool = False) -> bool:
     about = about or _says(x)
     if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
         return False  # weights of an estimate, or of noise
+    if told and named and x.b is not None and x.order > 0 and s > 1:
+        return about
     if s == 1:  # tables() requires a declared order or abscissae, too
         given = node or x.reading.c is not None or (x.b is not None and x.b.role == "b")
         return about and x.array.role in ("A", "beta") and given and x.order > 0
@@ -801,8 +827,9 @@ def _additive(x: Candidate, y: Candidate) -> bool:
     if {x.array.role, y.array.role} != {"A"}:
         return False
     explicit = [_strict(z.reading.A) for z in (x, y)]
+    said = all(re.search(r"(?i)exp|imp", z.array.name) for z in (x, y))
     if sorted(explicit) != [False, True] or any(
-        z.match < MOST_ROWS and z.order < 2 for z in (x, y)
+        z.match < MOST_ROWS and z.order < 2 - said for z in (x, y)
     ):
         return False
     stems = re.sub(r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", x.array.name), re.sub(

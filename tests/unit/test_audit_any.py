@@ -303,6 +303,15 @@ CASES = (
     "{0}}}; default: return {{0.2967324292201065, 0.2967324292201065, -0.186929716880426, "
     "0.2967324292201065, 0.2967324292201065}}; }} }}"
 )
+#: Steps with their numbers in them.
+INLINE = (
+    "# Runge-Kutta\ndef step(f, y, h):\n    k1 = f(y)\n    k2 = f(y + h / 2 * k1)\n"
+    "    k3 = f(y + h / 2 * k2)\n    k4 = f(y + h * k3)\n    return y + {} * ({})\n"
+)
+OUTPUTS = (
+    "void step() {{ rhs(t, y, k1); for (i = 0; i < n; i++) z[i] = y[i] + 2*h/3*k1[i];\n"
+    "rhs(t + 2*h/3, z, k2); for (i = 0; i < n; i++) y[i] += h*{}; }}"
+)
 #: A class for each row, whose entries its constructor sets.
 ROW_BY_ROW = (
     "// Runge-Kutta\n"
@@ -519,6 +528,13 @@ READ = [
     (ROW_BY_ROW.format("3"), "c", "question"),
     (AGAIN.format("1", "2"), "python", "right right right"),
     (AGAIN.format("1", "3"), "python", "right right question"),
+    (INLINE.format("h / 6", "k1 + 2 * k2 + 2 * k3 + k4"), "python", "unread"),
+    (INLINE.format("h", "b[0] * k1 + b[1] * k2"), "python", ""),  # no numbers
+    (INLINE.format("h / 6", "u[0] + 2 * u[1] + 2 * u[2]"), "python", ""),  # no slopes
+    (INLINE.format("h / 6", "k1"), "python", ""),
+    ("call f(t, x, f1)\ncall f(t + h, x + h*f1, f2)\nx = x + h*(f1 + f2)/2", "fortran", "unread"),
+    (OUTPUTS.format("(k1[i] + 3*k2[i])/4"), "c", "unread"),
+    (OUTPUTS.format("k2[i]"), "c", ""),
     (  # the weights do not sum to 1, and nothing declares an order
         "// symplectic\ndouble a[2] = {0.5, 0.5}, b[2] = {0.25, 0.5};",
         "c",
@@ -546,6 +562,23 @@ def test_tables_of_an_explicit_and_an_implicit_part_are_one_method() -> None:
     for entry, order in (("1", 2), ("1 / 2", 1)):
         found = {x.name: x for x in tables(text.format(entry), LANGUAGES["python"])}
         assert judge(found["my_explicit_t with my_implicit_t"])["found"] == order
+
+
+@pytest.mark.parametrize(("entry", "order"), [("1 / 2", 2), ("1 / 3", 1)])
+def test_an_additive_method_is_read_by_its_four_rows(entry: str, order: int) -> None:
+    """IMKG232a of Steyer et al. (2019), and one entry changed."""
+    text = (
+        "# IMEX Runge-Kutta\nfunction IMEXTableau(::Own)\n    IMKGTableau((1 / 2, {}, 1), "
+        "(0, -1 / 2 + √2 / 2, 1), (1 - √2 / 2, 1 - √2 / 2))\nend\n"
+    )
+    table = _one(text.format(entry), "julia")
+    assert (table.name, table.kind, judge(table)["found"]) == ("Own", "additive", order)
+
+
+def test_two_stages_of_whole_numbers_are_a_method_in_a_call_that_says_so() -> None:
+    text = "# Runge-Kutta\nx = {}(; a_exp = [0 0; 1 0], a_imp = [0 0; 0 1])\n"
+    assert [x.kind for x in tables(text.format("IMEXTableau"), LANGUAGES["julia"])] == ["additive"]
+    assert tables(text.format("Matrices"), LANGUAGES["julia"]) == []
 
 
 def test_a_name_that_is_used_again_begins_another_table() -> None:

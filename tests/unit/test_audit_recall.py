@@ -33,6 +33,13 @@ def test_what_differs_has_its_reason(change: tuple[str, str], seen: Seen) -> Non
     assert [x for _, x in compared(special, general)] == [seen]
 
 
+def test_an_order_that_only_the_general_reader_sees_is_more() -> None:
+    special, general = (
+        tables(x, LANGUAGES["python"], about=True) for x in (RK4.replace("order = 4", "pass"), RK4)
+    )
+    assert [x for _, x in compared(special, general)] == [Seen.MORE]
+
+
 def test_what_a_special_reader_does_not_read_is_not_counted() -> None:
     text = RK4.replace("1 / 3, 1 / 3", "1 / 3, weight()")
     assert list(compared(tables(text, LANGUAGES["python"], about=True), [])) == []
