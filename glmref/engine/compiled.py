@@ -25,7 +25,7 @@ import numpy as np
 
 from ..problems.formula import RealPowers, real_power
 from ..problems.tracing import fingerprint
-from ..problems.user import UserFunction, plain
+from ..problems.user_functions import UserFunction, plain
 from ..system.cache import cache_folder
 from ..system.files import replace_whole
 from ..system.terminal import saying

@@ -4,8 +4,8 @@ A right-hand side must depend on t and y alone and give all the digits of a doub
 the start, one more there and two at the end of the run show what does not: random numbers, a
 counter, a clock, 32-bit results. What is wrong at the start is refused; what comes to light later,
 or costs accuracy only, becomes a notice of the solution. Computing in place, or handing out one
-array every time, needs no check, as :class:`..problems.user.UserFunction` copies; a loop body
-that writes into its argument is refused.
+array every time, needs no check, as :class:`..problems.user_functions.UserFunction` copies; a loop
+body that writes into its argument is refused.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..errors import UsageError
 from ..problems.formula import Formula
 from ..problems.loops import Loops
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, NoValue, UserFunction
+from ..problems.user_functions import FunctionFailed, NoValue, UserFunction
 from .arithmetic import size
 from .reference import Stepper
 

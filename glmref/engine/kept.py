@@ -27,7 +27,7 @@ from ..problems import problem
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..problems.tracing import Recorded, recorded, traced
-from ..problems.user import NoValue, UserFunction
+from ..problems.user_functions import NoValue, UserFunction
 from ..system.cache import cache_folder, read_value, sources, write_value
 from .forms import Rows, StepForm
 from .reference import stepper

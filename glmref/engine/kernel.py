@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, NoValue, UserFunction, raised
+from ..problems.user_functions import FunctionFailed, NoValue, UserFunction, raised
 from ..system.arguments import one_of
 from . import compiled, native
 from .codegen import ARGUMENTS, KernelSource, kernel_source

@@ -15,7 +15,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
-from ..problems.user import FunctionFailed, NoValue
+from ..problems.user_functions import FunctionFailed, NoValue
 from ..system.arguments import place, shown
 from ..system.files import write_bytes
 from ..system.shown import Drawing, Shown, above

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed, UserFunction, raised
+from ..problems.user_functions import FunctionFailed, UserFunction, raised
 from .kept import expressed
 from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of

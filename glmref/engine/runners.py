@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import raised
+from ..problems.user_functions import raised
 from . import compiled, native
 from .expressions import Unsupported
 from .kept import expressed, stepper_of

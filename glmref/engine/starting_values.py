@@ -21,7 +21,7 @@ from ..errors import GlmrefError, UsageError
 from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
-from ..problems.user import raised
+from ..problems.user_functions import raised
 from ..system.arguments import shown, whole
 from .outcome import StartFailed, all_finite
 from .reference import Reader, Stepper, apply_start

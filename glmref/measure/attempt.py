@@ -17,7 +17,7 @@ from ..engine.solve import solve
 from ..errors import GlmrefError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed
+from ..problems.user_functions import FunctionFailed
 
 #: The outcome that :func:`attempt` adds to those of the engine.
 REFUSED = "refused"

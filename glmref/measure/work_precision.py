@@ -26,7 +26,7 @@ from ..engine.starting_values import starting_values
 from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
-from ..problems.user import FunctionFailed
+from ..problems.user_functions import FunctionFailed
 from .longtime import energy_deviation
 from .timing import Timing
 

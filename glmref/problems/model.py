@@ -20,7 +20,7 @@ from .from_expressions import MOST_LABELS, equation_entries, hamiltonian_entries
 from .loops import Loops, QuadraticForm, join
 from .precision import on_context
 from .reference import Reference, references_of
-from .user import UserFunction, plain, raised
+from .user_functions import UserFunction, plain, raised
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .formula import Number, to_number
-from .user import UserFunction
+from .user_functions import UserFunction
 
 GUARD_DIGITS = 15  # beyond the digits asked, for cancellation in closed forms
 DOUBLE_DIGITS = 40  # working digits of a closed form whose result is rounded to double

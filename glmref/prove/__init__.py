@@ -1,1 +1,1 @@
-"""Proofs: the kernel that gives verdicts, what asks it, and what proposes witnesses to it."""
+"""Proofs: what finds witnesses and values, what writes certificates, and what asks the judge."""

@@ -83,13 +83,13 @@ from .algebra import (
     is_exact,
 )
 from .digits import DigitRules, Sized, rounded_up
-from .form_rules import FormRules
-from .growth_rules import GrowthRules
+from .find_forms import FormRules
+from .find_growth import GrowthRules
+from .find_modified import ModifiedRules
+from .find_rows import RowRules
+from .find_stability import StabilityRules
 from .implications import Implied
-from .modified_rules import ModifiedRules
 from .ranges import MAX_ORDER, Known, Range
-from .rows import RowRules
-from .stability_rules import StabilityRules
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: What the numbers of a claim are called in a sentence.

@@ -35,7 +35,7 @@ from ..measure.work_precision import (
     measure,
     of_run,
 )
-from ..problems.user import FunctionFailed
+from ..problems.user_functions import FunctionFailed
 from .model import TIMED, Scene, subject_of
 from .planning import SAMPLED, Plan, plan
 

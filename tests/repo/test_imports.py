@@ -195,7 +195,7 @@ POINTING_BACK = [
     ("glmref.judge.numbers", "glmref.judge.towers"),
     ("glmref.judge.rule", "glmref.judge.proof"),
     ("glmref.prove.digits", "glmref.prove.kernel"),
-    ("glmref.prove.rows", "glmref.prove.kernel"),
+    ("glmref.prove.find_rows", "glmref.prove.kernel"),
 ]
 
 

@@ -23,7 +23,7 @@ from glmref.engine.outcome import Outcome
 from glmref.engine.shape import banded, shape_of
 from glmref.engine.solver_choice import choose_solver
 from glmref.engine.sweep import step_form
-from glmref.problems.user import NoValue
+from glmref.problems.user_functions import NoValue
 
 # --- the rule -------------------------------------------------------------------------------------
 

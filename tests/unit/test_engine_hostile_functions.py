@@ -10,7 +10,7 @@ import pytest
 from glmref import Interrupted, Problem, UsageError, solve
 from glmref.engine import function_checks
 from glmref.engine.outcome import Outcome
-from glmref.problems.user import FunctionFailed, UserFunction
+from glmref.problems.user_functions import FunctionFailed, UserFunction
 
 QUICK = ("reference", "interpreted")
 ENGINES = [*QUICK, pytest.param("compiled", marks=pytest.mark.slow)]  # numba takes a second each

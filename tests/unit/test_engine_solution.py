@@ -10,7 +10,7 @@ import pytest
 from glmref import Problem, solve
 from glmref.engine.outcome import Outcome, StartFailed, outcome_of
 from glmref.engine.run import _picks
-from glmref.problems.user import FunctionFailed, NoValue
+from glmref.problems.user_functions import FunctionFailed, NoValue
 
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 

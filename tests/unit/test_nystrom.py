@@ -11,7 +11,7 @@ from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
-from glmref.prove.rows import nystrom_gaps
+from glmref.prove.find_rows import nystrom_gaps
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import OrderResult, order_of
 from glmref.theory.trees import counted, is_nystrom, parse_tree, trees

@@ -5,7 +5,7 @@ import pytest
 
 from glmref.problems import problem
 from glmref.problems.extreme import PRESETS
-from glmref.problems.user import FunctionFailed
+from glmref.problems.user_functions import FunctionFailed
 
 
 @pytest.mark.parametrize("case", PRESETS)

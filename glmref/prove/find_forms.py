@@ -1,4 +1,4 @@
-"""Rules of the kernel for structure: symplectic and G-symplectic methods, symmetric ones."""
+"""What the kernel finds of structure: symplectic, G-symplectic and symmetric methods."""
 
 from __future__ import annotations
 

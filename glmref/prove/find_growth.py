@@ -1,4 +1,4 @@
-"""Rules of the kernel for V: zero-stability, parasitism, and growth parameters as verdicts."""
+"""What the kernel finds of V: zero-stability, parasitism, and growth parameters."""
 
 from __future__ import annotations
 

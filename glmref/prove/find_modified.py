@@ -1,4 +1,4 @@
-"""Rules of the kernel for the modified equation of the underlying one-step method."""
+"""What the kernel finds of the modified equation of the underlying one-step method."""
 
 from __future__ import annotations
 

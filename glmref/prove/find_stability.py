@@ -1,4 +1,4 @@
-"""Rules of the kernel for linear stability: A- and L-stability of M(z)."""
+"""What the kernel finds of linear stability: A- and L-stability of M(z)."""
 
 from __future__ import annotations
 

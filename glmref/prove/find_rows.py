@@ -1,4 +1,4 @@
-"""Rules of the kernel for what stands beside a tableau: embedded rows, c, b(theta), any J."""
+"""What the kernel finds beside a tableau: embedded rows, c, b(theta), any J."""
 
 from __future__ import annotations
 
