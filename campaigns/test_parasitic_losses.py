@@ -7,6 +7,7 @@ from campaigns.pages import measured
 from campaigns.parasitic_losses import (
     ELSE,
     KINDS,
+    LEAVES,
     LEVELS,
     PAGE,
     STEPS,
@@ -14,6 +15,7 @@ from campaigns.parasitic_losses import (
     agrees,
     cases,
     counts,
+    departs,
     lost_at,
     row,
     saturated,
@@ -38,7 +40,7 @@ def test_the_record_holds_the_runs_that_it_says():
 
 def _run(passed, verdict="lost", steps=None):
     return {"survey": "lost", "method": "g6245", "passed": [1] * (12 - len(passed)) + passed,
-            "predicted": {"verdict": verdict, "steps": steps, "level": None}}  # fmt: skip
+            "predicted": {"verdict": verdict, "steps": steps, "level": None, "departure": None}}  # fmt: skip
 
 
 def test_what_saturates_and_what_agrees():
@@ -57,7 +59,23 @@ def test_what_saturates_and_what_agrees():
     ):
         assert agrees(_run([1000], verdict, steps)) is said
     found = counts([_run([1000], "lost", 900), _run([1000], "lost", 90), _run([1000], "open")])
-    assert list(found.values()) == [3, 1, 1, 0, 0, 1, 0, 0]
+    assert list(found.values()) == [3, 0, 1, 1, 0, 0, 1, 0, 0]
+
+
+def test_when_a_departure_agrees():
+    x = _run([2000, None])  # 1e-2 and 1e-1
+    for departure, said in (
+        ([0.01, 1340.0], True),
+        ([0.01, 1330.0], False),
+        ([0.01, 3000.0], True),
+        ([0.01, 3010.0], False),
+        ([0.01, None], False),
+        ([0.1, 2000.0], False),  # not passed
+        ([1e-13, 2000.0], False),  # not recorded
+        (None, False),
+    ):
+        x["predicted"]["departure"] = departure
+        assert departs(x) is said
 
 
 def test_the_sentences_of_the_page_are_those_of_the_record():
@@ -66,6 +84,7 @@ def test_the_sentences_of_the_page_are_those_of_the_record():
     for found, of in ((free, "are zero"), (first, "are not")):
         known = f"{found[WITHIN]} of {found['runs']} lost runs whose growth parameters {of}"
         assert known in said
+        assert f"in {found[LEAVES]} of those whose growth parameters {of}" in said
     assert f"{bounded[ELSE]} of {bounded['runs']} bounded runs" in said
     both, seen = free["seen and predicted to saturate"], free["seen to saturate before the loss"]
     known = f"{both} of {seen} runs that saturate before they are lost are predicted to saturate"

@@ -68,6 +68,8 @@ def size_at(
 ) -> float:  # fmt: skip
     """Return the size of a part, of the solution, at which the energy error comes to a level.
 
+    NaN where it does so without a part.
+
     Parameters
     ----------
     method, problem, h, start, part
@@ -90,6 +92,8 @@ def size_at(
         return not bool((error < level).all())
 
     low, high = math.log(1e-14), 0.0
+    if reached(math.exp(low)):
+        return math.nan
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (low, middle) if reached(math.exp(middle)) else (middle, high)

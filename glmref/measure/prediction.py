@@ -576,6 +576,8 @@ class _Pilot:
                 size = size_at(
                     self.method, self.problem, self.h, self.start, part, level=level, steps=steps
                 )
+                if math.isnan(size):
+                    return None
                 times.append(one.course_to(min(size, LEVEL) * self.size).steps)
         return level, min(times)
 
