@@ -597,13 +597,18 @@ def ball(value: int | Fraction | Exact | Ball) -> Ball:
     return value if isinstance(value, Ball) else exact(value).ball()
 
 
-@lru_cache(maxsize=256)
 def root_of_unity(numerator: int, denominator: int) -> Exact:
     """Return exp(2 pi i numerator / denominator).
 
     Denominators 1, 2, 3, 4, 6, 8 and 12 come in square roots, so that they share a field with the
-    tableaux they are used with; others as a power of -1.
+    tableaux they are used with; others as a power of -1. Each call returns an object of its own:
+    what one proof finds out about it does not change how another one spells it.
     """
+    return Exact(_root_of_unity(numerator, denominator))
+
+
+@lru_cache(maxsize=256)
+def _root_of_unity(numerator: int, denominator: int) -> Exact:
     turn = Fraction(numerator, denominator) % 1
     half, i = Exact(Fraction(1, 2)), Exact(-1).sqrt()
     first = {

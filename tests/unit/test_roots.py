@@ -171,3 +171,9 @@ def test_flint_gets_square_roots_for_what_they_are(turn: int) -> None:
     assert "Pow" not in repr(value._element) and value == root_of_unity(1, turn)
     real = Exact._wrap(value._element) + Exact._wrap(value._element).conjugate()
     assert real.conjugate() is real and (real - 2 * value.real).is_zero()
+
+
+def test_a_root_of_unity_is_spelled_alike_whatever_was_found_out_about_another() -> None:
+    spelled = to_text(root_of_unity(1, 3))
+    assert root_of_unity(1, 3).cyclotomic_order == 12  # finds it to be made of roots: kept with it
+    assert to_text(root_of_unity(1, 3)) == spelled == "(sqrt(3)*i-1)/2"
