@@ -965,6 +965,21 @@ _PRIMARY = re.compile(
 )
 
 
+#: What a name of an order may say besides, whichever method of a file it is of.
+_ANY_METHOD = set(
+    "rk rungekutta method scheme solver integrator stepper ode tableau table formula main primary "
+    "global accuracy approximation convergence consistency p n k i get my the of this".split()
+)
+
+
+def _of_another(name: str, path: list[str]) -> bool:
+    """Tell whether the order of a file is that of another method, by its name: ``heun_order``."""
+    said = _ORDER_NAME.sub(" ", name).lower().replace("runge_kutta", "rungekutta")
+    words = {x for x in re.split("[^a-z]+", said) if x}
+    around = [x.lower() for x in path]
+    return not words <= _ANY_METHOD and not any(x in y or y in x for x in words for y in around)
+
+
 def _own_order(block: Block, *, above: bool = True) -> int | None:
     """Return the order that a variable or function of a block, or of one around it, declares."""
     at: Block | None = block
@@ -984,6 +999,8 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
                 continue
             name = item.name.rpartition(".")[2]
             if not _ORDER_NAME.search(name) or _NOT_ORDER.search(name):
+                continue
+            if at is not block and at.parent is None and _of_another(name, block.path()):
                 continue
             value = item.value.value.as_fraction()
             if value is not None and value.denominator == 1 and 1 <= value <= 14:

@@ -86,7 +86,8 @@ class _Plain:
         self.digits = None if digits is None else _whole("digits", digits, MAX_DIGITS)
 
     def read(self) -> tuple[dict[str, Any], PlainClaims]:
-        kind = self.given.get("class") or class_of_keys(self._keys())
+        kind = self.given.get("class")
+        kind = class_of_keys(self._keys()) if kind is None else _string("class", kind)
         if kind not in BLOCKS:
             raise DataError(self._no_class())
         said = {key: self.given[key] for key in _ORDERS if key in self.given}
@@ -156,7 +157,7 @@ class _Plain:
 
     def _finish(self, kind: str, found: dict[str, Any], claims: PlainClaims) -> None:
         """Add what a document of the format has besides."""
-        text = printable(self.given.get("name", ""), str, 1000)
+        text = printable(_string("name", self.given.get("name", "")), str, 1000)
         stem = self.where.removesuffix(".json").removesuffix(".toml")
         for name in (text, stem):
             slug = name_of(name)
@@ -288,7 +289,8 @@ class _Plain:
                     f"an order, as {example.rpartition(' or ')[2]}; it has "
                     f"{', '.join(map(str, x)) or 'no key'}"
                 )
-            name = str(x.get("name", "embedded" if len(given) == 1 else f"embedded-{n}"))
+            name = "embedded" if len(given) == 1 else f"embedded-{n}"
+            name = _string(f"{where}.name", x.get("name", name))
             order = x.get("order", orders.get(name) if isinstance(orders, Mapping) else None)
             claim = EMBEDDED_DIFFERENCE.key if order is None else EMBEDDED_ORDER.key
             least = 0 if order is None else _whole(f"{where}.order", order)
@@ -360,6 +362,12 @@ def _only(given: Mapping[str, Any], keys: Sequence[str], where: str) -> None:
         raise DataError(
             f"`{where}` has the key {str(other[0])[:60]!r}; its keys are {', '.join(keys)}"
         )
+
+
+def _string(where: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise DataError(f"`{where}` must be a text, got {shown(value)}")
+    return value
 
 
 def _whole(name: str, value: Any, most: int = MAX_ORDER) -> int:

@@ -67,7 +67,7 @@ class _Group(click.Group):
         first, *rest = args or [""]
         if first in _ELSEWHERE:
             raise click.UsageError(f"there is no command {first!r}; take {_ELSEWHERE[first]}")
-        if args == ["campaign"]:
+        if first == "campaign" and set(rest) <= {"--plan", "--pages"}:  # without a name
             rest = ["--list"]
         return super().resolve_command(ctx, [*OLD.get(first, args[:1]), *rest])
 

@@ -56,10 +56,12 @@ from .planted import LINEAR, SMALL, growth, size_at
 from .saturation import TOO_MUCH, saturation
 from .underlying import Underlying
 
-#: Size of a parasitic part that the start does not excite.
+#: Size of a parasitic part that the start does not excite, over that of the solution.
 ROUND_OFF = 1e-16
 #: Part of the size of the solution at which the energy counts as lost.
 LEVEL = 0.3
+#: Largest |Psi - 1| of a step to which the expansion in h may apply.
+FAR = 10.0
 #: Passes of the iteration for Psi, each an order of h.
 PASSES = 6
 #: Steps of the pilot run, in which a period is looked for; of these, steps whose derivatives are
@@ -346,14 +348,17 @@ _OPEN = _Course(math.nan, math.nan, np.zeros(0))
 class _Growing:
     """One parasitic part along the pilot orbit.
 
-    ``psi`` (N, m, m) are the propagators of the steps, ``start`` (m,) is its size at the start and
-    ``period`` the number of steps of a period, not whole.
+    ``psi`` (N, m, m) are the propagators of the steps, ``start`` (m,) is its size at the start,
+    ``least`` that of round-off, and ``period`` the number of steps of a period, not whole.
     """
 
-    def __init__(self, psi: np.ndarray, start: np.ndarray, period: float | None) -> None:
-        self.psi, self.start = psi, start
+    def __init__(
+        self, psi: np.ndarray, start: np.ndarray, least: float, period: float | None
+    ) -> None:
+        self.psi, self.start, self.least = psi, start, least
         self.products = _products(psi)
-        self.near = bool(np.isfinite(_logarithms(psi)).all())  # else steps are too large
+        moved = np.abs(psi - np.eye(psi.shape[-1])).max()
+        self.near = bool(np.isfinite(_logarithms(psi)).all() and moved < FAR)  # else too large
         known = self.near and period is not None and period + 3 < len(psi)
         self.period = period if known else None
 
@@ -361,7 +366,7 @@ class _Growing:
         """Return the size of phi where the product of the propagators is so much."""
         if not np.isfinite(product).all():
             return math.inf
-        least = ROUND_OFF * float(np.linalg.norm(product, 2))
+        least = self.least * float(np.linalg.norm(product, 2))
         return max(float(np.linalg.norm(product @ self.start)), least)
 
     def found(self, level: float) -> _Course:
@@ -542,7 +547,7 @@ class _Pilot:
 
         Where it is zero round-off excites all directions.
         """
-        if np.linalg.norm(phi) <= ROUND_OFF:
+        if np.linalg.norm(phi) <= ROUND_OFF * self.size:
             phi = np.ones(b.right.shape[1])
         found = b.right @ phi * (self.size / np.linalg.norm(phi))
         found = 2 * np.real(found) if np.iscomplexobj(b.right) else np.real(found)
@@ -579,7 +584,7 @@ class _Pilot:
                 if math.isnan(size):
                     return None
                 times.append(one.course_to(min(size, LEVEL) * self.size).steps)
-        return level, min(times)
+        return level, float(min(times))
 
 
 @np.errstate(all="ignore")  # what is not finite is looked for where it matters
@@ -650,13 +655,15 @@ def predict(
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
     pilot = _Pilot(chosen, subject, h, y, values[0], period)
-    most, large = abs((end - begin) / h), LEVEL * pilot.size
+    if not pilot.size:
+        return Prediction(*given, OPEN, why="the solution is zero")
+    most, large, least = abs((end - begin) / h), LEVEL * pilot.size, ROUND_OFF * pilot.size
 
     def expanded(b: _Bundle) -> tuple[_Growing, float]:
         """Return a part, and the step of loss; NaN where the passes for Psi do not converge."""
         found = []
         for psi in (x[:count] for x in _propagators(V, b, steps)):
-            growing = _Growing(psi, _start(engine, b, psi, values, h), period)
+            growing = _Growing(psi, _start(engine, b, psi, values, h), least, period)
             found.append(growing.found(large).steps)
         unsettled = min(found) <= most and max(found) > 2 * min(found)
         return growing, math.nan if unsettled or any(map(math.isnan, found)) else found[-1]
@@ -666,17 +673,20 @@ def predict(
     parts = []
     for b, (growing, expected) in zip(bundles, expansions, strict=True):
         begins = float(np.linalg.norm(growing.start))
-        begins = begins if begins > ROUND_OFF else 0.0
+        begins = begins if begins > least else 0.0
         one = _Known(b, growing.found, growing.found(large))
-        if growing.period is None or math.isnan(expected):
+        if not begins < pilot.size:  # steps are so large that the start is not known either
+            one = _Known(b, growing.found, _OPEN)
+        elif growing.period is None or math.isnan(expected):
             n, change = pilot.followed(bundles, [growing.start for growing, _ in expansions])
             smooth = max(float(np.linalg.norm(b.left @ x.ravel())) for x in values[:START])
             moved = engine.solution(change.reshape(-1, *engine.shape))
             other = SMOOTH * smooth / pilot.size * np.linalg.norm(moved, axis=1)
-            seen = _Followed(n, change @ b.left.T, begins or ROUND_OFF, other).found
+            seen = _Followed(n, change @ b.left.T, begins or least, other).found
             if b.grows or math.isnan(expected) or seen(large).steps < EARLIER * expected:
                 one = _Known(b, seen, seen(large))
-        parts.append(ParasiticPart(complex(b.zeta), begins, one.course.rate / h, one.course.steps))
+        rate, lost = float(one.course.rate / h), float(one.course.steps)
+        parts.append(ParasiticPart(complex(b.zeta), begins, rate, lost))
         if not math.isnan(one.course.steps):
             known.append(one)
     first = min(known, key=lambda one: one.course.steps, default=None)
@@ -689,7 +699,7 @@ def predict(
     else:
         level, verdict = None, BOUNDED
     zeta = complex(first.bundle.zeta)
-    return replace(found, verdict=verdict, steps=first.course.steps, zeta=zeta, level=level)
+    return replace(found, verdict=verdict, steps=float(first.course.steps), zeta=zeta, level=level)
 
 
 def _depends_on_time(problem: Problem) -> bool:

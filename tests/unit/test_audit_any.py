@@ -703,3 +703,30 @@ def test_the_number_of_the_weights_of_a_composition_is_not_their_order() -> None
     five, four = (judge(_one(text.format(n), "c")) for n in (5, 4))
     assert (five["declared"], four["declared"]) == (None, 4)
     assert "the sum of the cubes of the weights is 0.1" in five["remarks"][0]
+
+
+HEUN_AND_KUTTA = """/* Runge-Kutta */
+static const double heun_A[2][2] = {{0,0},{1,0}}; static const double heun_b[2] = {.5,.5};
+static const int %s = %s;
+void kutta(void) {
+  const double b[3] = {1./6,2./3,1./6}; const double A[3][3] = {{0,0,0},{.5,0,0},{0,1,0}};
+  register_rk("kutta3", 3, 3, A, b);
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "order", "declared"),
+    [
+        ("heun_order", 2, None),
+        ("DEFAULT_ORDER", 4, None),
+        ("method_order", 3, 3),
+        ("kutta_order", 3, 3),
+    ],
+)
+def test_the_order_of_one_table_of_a_file_is_not_that_of_another(
+    name: str, order: int, declared: int | None
+) -> None:
+    found = tables(HEUN_AND_KUTTA % (name, order), LANGUAGES["c"])
+    (kutta,) = (x for x in found if x.name == "kutta3")
+    assert kutta.order == declared

@@ -210,6 +210,12 @@ def test_dense_output_is_a_polynomial_of_the_step() -> None:
             {"A": HEUN, "b": ["1/2", "1/2"], "order": float("inf")},
             "`order` must be a whole number from 1 to 100, got inf",
         ),
+        ({"A": [[0]], "b": [1], "order": 1, "name": []}, r"`name` must be a text, got \[\]"),
+        ({"A": [[0]], "b": [1], "order": 1, "class": []}, r"`class` must be a text, got \[\]"),
+        (
+            {"A": [[0]], "b": [1], "embedded": {"b": [1], "order": 1, "name": []}},
+            r"`embedded\[1\].name` must be a text, got \[\]",
+        ),
     ],
 )
 def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str) -> None:
