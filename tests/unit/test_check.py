@@ -384,7 +384,8 @@ def test_numbers_of_any_package_beyond_any_size_are_refused_at_once() -> None:
             glmref.check([[0]], [bad], order=1)
     with pytest.raises(DataError, match="too many digits"):
         glmref.from_rk([[0]], [1 << 10**7])
-    assert verdicts([[0]], [1], order=1, name=1 << 10**6) == ["holds"]
+    with pytest.raises(DataError, match="`name` must be a text, got a whole number with thousands"):
+        glmref.check([[0]], [1], order=1, name=1 << 10**6)
 
 
 def test_binary_numbers_with_digits() -> None:
