@@ -26,7 +26,7 @@ NUMBERS = 8_000_000
 HALVINGS = 8
 
 
-def growth(
+def follow_part(
     method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Follow a small part for as long as :data:`NUMBERS` allow.
@@ -73,7 +73,7 @@ def size_at(
     Parameters
     ----------
     method, problem, h, start, part
-        As for :func:`growth`; the problem has an energy.
+        As for :func:`follow_part`; the problem has an energy.
     level : float
         Relative error of the energy, larger than without a part.
     steps : int

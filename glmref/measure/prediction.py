@@ -33,7 +33,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,7 @@ from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
 from .longtime import energy_deviation
-from .planted import LINEAR, SMALL, growth, size_at
+from .planted import LINEAR, SMALL, follow_part, size_at
 from .saturation import TOO_MUCH, saturation
 from .underlying import Underlying
 
@@ -386,7 +386,12 @@ class _Growing:
         """Return the same from the averaged logarithm of the propagators.
 
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
+        Where the pilot itself comes to the size, nothing is averaged.
         """
+        over = next((n for n, x in enumerate(self.products) if self.size(x) >= level), 0)
+        if over:
+            before, begins = self.products[over - 1], self.size(self.products[0])
+            return _Course(math.log(level / begins) / over, float(over), self.late(before))
         logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
         for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):
             mean = np.tensordot(_weights(len(some)), some, 1)
@@ -558,7 +563,7 @@ class _Pilot:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Follow all parts in one run: steps (N,) and values (N, n)."""
         part = sum(self.part(b, phi) for b, phi in zip(bundles, starts, strict=True))
-        return growth(self.method, self.problem, self.h, self.start, np.asarray(part))
+        return follow_part(self.method, self.problem, self.h, self.start, np.asarray(part))
 
     def level(self, one: _Known) -> float | None:
         """Return the level at which the energy error stays, ``None`` where it is lost."""
@@ -659,31 +664,42 @@ def predict(
         return Prediction(*given, OPEN, why="the solution is zero")
     most, large, least = abs((end - begin) / h), LEVEL * pilot.size, ROUND_OFF * pilot.size
 
-    def expanded(b: _Bundle) -> tuple[_Growing, float]:
-        """Return a part, and the step of loss; NaN where the passes for Psi do not converge."""
+    def expanded(b: _Bundle) -> tuple[_Growing, _Course, float]:
+        """Return a part, its course, and the loss; NaN where the passes for Psi do not converge."""
         found = []
         for psi in (x[:count] for x in _propagators(V, b, steps)):
             growing = _Growing(psi, _start(engine, b, psi, values, h), least, period)
-            found.append(growing.found(large).steps)
+            course = growing.found(large)
+            found.append(course.steps)
         unsettled = min(found) <= most and max(found) > 2 * min(found)
-        return growing, math.nan if unsettled or any(map(math.isnan, found)) else found[-1]
+        settled = not (unsettled or any(map(math.isnan, found)))
+        return growing, course, course.steps if settled else math.nan
 
     expansions = [expanded(b) for b in bundles]
+
+    @cache
+    def followed() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return steps, the values that all parts add by then, and the size in the solution."""
+        n, change = pilot.followed(bundles, [growing.start for growing, *_ in expansions])
+        moved = engine.solution(change.reshape(-1, *engine.shape))
+        return n, change, np.linalg.norm(moved, axis=1)
+
     known: list[_Known] = []
     parts = []
-    for b, (growing, expected) in zip(bundles, expansions, strict=True):
+    for b, (growing, course, expected) in zip(bundles, expansions, strict=True):
         begins = float(np.linalg.norm(growing.start))
         begins = begins if begins > least else 0.0
-        one = _Known(b, growing.found, growing.found(large))
+        one = _Known(b, growing.found, course)
         if not begins < pilot.size:  # steps are so large that the start is not known either
             one = _Known(b, growing.found, _OPEN)
         elif growing.period is None or math.isnan(expected):
-            n, change = pilot.followed(bundles, [growing.start for growing, _ in expansions])
+            n, change, moved = followed()
             smooth = max(float(np.linalg.norm(b.left @ x.ravel())) for x in values[:START])
-            moved = engine.solution(change.reshape(-1, *engine.shape))
-            other = SMOOTH * smooth / pilot.size * np.linalg.norm(moved, axis=1)
+            other = SMOOTH * smooth / pilot.size * moved
             seen = _Followed(n, change @ b.left.T, begins or least, other).found
-            if b.grows or math.isnan(expected) or seen(large).steps < EARLIER * expected:
+            at = seen(large).steps
+            within = expected <= count and at <= count  # the pilot's own steps say when
+            if (b.grows and not within) or math.isnan(expected) or at < EARLIER * expected:
                 one = _Known(b, seen, seen(large))
         rate, lost = float(one.course.rate / h), float(one.course.steps)
         parts.append(ParasiticPart(complex(b.zeta), begins, rate, lost))

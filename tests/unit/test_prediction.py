@@ -76,9 +76,8 @@ def test_a_loss_of_first_order_is_predicted(name):
     seen = loss(PENDULUM, run, solution_direction(method)).time
     found = predict(name, PENDULUM, 0.1, 2000)
     assert found.verdict == LOST and found.zeta == -1 and seen is not None
-    # gsymplectic-p loses the orbit of the pilot: two runs are followed, and lost a little earlier
-    assert found.time == pytest.approx(seen, rel=0.03 if name == "gsymplectic-n" else 0.12)
-    assert predict(name, PENDULUM, 0.1, 0.85 * seen).verdict == BOUNDED
+    assert found.time == pytest.approx(seen, rel=0.03)
+    assert predict(name, PENDULUM, 0.1, 0.9 * seen).verdict == BOUNDED
 
 
 @pytest.mark.slow
@@ -250,11 +249,12 @@ def test_the_example_is_as_printed():
 
 
 def test_a_prediction_does_not_depend_on_units():
-    steps = [
-        predict("milne-simpson", problem("scaled-kepler", length=length), 0.02).steps
+    one, other = (
+        predict("milne-simpson", problem("scaled-kepler", length=length), 0.02)
         for length in (1.0, 1e-14)
-    ]
-    assert steps[0] == pytest.approx(steps[1], rel=1e-3)
+    )
+    assert one.verdict == other.verdict == LOST
+    assert one.steps == pytest.approx(other.steps, rel=1e-3)
 
 
 def test_a_solution_that_is_zero_is_not_predicted():
