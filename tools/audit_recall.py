@@ -16,11 +16,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
 
 from glmref.audit.lexer import FIXED, language_of
 from glmref.audit.readers import FORMATS, SUFFIXES, declared_orders, read
-from glmref.audit.recognising import size, tables
+from glmref.audit.recognising import numbers_of, tables
 from glmref.audit.sources import files, marks, read_source
 from glmref.audit.table import Table
 from glmref.catalogue.audits import audited_codes
@@ -61,25 +60,13 @@ class Compared:
         return f"{self.code} {self.path}:{self.line}: {self.name}{order}: {self.seen} ({self.form})"
 
 
-def _numbers(x: Any) -> Iterator[float]:
-    for y in x:
-        if isinstance(y, list):
-            yield from _numbers(y)
-        else:
-            yield round(size(y), 9)
-
-
-def _key(table: Table) -> tuple[float, ...]:
-    return (*_numbers(table.A), *_numbers(table.b))
-
-
 def compared(special: Sequence[Table], general: Sequence[Table]) -> Iterator[tuple[Table, Seen]]:
     """Yield each method that a special reader has read, and how the general one sees it."""
     for x in special:
         if x.unread or x.kind not in KINDS:
             continue
         near = sorted(general, key=lambda y: abs(y.line - x.line))
-        same = [y for y in near if not y.unread and _key(y) == _key(x)]
+        same = [y for y in near if not y.unread and numbers_of(y) == numbers_of(x)]
         beside = [y for y in near if abs(y.line - x.line) <= NEAR and y.name.find(x.name) >= 0]
         if any(y.order == x.order for y in same):
             yield x, Seen.ALIKE

@@ -1,4 +1,4 @@
-"""Methods that are no matrix with weights: Rosenbrock, Nystrom, low storage, splittings, multistep.
+"""Methods that are no matrix with weights: IMKG, Rosenbrock, low storage, splittings, multistep.
 
 They are looked for before matrices, so that a part of one is not taken for a Runge-Kutta method.
 """
@@ -125,8 +125,8 @@ def _guarded(name: str, line: int, arrays: list[Array], make: Any) -> Iterator[F
 # --- additive methods by rows of numbers ----------------------------------------------------------
 
 
-def imkg(rows: list[list[Any]]) -> list[Rows]:
-    """Return the explicit and the implicit part (s, s) of an IMKG method.
+def imkg(rows: list[list[Any]]) -> tuple[list[Rows], list[list[Any]]]:
+    """Return the explicit and the implicit A (s, s) of an IMKG method, and b: their last rows.
 
     Its numbers are a and a^ below the diagonals, d^ on that of the implicit part, and, where it is
     given, b in the first columns: Steyer et al. (2019), "Efficient IMEX Runge-Kutta methods for
@@ -145,7 +145,7 @@ def imkg(rows: list[list[Any]]) -> list[Rows]:
                 A[i][i] = own[i - 1]
             A[i][i - 1] = entries[i - 1]
         parts.append(A)
-    return parts
+    return parts, [A[-1] for A in parts]
 
 
 def _imkg(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
@@ -157,8 +157,7 @@ def _imkg(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator
         return
 
     def make(table: Table) -> None:
-        table.kind, table.A = "additive", imkg(rows)
-        table.b, table.c = [A[-1] for A in table.A], [None, None]
+        table.kind, (table.A, table.b), table.c = "additive", imkg(rows), [None, None]
 
     name = next((x for x in reversed(block.path()) if x != block.called), block.called)
     yield from _guarded(name, vectors[0].line, vectors, make)

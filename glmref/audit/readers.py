@@ -480,8 +480,8 @@ def _of_julia(run: _Run, kind: str, call: ast.Call, name: str, order: int | None
         table.order = order
         return table
     if kind == "IMKGTableau" and len(call.args) in (3, 4):
-        A = imkg([vector(run.value(x)) for x in call.args])
-        return Table(name, line, "additive", A, [x[-1] for x in A], [None, None], order)
+        A, b = imkg([vector(run.value(x)) for x in call.args])
+        return Table(name, line, "additive", A, b, [None, None], order)
     return None
 
 

@@ -480,12 +480,16 @@ def _euler(block: Block, made: list[Array]) -> Iterator[Table]:
 _SUFFIX = re.compile(r"(?:ESDIRKIMEX|IMEX|Rodas)?(?:Constant|Constants|Cache|Tableau|Tab)+$")
 
 
+def numbers_of(table: Table) -> tuple[float, ...]:
+    """Return the entries of A and b to nine digits: what two readings of a table share."""
+    return tuple(round(size(x), 9) for x in flattened([*table.A, *table.b]))
+
+
 def _distinct(found: list[Table]) -> list[Table]:
     """Return tables without those that stand there twice, as an array and as an argument."""
     seen: list[tuple[tuple[float, ...], Table]] = []
     for table in found:
-        rows = [row for A in table.A for row in A]
-        key = tuple(round(size(x), 9) for row in (*rows, *table.b) for x in row)
+        key = numbers_of(table)
         path = path_of(table)
         other = next((x for k, x in seen if k == key
                       and (abs(x.line - table.line) < 100 or x.block is table.block)
@@ -976,7 +980,7 @@ def _of_another(name: str, path: list[str]) -> bool:
     """Tell whether the order of a file is that of another method, by its name: ``heun_order``."""
     said = _ORDER_NAME.sub(" ", name).lower().replace("runge_kutta", "rungekutta")
     words = {x for x in re.split("[^a-z]+", said) if x}
-    around = [x.lower() for x in path]
+    around = [x.lower() for x in path if len(x) > 2]  # a letter or two are in every word
     return not words <= _ANY_METHOD and not any(x in y or y in x for x in words for y in around)
 
 

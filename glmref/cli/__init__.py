@@ -46,7 +46,7 @@ _ELSEWHERE = {
 
 
 #: Old names of commands, and the words that they stand for.
-OLD = {
+_OLD = {
     "campaign": ("run",),
     "cite": ("show", "--bibtex"),
     "errata": ("list", "--errata"),
@@ -69,7 +69,7 @@ class _Group(click.Group):
             raise click.UsageError(f"there is no command {first!r}; take {_ELSEWHERE[first]}")
         if first == "campaign" and set(rest) <= {"--plan", "--pages"}:  # without a name
             rest = ["--list"]
-        return super().resolve_command(ctx, [*OLD.get(first, args[:1]), *rest])
+        return super().resolve_command(ctx, [*_OLD.get(first, args[:1]), *rest])
 
 
 @click.group(

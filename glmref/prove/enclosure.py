@@ -120,8 +120,7 @@ class Enclosure:
 
         Positive, it proves that the order is not higher: see :func:`obstruction`.
         """
-        _, principal = self.system.read(self.values)
-        further = self.system.series(self.form, principal, self.order + 1)
+        further = self.system.series(self.form, self.principal, self.order + 1)
         return obstruction(further, self.order)
 
 
@@ -232,6 +231,10 @@ def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series
     return width
 
 
+def _radius_text(document: Mapping[str, Any]) -> Any:
+    return document.get("enclosure", {}).get("radius", "1e-60")
+
+
 def radius_of(document: Mapping[str, Any]) -> Fraction:
     """Return the radius of the box of the interval test of a file.
 
@@ -240,7 +243,7 @@ def radius_of(document: Mapping[str, Any]) -> Fraction:
     DataError
         For anything but a decimal from 1e-999 to 1e-60.
     """
-    text = document.get("enclosure", {}).get("radius", "1e-60")
+    text = _radius_text(document)
     if not isinstance(text, str) or not _RADIUS.fullmatch(text):
         raise DataError(f"`enclosure.radius` must be a number such as '1e-60', got {shown(text)}")
     radius = Fraction(text)
@@ -296,7 +299,7 @@ def equations_of(document: Mapping[str, Any], members: Mapping[str, Any]) -> Any
             f"`enclosure.equations` must be as many as the unknowns ({len(unknowns)}), "
             f"got {len(texts)}"
         )
-    proof = {"radius": document["enclosure"].get("radius", "1e-60"), **members}
+    proof = {"radius": _radius_text(document), **members}
     with consulted() as judge:
         try:
             return judge.proof.equations_of(json.dumps([about(document), _field(document), proof]))

@@ -22,7 +22,6 @@ from ..theory.stability import (
 from .algebra import bounded, escape, in_right_half, leaves_disc, multiple_on_axis
 from .ranges import Known
 
-_ZERO, _ONE = Exact(0), Exact(1)
 #: Points of the imaginary axis at which a violation of A-stability is looked for.
 SAMPLES = tuple(Fraction(x) for x in ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6"))
 

@@ -15,6 +15,7 @@ from glmref.judge.enclosed_sweep import Sweep
 from glmref.judge.enclosures import circle_is_named
 from glmref.judge.fields import Numbers
 from glmref.judge.linalg import diagonal
+from glmref.judge.refusals import Refused
 from glmref.prove.field import tower_of
 from glmref.prove.implications import _orders, implied_by
 
@@ -153,7 +154,7 @@ def test_1_is_a_simple_eigenvalue_of_v():
         if fine:
             made.suppose({"o": "V"})
         else:
-            with pytest.raises(Exception, match="not regular on the values 2 to r"):
+            with pytest.raises(Refused, match="not regular on the values 2 to r"):
                 made.suppose({"o": "V"})
 
 
