@@ -47,9 +47,10 @@ def row(case: Mapping[str, Any]) -> dict[str, Any]:
     most = highest_order(method.palette) if wide else MAX_ORDER
     if wide and claims["order"] >= most and residues(method) is not None:
         return along_paths(method, claims["order"])
-    result, free = (order_of(method, principal=x) for x in ("identity", "free"))
-    if not (method.is_one_step or result.order == free.order):
-        result = free  # with a starting method; its principal part as the identity costs an order
+    result = order_of(method, principal="identity")
+    if not method.is_one_step:  # as Facts.local_error: with a start, where the identity costs one
+        free = order_of(method, principal="free")
+        result = result if result.order == free.order else free
     if result.at_least and claims["order"] >= most:
         empty = {"trees": 0, "nonzero": 0, "norm": 0.0, "largest": []}
         return {"order": int(claims["order"]), **empty}

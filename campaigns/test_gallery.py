@@ -13,6 +13,7 @@ from campaigns.gallery import CLASSICAL, PAGE, PAGES, TOLERANCES, cheapest, shar
 from campaigns.pages import filled, measured
 from campaigns.pictures import IMAGES, PICTURES, ROOT
 from glmref.catalogue.advice import ADVICE
+from glmref.catalogue.files import document
 from glmref.system.shown import DARK
 
 TABLES = PAGES[PAGE]
@@ -70,6 +71,18 @@ def test_the_sentences_of_the_page_hold():
     assert f"their shares are {first}, {second} and {third}" in said
     assert {kind for kind, t, _ in counted if t == "1e-12"} == {"second order", "separable"}
     assert "Twelve digits were not counted on the other systems" in said
+    survey = [x for x in measured("long-survey")["rows"] if x["steps"] == 10_000_000]
+    failed = {
+        x["method"]
+        for x in survey
+        for r in x["runs"]
+        if not r["renew"] and r["verdict"] != "bounded"
+    }
+    assert not failed & {"multistep-8", "multistep-rkn-8", "s5z-w3"}
+    forms = {x["method"] for x in survey} - failed
+    assert {x for x in forms if document(x)["class"] in ("glm", "sweep", "pair-sweep")} == {
+        "s5z-w3"
+    }
     kept, of = gallery.lost()
     assert kept == 0 < of and "only `s5z-w3` of them stayed bounded in every run" in said
     laws = {(x["method"], x["h"]): x["law"] for x in measured("pendulum-1e8")["runs"]}

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from campaigns.order8_search import SEED, SOLVED, start_of
+from campaigns.order8_search import SEED, SOLVED, STARTS, start_of
 from campaigns.pages import measured
 from campaigns.second_order_search import ANSATZES, attempt_case, second_order
 from glmref.derive.ansatz import Ansatz
@@ -43,7 +43,7 @@ def test_what_is_solved_has_no_growth_of_second_order():
     more, size = second_order(system, both=both), len(system.unknowns)
 
     def solution(residuals):
-        ends = search(residuals, start_of(size), seed=SEED, starts=128)
+        ends = search(residuals, start_of(size), seed=SEED, starts=STARTS)
         return next(x.point for x in ends if x.residual < SOLVED)
 
     assert _growth(system, solution(lambda x: [*system.residuals(x), *more(x)])) < 1e-3

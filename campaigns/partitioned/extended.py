@@ -26,6 +26,7 @@ import sys
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
@@ -175,15 +176,20 @@ def evaluations(
     return found
 
 
+@cache
+def ends() -> dict[str, float]:
+    """Return the last time of each problem, as its scene has it."""
+    scenes = [tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))]
+    return {x["problem"]["name"]: float(x["t_end"]) for x in scenes if "problem" in x}
+
+
 def rows(names: Sequence[str]) -> list[dict[str, Any]]:
     """Return the evaluations on problems, by tolerance, way to hold the copies, and method."""
-    scenes = [tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))]
-    ends = {x["problem"]["name"]: float(x["t_end"]) for x in scenes if "problem" in x}
     found = []
     for name in names:
         one = problem(name)
         for copies, methods in METHODS.items():
-            counts = {x: needed(one, ends[name], x, copies) for x in methods}
+            counts = {x: needed(one, ends()[name], x, copies) for x in methods}
             found += [
                 {"problem": name, "tolerance": t, "copies": copies}
                 | {"methods": {k: x[t] for k, x in counts.items()}}

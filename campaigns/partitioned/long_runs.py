@@ -164,8 +164,8 @@ def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0
     The number of steps is a power of ten from 10^4 on, the step size in :data:`UNITS`. With
     ``restart``, a divisor of it, the solution is taken as a new initial value, from which the
     method starts anew, every so many steps. ``carried`` is empty for methods that carry one value,
-    and the norm of the parasitic part (:func:`.long_order6.parasitic_part`) for general linear
-    methods.
+    and the norm of the parasitic part (:func:`campaigns.order6.long_runs.parasitic_part`) for
+    general linear methods.
     """
     return _followed(name, case, step_size(name, case), steps, restart=restart)
 

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.driver import arguments, carried_out
+from campaigns.partitioned.work import crossing
 from glmref.derive.multistep import Half
 from glmref.problems import problem
 
@@ -169,16 +170,8 @@ def needed_by(error: Callable[[int], float], least: int) -> list[float]:
             break
     found = []
     for tolerance in TOLERANCES:
-        last = max((k for k, (_, e) in enumerate(curve) if not e < tolerance), default=-1)
-        if last == len(curve) - 1:
-            found.append(float(MOST * least))
-        elif last < 0:
-            found.append(float(curve[0][0]))
-        else:
-            (n, e), (m, d) = curve[last], curve[last + 1]
-            regular = math.isfinite(e) and d > 0
-            part = math.log(e / tolerance) / math.log(e / d) if regular else 1.0
-            found.append(n * (m / n) ** part)
+        needed = crossing(curve, tolerance)
+        found.append(float(MOST * least) if needed is None else needed)
     return found
 
 

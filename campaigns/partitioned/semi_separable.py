@@ -19,22 +19,24 @@ from __future__ import annotations
 import json
 import math
 import sys
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaigns.driver import arguments
-from campaigns.partitioned.extended import SCENES
+from campaigns.partitioned.extended import ends
+from campaigns.partitioned.long_runs import three_digits
+from campaigns.partitioned.work import crossing
 from glmref import solve
 from glmref.catalogue.reader import load_document
 from glmref.derive.general_multistep import GeneralHalf, general_document
 from glmref.derive.recipes.general_multistep import SHIPPED, half_of
+from glmref.engine.outcome import Solution
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
 from glmref.problems import problem
@@ -61,16 +63,10 @@ _GRID, _UNIT = 0.005, 1e-7
 
 @dataclass(frozen=True)
 class Pair:
-    """Both halves of a method.
+    """Both halves of a method."""
 
-    Attributes
-    ----------
-    q, p : GeneralHalf
-        Implicit and explicit.
-    """
-
-    q: GeneralHalf
-    p: GeneralHalf
+    q: GeneralHalf  #: Implicit.
+    p: GeneralHalf  #: Explicit.
 
     @staticmethod
     def of(name: str) -> Pair:
@@ -114,16 +110,9 @@ class Pair:
         return round((k - 1) * _GRID, 3)
 
 
-@cache
-def _ends() -> dict[str, float]:
-    """Return the last time of each problem, as its scene has it."""
-    scenes = [tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))]
-    return {x["problem"]["name"]: float(x["t_end"]) for x in scenes if "problem" in x}
-
-
 def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
     """Yield steps, evaluations and the error of the last state, coarse to fine."""
-    one, end, steps = problem(name), _ends()[name], _FIRST
+    one, end, steps = problem(name), ends()[name], _FIRST
     exact = reference_state(one, end)
     while steps <= _MOST:
         found = solve(one, method, h=end / steps, steps=steps, every=steps)
@@ -134,21 +123,24 @@ def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
 
 def needed(method: Method, name: str) -> tuple[int, int] | None:
     """Return steps and evaluations, start included, for the tolerance at two step sizes on end."""
-    before: tuple[int, float] | None = None
-    found: tuple[int, int] | None = None
+    curve: list[tuple[int, float]] = []
+    first = 0  # steps of the first run of those that are below without a break
     for steps, count, error in _errors(method, name):
-        if error > TOLERANCE:
-            found = None
-        elif found is not None:
-            return found
+        curve.append((count, error))
+        if not error < TOLERANCE:
+            first = 0
+        elif first:
+            evaluations = crossing(curve, TOLERANCE)
+            assert evaluations is not None
+            return first, round(evaluations)
         else:
-            part = 1.0
-            if before is not None and math.isfinite(before[1]):
-                part = math.log(before[1] / TOLERANCE) / math.log(before[1] / error)
-            last = before[0] if before is not None else count
-            found = steps, round(last * (count / last) ** part)
-        before = count, error
+            first = steps
     return None
+
+
+def _reported(found: Solution) -> float | None:
+    """Return the time of the notice."""
+    return None if found.suspect is None else float(f"{found.suspect:.6g}")
 
 
 def long_run(method: Method | str, name: str, h: float, steps: int) -> dict[str, Any]:
@@ -158,7 +150,7 @@ def long_run(method: Method | str, name: str, h: float, steps: int) -> dict[str,
     energy = energy_error(one, found) if found.completed else math.nan
     return {
         "energy": float(f"{energy:.2g}") if math.isfinite(energy) else None,
-        "reported": None if found.suspect is None else float(f"{found.suspect:.6g}"),
+        "reported": _reported(found),
     }
 
 
@@ -169,7 +161,7 @@ def moved(method: str, name: str, h: float) -> dict[str, Any]:
         y0 = [Fraction(x) for x in one.y0]
         y0[0] += Fraction(k, 10**15)
         found = solve(replace(one, y0=tuple(y0)), method, h=h, steps=120_000, every=1000)
-        times.append(found.suspect and float(f"{found.suspect:.6g}"))
+        times.append(_reported(found))
     return {"problem": name, "method": method, "h": h, "reported": times}
 
 
@@ -181,8 +173,8 @@ def row(name: str, gauss: Mapping[str, int]) -> dict[str, Any]:
         case: dict[str, Any] = {"problem": x, "evaluations": None}
         if (found := needed(method, x)) is not None:
             steps, count = found
-            h = float(f"{_ends()[x] / steps:.3g}")
-            case |= {"evaluations": count, "over_gauss": float(f"{count / best:.3g}"), "h": h}
+            h = float(f"{ends()[x] / steps:.3g}")
+            case |= {"evaluations": count, "over_gauss": three_digits(count / best), "h": h}
             case |= long_run(method, x, h, _LONG)
         cases.append(case)
     return {
@@ -190,8 +182,8 @@ def row(name: str, gauss: Mapping[str, int]) -> dict[str, Any]:
         "q": [str(c) for c in (*pair.q.cosines, *[-1] * pair.q.minus_one)],
         "p": [str(c) for c in (*pair.p.cosines, *[-1] * pair.p.minus_one)],
         "order": pair.q.order,
-        "error_constants": [float(f"{float(x.error_constant):.3g}") for x in (pair.q, pair.p)],
-        "residue": float(f"{max(abs(float(x)) for x in pair.p.residues):.3g}"),
+        "error_constants": [three_digits(float(x.error_constant)) for x in (pair.q, pair.p)],
+        "residue": three_digits(max(abs(float(x)) for x in pair.p.residues)),
         "interval": pair.interval,
         "cases": cases,
     }

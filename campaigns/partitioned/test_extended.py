@@ -52,17 +52,22 @@ def test_a_binding_that_is_no_rotation_loses_the_order(monkeypatch: pytest.Monke
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["uneven-plane", "discrete-schroedinger"])
-def test_a_weaker_binding_errs_less(name: str) -> None:
-    """The free copies are the limit."""
+@pytest.mark.parametrize(
+    "name", dict.fromkeys(x["problem"] for x in measured("nonseparable")["evaluations"])
+)
+def test_no_binding_gains_much_over_free_copies(name: str) -> None:
     one = problem(name)
     end = reference_state(one, 20.0).state
-    errors = [
-        float(np.abs(run(one, 20.0, 100, "kahan-li-8", "bound", omega)[0] - end).max())
-        for omega in (20.0, 5.0, 1.0, 0.25)
-    ]
-    assert errors == sorted(errors, reverse=True)
-    assert errors[-1] < errors[0] / 100
+
+    def error(copies: str, omega: float) -> float:
+        with np.errstate(all="ignore"):
+            y = run(one, 20.0, 200, "kahan-li-8", copies, omega)[0]
+        return float(np.abs(y - end).max())
+
+    free = error("free", 0.0)
+    assert all(not error("bound", omega) < free / 3 for omega in (20.0, 5.0, 1.0, 0.25))
+    page = (Path(__file__).parents[2] / "docs" / "nonseparable.md").read_text("utf-8")
+    assert "with 1/4 to 20 the error is not below a third of that of free copies" in page
 
 
 def test_evaluations_of_a_step() -> None:

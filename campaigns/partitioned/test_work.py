@@ -19,8 +19,8 @@ from campaigns.partitioned.work import (
     NOTE,
     TOLERANCES,
     Case,
-    _crossing,
     _settled,
+    crossing,
     needs,
     per_step,
     timed,
@@ -36,18 +36,18 @@ SHORT = Case("short", "harmonic-oscillator", 6.0, 40, timed=True)
 def test_a_crossing_is_interpolated_in_logarithms():
     # error = n^-6: 1e-9 at n = 10^1.5
     curve = [(10, 1e-6), (100, 1e-12)]
-    assert _crossing(curve, 1e-9) == pytest.approx(10**1.5)
+    assert crossing(curve, 1e-9) == pytest.approx(10**1.5)
 
 
 def test_a_lucky_dip_of_the_error_does_not_count():
     curve = [(10, 1e-6), (12, 1e-10), (20, 1e-7), (40, 1e-10)]
-    found = _crossing(curve, 1e-9)
+    found = crossing(curve, 1e-9)
     assert found is not None
     assert 20 < found < 40
-    assert _crossing([*curve, (80, math.nan)], 1e-9) is None
-    assert _crossing([(10, 1e-6)], 1e-9) is None
-    assert _crossing([(10, 1e-10)], 1e-9) == 10.0
-    assert _crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
+    assert crossing([*curve, (80, math.nan)], 1e-9) is None
+    assert crossing([(10, 1e-6)], 1e-9) is None
+    assert crossing([(10, 1e-10)], 1e-9) == 10.0
+    assert crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
 
 
 def test_a_curve_ends_an_octave_below_the_sharpest_tolerance():
@@ -70,7 +70,7 @@ def test_no_count_of_the_stored_curves_lies_behind_the_point_where_a_curve_ends(
         short = next((curve[:k] for k in range(len(curve)) if _settled(curve[:k])), curve)
         ended += len(short) < len(curve)
         for tolerance in TOLERANCES:
-            assert _crossing(curve, tolerance) == _crossing(short, tolerance)
+            assert crossing(curve, tolerance) == crossing(short, tolerance)
     assert ended > 100
 
 

@@ -223,7 +223,7 @@ def _need(
             curve.append((solution.evaluations, error(solution)))
             if _settled(curve, min(tolerances)):
                 break
-    found = {t: _crossing(curve, t) for t in tolerances}
+    found = {t: crossing(curve, t) for t in tolerances}
     needed = {t: n for t, n in found.items() if n is not None}
     return Need(method, start, tuple(curve), cost, needed)
 
@@ -238,7 +238,7 @@ def _settled(curve: Sequence[tuple[int, float]], sharpest: float = min(TOLERANCE
     return len(last) == DENSITY and all(e < sharpest / 2 for _, e in last)
 
 
-def _crossing(curve: Sequence[tuple[int, float]], tolerance: float) -> float | None:
+def crossing(curve: Sequence[tuple[int, float]], tolerance: float) -> float | None:
     """Interpolate, in logarithms, the evaluations from which the error stays below a tolerance."""
     above = [k for k, (_, e) in enumerate(curve) if not e < tolerance]
     last = above[-1] if above else -1
