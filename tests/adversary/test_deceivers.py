@@ -55,7 +55,7 @@ def test_what_is_found_of_a_deceiver(name: str) -> None:
     assert found(DECEIVERS[name]["document"]) == DECEIVERS[name]["found"]
 
 
-@pytest.mark.sampled(4, whole=150)
+@pytest.mark.sampled(4, whole=60)
 @pytest.mark.parametrize("name", DECIDED)
 def test_analysis_and_certificates_say_the_same(name: str, tmp_path: Path) -> None:
     document = DECEIVERS[name]["document"]

@@ -89,7 +89,7 @@ def kronecker_step(method, h, matrix, start):
     return new.reshape(start.shape)
 
 
-@pytest.mark.sampled(12, whole=80)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("name", REAL)
 def test_a_linear_field_is_one_linear_solve(name):
     method, p, h = load(name), problem("linear-field", dimension=3), 0.25
@@ -203,7 +203,7 @@ def test_far_beyond_stability_a_run_ends_in_a_name(name, h):
 # --- sizes ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(12, whole=80)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("name", REAL)
 def test_one_component_is_enough(name):
     p = problem("dahlquist", real=-1)

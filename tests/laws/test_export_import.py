@@ -101,13 +101,13 @@ def is_large(name: str) -> bool:
 CASES = [pytest.param(name, marks=[pytest.mark.slow] if is_large(name) else []) for name in EVERY]
 
 
-@pytest.mark.sampled(12, whole=40)
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("name", CASES)
 def test_json_comes_back(name: str) -> None:
     check(name, "json", 60)
 
 
-@pytest.mark.sampled(0, whole=40)
+@pytest.mark.sampled(0)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_csv_comes_back(name: str) -> None:
@@ -123,7 +123,7 @@ def test_what_the_second_format_has_comes_back(name: str, form: str) -> None:
     assert (again.document or {})["class"] == shipped(name)["class"]
 
 
-@pytest.mark.sampled(8, besides=NESTED, whole=40)
+@pytest.mark.sampled(8, besides=NESTED)
 @pytest.mark.parametrize("name", NAMES)
 def test_tables_of_other_packages_come_back_or_are_refused_in_one_sentence(name: str) -> None:
     method = glmref.load(name)

@@ -161,7 +161,7 @@ def marked(cases, quick=()):
     ]
 
 
-@pytest.mark.sampled(len(QUICK), whole=18)
+@pytest.mark.sampled(len(QUICK), whole=10)
 @pytest.mark.parametrize(("name", "parameters", "t", "entry"), marked(ENTRIES, QUICK))
 def test_references_are_derived_again(name, parameters, t, entry):
     p = problem(name, **parameters)

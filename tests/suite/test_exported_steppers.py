@@ -254,7 +254,7 @@ def force(q):
     return [-q[0] / (r * r * r), -q[1] / (r * r * r)]
 
 
-@pytest.mark.sampled(0, whole=40)
+@pytest.mark.sampled(0)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",

@@ -233,7 +233,7 @@ def marked(quick):
     return [pytest.param(name, marks=m) for name, m in zip(METHODS, marks, strict=True)]
 
 
-@pytest.mark.sampled(6, whole=40)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", marked(QUICK))
 def test_kernels_of_every_method_agree_with_the_reference(name):
     for of in applicable(name):
@@ -318,7 +318,7 @@ def test_machine_code_and_interpreter_have_the_same_bits(name):
     same_bits(name, "pendulum")
 
 
-@pytest.mark.sampled(0, whole=40)
+@pytest.mark.sampled(0)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 def test_machine_code_and_interpreter_have_the_same_bits_for_every_method(name):
