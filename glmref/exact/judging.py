@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import flint
 
@@ -25,7 +26,9 @@ from ..judge import arithmetic
 from ..judge.arithmetic import Number, Ring
 from ..judge.refusals import Refused, Undecided
 from ..system.budget import spend
-from .number import Ball
+from .jet import Jet
+from .number import Ball, Exact
+from .products import sum_of_products
 
 PRECISION = 512  # bits of a ball
 
@@ -302,6 +305,67 @@ def newton(
         if all(abs(y) < 1e-60 for y in move):
             break
     return [Interval(x) for x in point], inverse
+
+
+class Algebraic(Ring):
+    """An irrational number of the package, or a jet, among the numbers of the judge."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+    @staticmethod
+    def dot(pairs: Iterable[tuple]):
+        """Return sum x_i y_i."""
+        return as_number(sum_of_products([(as_scalar(x), as_scalar(y)) for x, y in pairs]))
+
+    def __add__(self, other: Number):
+        return as_number(self.value + as_scalar(other))
+
+    def __mul__(self, other: Number):
+        return as_number(self.value * as_scalar(other))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __bool__(self) -> bool:
+        answer = self.value.is_zero()
+        if answer is None:
+            raise Undecided("a ball holds 0: nothing is decided")
+        return not answer
+
+    def inverse(self):
+        """Return 1 / x."""
+        return as_number(1 / self.value)
+
+
+def as_number(x: Exact | Ball | Jet | int):
+    """Return a number of the package as one of :func:`fast_judge`; an exact zero is rational."""
+    if isinstance(x, Ball):
+        re, im = x.parts()
+        return Interval(re) if im.is_zero() else _box()(Interval(re), Interval(im))
+    if isinstance(x, int):
+        return Fraction(x)
+    if isinstance(x, Jet):
+        return Algebraic(x)
+    if x._q is not None:
+        return x._q
+    return Fraction(0) if x.is_zero() else Algebraic(x)
+
+
+def as_scalar(x: Any) -> Exact | Ball:
+    """Return a number of :func:`fast_judge` as one of the package."""
+    if isinstance(x, Interval):
+        return x.as_ball()
+    if isinstance(x, Algebraic):
+        return x.value
+    return Ball.of_parts(x.re.ball, x.im.ball) if type(x) is _box() else Exact(x)
+
+
+@cache
+def _box() -> type:
+    """Return the type of rectangles of :func:`fast_judge`."""
+    return fast_judge().numbers.Box
 
 
 #: Modules of the judge that know no numbers: both copies share their classes.

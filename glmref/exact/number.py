@@ -51,6 +51,15 @@ class Ball(Arithmetic):
         return cls._wrap(flint.acb(value))
 
     @classmethod
+    def of_parts(cls, real: flint.arb, imag: flint.arb) -> Ball:
+        """Return the ball with these real balls of FLINT as parts."""
+        return cls._wrap(flint.acb(real, imag))
+
+    def parts(self) -> tuple[flint.arb, flint.arb]:
+        """Return the real and the imaginary part as balls of FLINT."""
+        return self._acb.real, self._acb.imag
+
+    @classmethod
     def _wrap(cls, value: flint.acb) -> Ball:
         self = _new(cls)
         self._acb = value

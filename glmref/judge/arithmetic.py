@@ -15,7 +15,7 @@ from itertools import zip_longest
 from operator import itemgetter, mul
 from typing import TypeAlias
 
-from .refusals import Refused, Undecided
+from .refusals import NotShown, Refused, Undecided
 
 PLACES = 448  # binary places of an interval
 
@@ -51,6 +51,10 @@ class Ring:
     def conj(self) -> Ring:
         """Return the conjugate: the number itself where it is real."""
         return self
+
+    def inverse(self) -> Ring:
+        """Return 1 / x."""
+        raise NotShown("a division by an unknown")
 
 
 def product_of_ends(a: int, b: int, c: int, d: int) -> tuple[int, int]:

@@ -53,6 +53,9 @@ def dot(x: list, y: list) -> Number:
     pairs = [(a, b) for a, b in zip(x, y, strict=True) if not (is_nil(a) or is_nil(b))]
     if kinds <= GRADIENTS and any(type(a) is Gradient or type(b) is Gradient for a, b in pairs):
         return dot_of_gradients(pairs)
+    for kind in kinds - GRADIENTS:
+        if hasattr(kind, "dot"):  # a number of another program
+            return kind.dot(pairs)
     return total(a * b for a, b in pairs)
 
 

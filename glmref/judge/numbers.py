@@ -244,11 +244,7 @@ def inverse(x: Number) -> Number:
     if isinstance(x, Element):
         return x.tower.inverse(x)
     require(x, "a division by 0")
-    if type(x) is Interval:
-        return x.inverse()
-    if isinstance(x, Ring):
-        raise NotShown("a division by an unknown")
-    return 1 / Fraction(x)
+    return x.inverse() if isinstance(x, Ring) else 1 / Fraction(x)
 
 
 def sign(x: Number) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 
 from .arithmetic import Fraction, Number
 from .classes import reduced
@@ -15,6 +16,7 @@ from .linalg import (
     inverse_matrix,
     is_exact,
     kernel,
+    less,
     minus,
     multiples,
     placewise,
@@ -26,7 +28,7 @@ from .linalg import (
 )
 from .numbers import apart, as_reals, inverse, is_enclosure, is_nil, vanishes
 from .refusals import require, shown
-from .trees import Tree, cut, gamma, paths, pool_of, residual_weights, size, trees
+from .trees import LEAF, Tree, cut, gamma, paths, pool_of, residual_weights, size, trees
 
 
 class Series:
@@ -41,7 +43,7 @@ class Series:
         self, part: Callable[[str], Component], u: dict[str, list], eta: Callable[[Tree], list]
     ) -> None:
         self.part, self.u, self.eta_of = part, u, eta
-        self.known = {}
+        self.known, self.outputs = {}, {}
 
     @classmethod
     def of_tables(
@@ -66,8 +68,13 @@ class Series:
         return found if factor == 1 else multiples(factor, found)
 
     def value(self, tree: Tree) -> list:
-        """Return B xiD(t)."""
-        return apply(self.part(tree[0]).B, self.derivative(tree))
+        """Return B xiD(t), kept where trees share it."""
+        if self.q == 1:
+            return apply(self.part(tree[0]).B, self.derivative(tree))
+        tree, factor = reduced(tree, self.q)
+        if tree not in self.outputs:
+            self.outputs[tree] = apply(self.part(tree[0]).B, self.derivative(tree))
+        return multiples(factor, self.outputs[tree])
 
     def residual(self, tree: Tree) -> list:
         """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
@@ -107,6 +114,12 @@ def external(method: Method, colour: str) -> tuple[list, list]:
     return u, reading(method, colour, u)
 
 
+@lru_cache(maxsize=2)
+def stages_of(tables: tuple[tuple[str, tuple[tuple[Number, ...], ...]], ...]) -> dict[Tree, list]:
+    """Return what is kept of the stages of tables, pairs of a colour and rows, by tree."""
+    return {}
+
+
 class Solved(Series):
     """The starting series that an order needs, found order by order (4).
 
@@ -119,7 +132,7 @@ class Solved(Series):
         self.free, self.last, self.order, self.filled = not identity_mode, None, 0, 0
         self.loose = False  # whether principal parts of a lower order are not the only ones
         self.W, self.N, self.lift, self.eta, self.k, self.w, parts = {}, {}, {}, {}, {}, {}, {}
-        self.gaps, self.rights = {}, {}
+        self.gaps, self.rights, self.parts = {}, {}, parts
         super().__init__(parts.__getitem__, {}, self.cut_value)
         plain = as_reals if method.numbers.unknowns else lambda x: x
         for c, m in method.parts.items():
@@ -138,6 +151,13 @@ class Solved(Series):
         self.simple = all(len(N) == 1 for N in self.N.values())
         #: whether the values are the solution itself
         self.solved = identity_mode and all(m.r == 1 for m in method.parts.values())
+        self.share_stages()
+
+    def share_stages(self) -> None:
+        """Take the stages that other weights have found, where they depend on an exact A only."""
+        tables = [(c, m.A) for c, m in self.parts.items()]
+        if self.solved and all(is_exact(A) for _, A in tables):
+            self.known = stages_of(tuple((c, tuple(map(tuple, A))) for c, A in tables))
 
     def cut_value(self, s: Tree) -> list:
         """Return eta at what is left of a tree, 0 where the one value is the solution."""
@@ -160,28 +180,27 @@ class Solved(Series):
             return
         found = {}
         leaf = {c: (children[0], ()) for c, children in palette.items()}
-        level = pool_of(self.method, n - 1, self.nystrom)
-        for s in sorted(level, key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
+        for s in sorted(self.pool(n - 1), key=lambda s: (-len(s[1]), -s[1].count(leaf[s[0]]))):
             t = (s[0], tuple(sorted((*s[1], leaf[s[0]]))))
-            (value,), ways = self.condition(t), 0
+            value, ways = self.condition(t), Fraction(0)
             for kept, weight in cut(t):
                 if kept == s:
                     ways = weight
                 elif kept in found:
-                    value = value - found[kept] * weight
-            found[s] = value * (1 / ways)
+                    value = less(value, multiples(weight, found[kept]))
+            found[s] = multiples(1 / ways, value)
         for s, beta in found.items():
-            if not is_nil(beta):
-                self.move(s, [beta])
+            if not all(map(is_nil, beta)):
+                self.move(s, beta)
 
     def settle_all(self) -> None:
         """Find the principal parts of the last order from all conditions of the next one.
 
         They are the only ones, at order 1 up to the flow; `last` is the order where there are none.
         """
-        method, m = self.method, self.method.parts
+        m = self.method.parts
         place, units = {}, []
-        for s in pool_of(method, self.order, self.nystrom):
+        for s in self.pool(self.order):
             d, reads = len(self.N[s[0]]), apply(self.N[s[0]], self.w[s[0]])
             if not self.free:  # eta(s) is not read as the solution
                 read = dot(self.w[s[0]], self.eta[s])
@@ -190,7 +209,7 @@ class Solved(Series):
             place[s] = range(len(units), len(units) + len(basis))
             units += basis
         rows, right = [], []
-        for t in pool_of(method, self.order + 1, self.nystrom):
+        for t in self.pool(self.order + 1):
             block = [[Fraction(0)] * len(units) for _ in self.W[t[0]]]
             for s, weight in [*cut(t), *((s, None) for s in t[1][:1] if len(t[1]) == 1)]:
                 for j in place.get(s, ()):
@@ -222,7 +241,17 @@ class Solved(Series):
                 # of the trees of this order a part before may have looked at the stages
                 self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
             if self.last is None:
+                if self.solved and self.order == self.q + 1:
+                    self.raise_stage_order()
                 self.order += 1
+
+    def raise_stage_order(self) -> None:
+        """Take in that the stages of one exact method are the solution on one order more."""
+        if [*self.parts] == ["o"] and is_exact([*self.parts["o"].A, *self.parts["o"].B]):
+            bush = ("o", (LEAF,) * self.q)
+            c, n = self.stages(LEAF), self.q + 1
+            if vanishes(less(self.stages(bush), [x**n * Fraction(1, n) for x in c])):
+                self.q = n
 
     def fill(self) -> None:
         """Find eta at the trees of the order that was reached, principal parts 0."""
@@ -233,6 +262,13 @@ class Solved(Series):
                 self.gaps[t] = apply(self.W[c], right)
                 self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
+
+    def residual(self, tree: Tree) -> list:
+        """Return R(t); no cut counts where the one value is the solution."""
+        if not self.solved:
+            return super().residual(tree)
+        weight = Fraction(-1, gamma(tree))
+        return [x + weight * y for x, y in zip(self.value(tree), self.u[tree[0]], strict=True)]
 
     def right(self, t: Tree) -> list:
         """Return R(t), kept through the order that was reached: eta moves no more below it."""

@@ -15,8 +15,8 @@ For a file with an enclosure the lower bounds and truths of the one true method 
 come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
 
 What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in
-:mod:`glmref.exact.linalg`, polynomials and their root counts (Sturm, Schur-Cohn), its own trees and
-series.
+:mod:`glmref.exact.linalg`, polynomials and their root counts (Sturm, Schur-Cohn), trees, and
+the series of the judge.
 """
 
 from __future__ import annotations
@@ -55,14 +55,10 @@ from ..method.preconsistency import (
 )
 from ..method.stage_order import has_cycle
 from ..theory.coefficients import (
-    apply,
     difference,
     first_nonzero,
     is_zero,
-    plus,
     scalars,
-    times,
-    weighted,
 )
 from ..theory.order import MANY_STARTS, highest_order
 from ..theory.reduction import reduction
@@ -502,14 +498,13 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         """Return whether shared stages have the same abscissae for Q and P."""
         if not self.shared:
             return True
-        c = [scalars(series.stage(single(x), series.value(single(x)))) for x in "fk"]
-        return is_zero(difference(*c)) is True
+        return is_zero(difference(*map(series.abscissae, "fk"))) is True
 
     def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
         """Return whether ``xi(t) = c^n / n!`` at stages of these colours, t the path of order n."""
         for colour in colours:
             (last,) = (t for t in series.level(n) if t.colour == colour)
-            c, x = (scalars(series.stage(t, series.value(t))) for t in (single(colour), last))
+            c, x = series.abscissae(colour), series.stage(last, series.value(last))
             if not all(_is_power(*pair, n) for pair in zip(x, c, strict=True)):
                 return False
         return True
@@ -544,7 +539,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
             series = StartingSeries(components, self.palette, free=not self.one_step, counts=counts)
             sizes = [
                 max(
-                    (plus(weighted(row, c.u), -1)).magnitude() if row else 1.0
+                    (linalg.dot(row, c.u) - 1).magnitude()
                     for c in components.values()
                     for row in c.U
                 )
@@ -622,24 +617,24 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
             return {}
         if series.free:
             c = series.components["o"]
-            power = (1,) * c.slopes
+            power = (_ONE,) * len(c.A[0])
             for _ in range(n - 1):
-                power = apply(c.A, power)
-            value = plus(self._seen(c, power), Fraction(-1, factorial(n)))
-            return {"[" * (n - 1) + "o" + "]" * (n - 1): scalars([value])[0]}
+                power = linalg.matvec(c.A, power)
+            value = self._seen(c, power) - Fraction(1, factorial(n))
+            return {"[" * (n - 1) + "o" + "]" * (n - 1): value}
         found = {}
         for leaf in reversed(tuple(self.palette)):  # the root is of the other colour: f first
             root = next(c for c, below in self.palette.items() if leaf in below)
             text = leaf * (n - 1)
-            power = series.power(series.stage(single(leaf), (0,)), n - 1)
-            value = plus(self._seen(series.components[root], power), Fraction(-1, n))
-            (found[f"{root.replace('o', '')}[{text}]"],) = scalars([value])
+            power = tuple(x ** (n - 1) for x in series.stage(single(leaf), (0,)))
+            value = self._seen(series.components[root], power) - Fraction(1, n)
+            found[f"{root.replace('o', '')}[{text}]"] = value
         return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
 
     @staticmethod
-    def _seen(c: Prepared, slopes: tuple[Any, ...]) -> Any:
+    def _seen(c: Prepared, slopes: Vector) -> Scalar:
         """Return W B times slopes, of a method that carries one value."""
-        return apply(c.W, apply(c.B, slopes))[0]
+        return linalg.matvec(c.W, linalg.matvec(c.B, slopes))[0]
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
         """Return the condition of order n of one method that carries one value."""
@@ -867,8 +862,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
     def _without_principal(self, series: StartingSeries, t: Tree, gap: Vector) -> Vector:
         """Return what no principal part N beta changes of a difference: W is 0 at it."""
         c = series.components[t.colour]
-        for along, column in zip(apply(c.W, gap), c.N, strict=True):
-            gap = difference(gap, times(along, column))
+        for along, column in zip(linalg.matvec(c.W, gap), c.N, strict=True):
+            gap = difference(gap, [along * x for x in column])
         return gap
 
     @cached_property
@@ -955,10 +950,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
             except ExactnessError:
                 answers.append(None)
                 continue
-            total = [weighted(row, [_ONE] * c.slopes) for row in c.B]
-            gap = [weighted(row, [plus(x, times(-1, y)) for x, y in zip(total, c.u, strict=True)])
-                   for row in c.W]  # fmt: skip
-            answer = is_zero(tuple(gap))
+            gap = linalg.matvec(c.W, difference(linalg.row_sums(c.B), c.u))
+            answer = is_zero(gap)
             answers.append(None if answer is True and not c.certain else answer)
         return Known(all_of(answers), exact)
 
@@ -993,7 +986,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
                 series = self.series.get((False, False))
                 if series is None or not series.simple:
                     raise ExactnessError("the abscissae are not decided within the digits")
-                found, unique = list(scalars(series.abscissae("o"))), True
+                found, unique = list(series.abscissae("o")), True
         if len(found) != len(declared):
             return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
         known = compared(found, declared, exact=exact)

@@ -14,8 +14,6 @@ from ..exact.linalg import Vector
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
 Coefficient = Any
-#: A matrix by rows: (column, entry) for every entry that is not certainly zero.
-Rows = tuple[tuple[tuple[int, Scalar], ...], ...]
 
 _WHOLE = (int, Fraction)
 
@@ -72,18 +70,6 @@ def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
     for factor, y in pairs:
         total = plus(total, times(factor, y))
     return total
-
-
-def sparse(matrix: Sequence[Sequence[Any]]) -> Rows:
-    """Keep the entries that are not certainly zero."""
-    return tuple(
-        tuple((j, x) for j, x in enumerate(row) if is_zero(x) is not True) for row in matrix
-    )
-
-
-def apply(rows: Rows, x: Sequence[Any]) -> tuple[Any, ...]:
-    """Return the matrix times column."""
-    return tuple([weighted(row, x) for row in rows])
 
 
 def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:

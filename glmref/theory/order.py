@@ -30,7 +30,7 @@ from ..findings import Proof
 from ..method import Method
 from ..method.component import Palette
 from ..method.stage_order import is_shared
-from .coefficients import first_nonzero, is_zero, scalars
+from .coefficients import first_nonzero, is_zero
 from .series import Series
 from .starting_series import NotPreconsistent, StartingSeries
 from .trees import MAX_ORDER, Tree, counted, trees_up_to
@@ -209,11 +209,11 @@ def _finish(
         return result
     # of the last order principal parts are free, whatever the next one would determine
     values = {
-        t: scalars(series.plain(t) if t.order == order else series.value(t))
+        t: series.plain(t) if t.order == order else series.value(t)
         for t in trees_up_to(order, series.palette)
         if series.counts(t)
     }
     empty = {colour: c.u for colour, c in series.components.items()}
     eta = Series(values, empty, order, series.palette)
-    c = {x: scalars(series.abscissae(x)) for x in series.palette}
+    c = {x: series.abscissae(x) for x in series.palette}
     return replace(result, eta=eta, abscissae=c)

@@ -56,31 +56,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from functools import lru_cache
-from math import factorial
+from functools import cache
+from types import SimpleNamespace
 from typing import Any, Self
 
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
+from ..exact.judging import Fraction, as_number, as_scalar, fast_judge
 from ..exact.linalg import Matrix, Vector
+from ..judge.refusals import Refused
 from ..method.component import Palette
 from ..method.model import Method
 from ..method.preconsistency import first_functional
 from ..system.budget import spend
-from .coefficients import (
-    Rows,
-    apply,
-    combination,
-    is_zero,
-    plus,
-    scalars,
-    sparse,
-    tidy,
-    times,
-    weighted,
-)
-from .trees import Tree, paths, pruned, single, tree, trees
+from .coefficients import difference, is_zero
+from .trees import Tree, paths, single, trees
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -99,38 +89,35 @@ class Prepared:
 
     Attributes
     ----------
-    A, U, B, W : Rows
-        Entries by row, exact zeros left out.
-    slopes : int
-        Columns of A.
+    A, U, B : Matrix
+        Of the method.
     u : Vector
         V u = u, U u = 1.
     N, W
-        See the module docstring.
+        See the module docstring; N by columns.
     output : Vector
         w with w u = 1 that reads the solution off the values: the declared one, or that of
         the first k with u_k not 0.
-    lift : Rows
+    lift : Matrix
         R -> the solution x of (I - V) x = R with w x = 0, for W R = 0.
     certain : bool
         Whether U u = 1 exactly.
     """
 
-    A: Rows
-    U: Rows
-    B: Rows
-    W: Rows
-    slopes: int
+    A: Matrix
+    U: Matrix
+    B: Matrix
+    W: Matrix
     u: Vector
     N: tuple[Vector, ...]
     output: Vector
-    lift: Rows
+    lift: Matrix
     certain: bool
 
 
 def read(c: Prepared, values: Sequence[Any]) -> Any:
     """Return the solution that a vector of values holds: what the output functional sees of it."""
-    return weighted([(j, x) for j, x in enumerate(c.output) if not x.vanishes()], values)
+    return linalg.dot(c.output, values)
 
 
 def component(
@@ -198,77 +185,26 @@ def component(
         raise ExactnessError("whether the declared output reads the solution is not decided")
     lift = _lift(D, N, left, u, w)
     certain = all(x.is_zero() is True for x in seen)
-    return Prepared(
-        sparse(A),
-        sparse(U),
-        sparse(B),
-        sparse(W),
-        len(A[0]),
-        u,
-        tuple(N),
-        w,
-        lift,
-        certain,
-    )
+    return Prepared(A, U, B, W, u, tuple(N), w, lift, certain)
 
 
-def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: Vector) -> Rows:
+def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: Vector) -> Matrix:
     """Solve (I - V) x = R up to the part that W sees, through the bordered matrix."""
     r, d = len(D), len(N)
     rows = [(*(-x for x in D[i]), *(left[k][i].conjugate() for k in range(d))) for i in range(r)]
     rows += [(*(x.conjugate() for x in v), *([_ZERO] * d)) for v in N]
     solve = tuple(row[:r] for row in linalg.inverse(tuple(rows))[:r])
     shadow = linalg.vecmat(w, solve)
-    return sparse(
-        [[x - u[i] * y for x, y in zip(row, shadow, strict=True)] for i, row in enumerate(solve)]
+    return tuple(
+        tuple(x - u[i] * y for x, y in zip(row, shadow, strict=True)) for i, row in enumerate(solve)
     )
-
-
-def _apply_u(c: Prepared) -> tuple[Any, ...]:
-    return apply(c.W, c.u)
-
-
-def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Any] | None:
-    """Return the x with square x = -residual and one entry 0, where along has none.
-
-    ``None`` means that none is shown.
-
-    One row is left out: the others must be regular in the other columns. Where several may be, it
-    is the one that the x found satisfies best.
-    """
-    size, best = len(square), None
-    for column in (j for j in range(size) if along[j].is_zero() is False):
-        kept = [j for j in range(size) if j != column]
-        for row in range(size):
-            rows = [i for i in range(size) if i != row]
-            part = tuple(tuple(square[i][j] for j in kept) for i in rows)
-            try:
-                found = linalg.solve(part, tuple((-residual[i],) for i in rows))
-            except ExactnessError:
-                continue
-            x: list[Any] = [_ZERO] * size
-            for j, value in zip(kept, found, strict=True):
-                x[j] = value[0]
-            left = (linalg.dot(square[row], x) + residual[row]).magnitude()
-            if best is None or left < best[0]:
-                best = left, x
-        if best is not None:
-            return best[1]
-    return None
-
-
-@lru_cache(maxsize=4096)
-def _exactly(ratio: Fraction) -> Exact:
-    return Exact(ratio)
-
-
-@lru_cache(maxsize=4096)
-def _weight(ways: int, size: int) -> Exact:
-    return Exact(Fraction(-ways, size))
 
 
 class StartingSeries:
     """The one starting series of a method, up to what is free, and the residuals beyond.
+
+    The series is that of the judge, :class:`glmref.judge.series.Solved`, over the numbers of the
+    package; what is added here is what a finder asks of it.
 
     Parameters
     ----------
@@ -285,8 +221,6 @@ class StartingSeries:
 
     Attributes
     ----------
-    eta
-        By tree; vectors of zeros are left out. Principal parts of the last order are zero.
     determined
         Trees whose conditions were used to determine principal parts.
     complete
@@ -308,19 +242,8 @@ class StartingSeries:
         self.counts: Callable[[Tree], bool] = counts
         self.along_paths: bool = along_paths
         self.simple: bool = all(len(c.N) == 1 for c in components.values())
-        self.complete: bool = self.simple or len(components) == 1
-        self.order: int = 0
-        self.eta: dict[Tree, tuple[Any, ...]] = {}
         self.determined: frozenset[Tree] = frozenset()
-        self._waiting: list[Tree] = []  # trees of the last order whose eta is not found yet
-        self._rights: dict[Tree, tuple[Any, ...]] = {}
-        # xi(t) = ratio * product of stored vectors: trees that a stage order makes alike cost once
-        self._bases: list[tuple[Any, ...]] = []
-        self._stage: dict[Tree, tuple[Fraction, tuple[int, ...]]] = {}
-        self._shared: dict[tuple[str, tuple[int, ...]], tuple[Fraction, tuple[int, ...]]] = {}
-        self._images: dict[tuple[str, tuple[int, ...], bool], tuple[Any, ...]] = {}
-        self._products: dict[tuple[int, ...], tuple[Any, ...]] = {}
-        self._abscissae: dict[str, int] = {}
+        self._solved: Any = _solver()(self)
 
     @classmethod
     def of(
@@ -346,10 +269,20 @@ class StartingSeries:
         >>> from glmref import StartingSeries, Tree, load
         >>> series = StartingSeries.of(load("ab-2"), free=False).through(2)
         >>> series.value(Tree("[o]"))
-        (0, Exact(-1))
+        (Exact(0), Exact(-1))
         """
         components = {c.colour: component(*c.matrices, c.output) for c in method.components}
         return cls(components, method.palette, free=free, counts=counts, along_paths=along_paths)
+
+    @property
+    def order(self) -> int:
+        """The order that was reached."""
+        return self._solved.order
+
+    @property
+    def complete(self) -> bool:
+        """Whether a residual that is not zero excludes every starting series."""
+        return self.simple or (len(self.components) == 1 and not self._solved.loose)
 
     def level(self, n: int) -> list[Tree]:
         """Return the trees of an order that count."""
@@ -357,109 +290,37 @@ class StartingSeries:
             return list(filter(self.counts, paths(n, tuple(self.palette.items()))))
         return list(filter(self.counts, trees(n, self.palette)))
 
-    def value(self, t: Tree) -> tuple[Any, ...]:
+    def value(self, t: Tree) -> Vector:
         """Return eta(t)."""
-        found = self.eta.get(t)
-        return (0,) * len(self.components[t.colour].u) if found is None else found
+        return _scalars(self._solved.cut_value(_judged(t)))
 
-    def plain(self, t: Tree) -> tuple[Any, ...]:
+    @property
+    def eta(self) -> Mapping[Tree, Vector]:
+        """The values that are not zero, by tree."""
+        values = {t: self.value(t) for n in range(1, self.order + 1) for t in self.level(n)}
+        return {t: x for t, x in values.items() if is_zero(x) is not True}
+
+    def plain(self, t: Tree) -> Vector:
         """Return eta(t) with its principal part zero; the conditions of its order are known."""
-        return tidy(apply(self.components[t.colour].lift, self._right(t)))
+        return _scalars(self._solved.lifted(_judged(t)))
 
-    # -- stages
-
-    def _image(self, colour: str, monomial: tuple[int, ...], *, stages: bool) -> tuple[Any, ...]:
-        """Return A (for the stages) or B times a product of stored vectors."""
-        key = (colour, monomial, stages)
-        if key not in self._images:
-            c = self.components[colour]
-            vector = self._product(monomial) if monomial else (1,) * c.slopes
-            self._images[key] = apply(c.A if stages else c.B, vector)
-        return self._images[key]
-
-    def _product(self, monomial: tuple[int, ...]) -> tuple[Any, ...]:
-        """Return the product of stored vectors, entry by entry."""
-        if len(monomial) == 1:
-            return self._bases[monomial[0]]
-        if monomial not in self._products:
-            first, last = self._product(monomial[:-1]), self._bases[monomial[-1]]
-            self._products[monomial] = tuple(map(times, first, last))
-        return self._products[monomial]
-
-    def _slope(self, t: Tree) -> tuple[Fraction, tuple[int, ...]]:
-        ratio, factors = Fraction(1), []
-        for child in t.children:
-            factor, monomial = self._stage[child]
-            ratio *= factor
-            factors += monomial
-        return ratio, tuple(sorted(factors))
-
-    def stage(self, t: Tree, value: Sequence[Any]) -> tuple[Any, ...]:
+    def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
         """Return xi(t) from its definition, with eta(t) = value."""
-        colour = t.colour
-        ratio, monomial = self._slope(t)
-        vector = times(ratio, self._image(colour, monomial, stages=True))
-        return plus(vector, apply(self.components[colour].U, value))
+        return _scalars(self._solved.stage(_judged(t), list(map(as_number, value))))
 
-    def output(self, t: Tree) -> tuple[Any, ...]:
+    def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
-        ratio, monomial = self._slope(t)
-        return times(ratio, self._image(t.colour, monomial, stages=False))
+        return _scalars(self._solved.value(_judged(t)))
 
-    def settle_stage(self, t: Tree) -> None:
-        """Find xi(t), from eta(t) if it is there."""
-        colour, value = t.colour, self.eta.get(t)
-        if value is not None:
-            vector = self.stage(t, value)
-            self._stage[t] = self._store(t, vector, Fraction(1, t.density))
-            return
-        ratio, monomial = self._slope(t)
-        if ratio == 0:
-            self._stage[t] = (ratio, ())
-            return
-        key = (colour, monomial)
-        if key not in self._shared:
-            wanted = 1 / (t.density * ratio)
-            self._shared[key] = self._store(t, self._image(*key, stages=True), wanted)
-        factor, found = self._shared[key]
-        self._stage[t] = (ratio * factor, found)
-
-    def _store(self, t: Tree, vector: Any, wanted: Fraction) -> tuple[Fraction, tuple[int, ...]]:
-        """Write a stage vector as zero, as ``wanted * c^|t|``, or as a new one."""
-        vector = tidy(vector)
-        if all(type(x) is int and x == 0 for x in vector):
-            return Fraction(0), ()
-        order, colour = t.order, t.colour
-        base = self._abscissae.get(colour)
-        if base is not None:
-            power = self._product((base,) * order)
-            if all(
-                is_zero(plus(x, times(-wanted, y))) is True
-                for x, y in zip(vector, power, strict=True)
-            ):
-                return wanted, (base,) * order
-        self._bases.append(vector)
-        if order == 1:
-            self._abscissae[colour] = len(self._bases) - 1
-        return Fraction(1), (len(self._bases) - 1,)
-
-    def abscissae(self, colour: str) -> tuple[Any, ...]:
+    def abscissae(self, colour: str) -> Vector:
         """Return c = xi of the single node: a stage stands at ``t + c_i h``; of order 2 or more."""
         node = single(colour)
         return self.stage(node, self.value(node))
 
-    def defect(self, t: Tree, c: tuple[Any, ...], value: Sequence[Any]) -> tuple[Any, ...]:
+    def defect(self, t: Tree, c: Vector, value: Sequence[Any]) -> Vector:
         """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage, where eta(t) is ``value``."""
-        expected = times(Fraction(1, t.density), self.power(c, t.order))
-        return plus(self.stage(t, value), times(-1, expected))
-
-    @staticmethod
-    def power(c: tuple[Any, ...], n: int) -> tuple[Any, ...]:
-        """Return c^n, entry by entry."""
-        result = c
-        for _ in range(n - 1):
-            result = tuple(map(times, result, c))
-        return result
+        expected = [x**t.order / t.density for x in c]
+        return difference(self.stage(t, value), expected)
 
     def fixed_stages(self, colour: str, value: Sequence[Any]) -> tuple[Any, ...]:
         """Return the factors U N through which principal parts N beta of a value enter the stages.
@@ -471,35 +332,11 @@ class StartingSeries:
         """
         c = self.components[colour]
         if len(c.N) == 1:  # U u = 1
-            return tuple(plus(x, times(-1, value[0])) for x in value[1:])
-        moved = tuple(scalars(apply(c.U, x)) for x in c.N)
+            return tuple(x - value[0] for x in value[1:])
+        moved = tuple(linalg.matvec(c.U, x) for x in c.N)
         if not all(isinstance(x, Exact) for row in moved for x in row):
             raise ExactnessError("what principal parts add to the stages is not known exactly")
-        return tuple(weighted(list(enumerate(z)), value) for z in linalg.nullspace(moved))
-
-    # -- conditions
-
-    def _right(self, t: Tree) -> tuple[Any, ...]:
-        """Return R(t)."""
-        c = self.components[t.colour]
-        ratio, monomial = self._slope(t)
-        terms = []
-        if ratio:
-            terms.append((_exactly(ratio), self._image(t.colour, monomial, stages=False)))
-        terms.append((_weight(1, t.density), c.u))
-        if self.eta:
-            for kept, ways in pruned(t).items():
-                value = self.eta.get(kept)
-                if value is not None and kept is not t:
-                    terms.append((_weight(ways, factorial(t.order - kept.order)), value))
-        return combination(terms)
-
-    def _set(self, t: Tree, value: tuple[Any, ...]) -> None:
-        value = tidy(value)
-        if all(type(x) is int and x == 0 for x in value):
-            self.eta.pop(t, None)
-        else:
-            self.eta[t] = value
+        return linalg.matvec(tuple(linalg.nullspace(moved)), value)
 
     def through(self, order: int) -> Self:
         """Return the series itself, after as many orders at least."""
@@ -512,119 +349,101 @@ class StartingSeries:
         """Go to the next order; its trees that count."""
         self.settle()
         n = self.order + 1
-        level, self._rights = self.level(n), {}
-        if n == 2:
-            self._settle_first()
-        elif n > 2 and (self.free or not self.simple):
-            self._rights = self._settle_principal(n)
-        self.determined = frozenset(self._rights) if self.free else frozenset()
-        for t in self.level(n - 1) if n > 1 else ():
-            if t not in self._stage:
-                self.settle_stage(t)
-        self.order, self._waiting = n, level
-        return level
+        self._solved.advance(n)
+        used = self.free and n > 2 and self.complete
+        leaf = {c: single(below[0]) for c, below in self.palette.items()} if used else {}
+        smaller = trees(n - 1, self.palette) if used else ()
+        self.determined = frozenset(s * leaf[s.colour] for s in smaller)
+        return self.level(n)
 
-    def residual(self, t: Tree) -> tuple[Any, ...]:
+    def residual(self, t: Tree) -> Vector:
         """Return ``W R(t)`` of a tree of the last order, 0 where it determines a principal part."""
-        c = self.components[t.colour]
         if t in self.determined:
-            return (0,) * len(c.N)
-        if t not in self._rights:
-            spend()
-            self._rights[t] = self._right(t)
-        return apply(c.W, self._rights[t])
+            return (_ZERO,) * len(self.components[t.colour].N)
+        spend()
+        return _scalars(self._solved.condition(_judged(t)))
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
-        for t in self._waiting:
-            spend()
-            right = self._rights[t] if t in self._rights else self._right(t)
-            self._set(t, apply(self.components[t.colour].lift, right))
-        self._waiting = []
+        self._solved.fill()
 
-    def _settle_first(self) -> None:
-        """Determine principal parts at the single vertices, up to the shift along the flow."""
-        first, *others = map(single, self.palette)
-        if not self.simple:
-            if self.complete:
-                self._settle_first_multiple(first)
-            return
-        if not self.free:
-            return
-        self.settle_stage(first)
-        for node in others:
-            t = tree((first,), node.colour)
-            c = self.components[node.colour]
-            (beta,) = apply(c.W, self._right(t))
-            self._set(node, plus(self.value(node), times(beta, c.u)))
 
-    def _settle_first_multiple(self, node: Tree) -> None:
-        """Solve (K - I) beta = -residual of [o], of corank 1: one colour, several eigenvectors.
+def _scalars(values: list) -> Vector:
+    return tuple(map(as_scalar, values))
 
-        The shift along the flow adds a multiple of W u to beta, which takes one entry to zero; the
-        others solve a regular part of the system, so that corank 1 is proved, over balls too.
-        """
-        c = self.components[node.colour]
-        before = self.value(node)
-        right = plus(apply(c.B, self.stage(node, before)), times(-1, before))
-        residual = scalars(apply(c.W, plus(right, times(Fraction(-1, 2), c.u))))
-        columns = [scalars(apply(c.W, apply(c.B, apply(c.U, x)))) for x in c.N]
-        K = linalg.transpose(tuple(columns))
-        square = linalg.sub(K, linalg.identity(len(K)))
-        along = scalars(_apply_u(c))
-        beta = _bordered(square, residual, along)
-        self.complete = beta is not None
-        if beta is not None:
-            self._set(node, plus(before, self._principal(c, beta, whole=False)))
 
-    def _principal(self, c: Prepared, beta: Sequence[Any], *, whole: bool) -> tuple[Any, ...]:
-        """Return N beta, without its part along u that the output sees, unless whole."""
-        total: Any = (0,) * len(c.u)
-        for factor, vector in zip(beta, c.N, strict=True):
-            total = plus(total, times(factor, vector))
-        if whole:
-            return total
-        return plus(total, times(-1, times(read(c, total), c.u)))
+@cache
+def _judged(t: Tree) -> Any:
+    """Return a tree as the judge has it."""
+    return t.colour, tuple(sorted(map(_judged, t.children)))
 
-    def _settle_principal(self, n: int) -> dict[Tree, tuple[Any, ...]]:
-        """Find principal parts of order n - 1 >= 2 by back substitution; R(t) of the trees used."""
-        if not self.complete:
-            return {}
-        smaller = trees(n - 1, self.palette)
-        leaf = {c: single(below[0]) for c, below in self.palette.items()}
-        larger = {s: tree((*s.children, leaf[s.colour]), s.colour) for s in smaller}
-        right = {t: self._right(t) for t in larger.values()}
-        residual = {t: apply(self.components[t.colour].W, x) for t, x in right.items()}
-        if all(is_zero(x) is True for x in residual.values()):
-            return right
-        below = {t: [(s, m) for s, m in pruned(t).items() if s.order == n - 1] for t in right}
-        ranked = sorted(
-            smaller, key=lambda s: (-len(s.children), -s.children.count(leaf[s.colour]))
-        )
-        beta: dict[Tree, tuple[Any, ...]] = {}
-        for s in ranked:
-            t, ways = larger[s], 0
-            value: Any = residual[t]
-            for kept, count in below[t]:
-                if kept is s:
-                    ways = count
-                elif kept in beta:
-                    value = plus(value, times(-count, beta[kept]))
-            value = times(Fraction(1, ways), value)
-            if is_zero(value) is not True:
-                beta[s] = value
-        moved = {
-            s: self._principal(self.components[s.colour], x, whole=self.free)
-            for s, x in beta.items()
-        }
-        for s, x in moved.items():
-            before = self.eta.get(s)
-            self._set(s, x if before is None else plus(before, x))
-        for t in right:
-            for kept, count in below[t]:
-                if kept in moved:
-                    right[t] = plus(right[t], times(-count, moved[kept]))
-        return right
+
+@cache
+def _solver() -> Any:
+    """Return the series of the judge as a class for prepared components."""
+    series = fast_judge().series
+
+    class Made(series.Solved):
+        """The series of the judge where u, N, W, the output and the trees are given."""
+
+        def __init__(self, of: StartingSeries) -> None:
+            self.of, self.free, self.order, self.filled = of, of.free, 0, 0
+            self.last, self.loose, self.simple, self.k = None, False, of.simple, {}
+            self.eta, self.gaps, self.rights, parts = {}, {}, {}, {}
+            self.u, self.w, self.W, self.N, self.lift = {}, {}, {}, {}, {}
+            for colour, c in of.components.items():
+                self.u[colour], self.w[colour], *self.N[colour] = _numbers((c.u, c.output, *c.N))
+                self.W[colour], self.lift[colour], A, U, B = map(
+                    _numbers, (c.W, c.lift, c.A, c.U, c.B)
+                )
+                self.k[colour] = None
+                parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
+            self.parts = parts
+            self.method = SimpleNamespace(palette=tuple(of.palette.items()), parts=parts)
+            self.solved = not of.free and all(m.r == 1 for m in parts.values())
+            series.Series.__init__(self, parts.__getitem__, self.u, self.cut_value)
+            self.share_stages()
+
+        def pool(self, order: int) -> list:
+            return list(map(_judged, self.of.level(order)))
+
+        def cut_value(self, s: Any) -> list:
+            return self.eta.get(s) or [Fraction(0)] * len(self.u[s[0]])
+
+        def give(self, t: Tree, value: Sequence[Any]) -> None:
+            self.eta[_judged(t)] = list(map(as_number, value))
+
+        def lifted(self, t: Any) -> list:
+            return series.apply(self.lift[t[0]], self.right(t))
+
+        def stage(self, t: Any, value: list) -> list:
+            m = self.part(t[0])
+            slopes, more = series.apply(m.A, self.derivative(t)), series.apply(m.U, value)
+            return [x + y for x, y in zip(slopes, more, strict=True)]
+
+        def settle_all(self) -> None:
+            """Take the multiple eigenvalue 1 of one V; that of several is left open."""
+            if not self.of.complete:
+                return
+            try:
+                if self.order > 1:
+                    self.settle()
+                else:
+                    super().settle_all()
+                    self.last = None
+            except Refused:
+                self.loose = True
+                return
+            for t in self.pool(self.order) if self.order == 1 or not self.free else ():
+                read = series.dot(self.w[t[0]], self.eta[t])
+                self.eta[t] = [x - read * y for x, y in zip(self.eta[t], self.u[t[0]], strict=True)]
+
+    return Made
+
+
+def _numbers(M: Sequence[Sequence[Any]]) -> list:
+    """Return a matrix as the judge has it."""
+    return [list(map(as_number, row)) for row in M]
 
 
 def tableau_series(
@@ -640,18 +459,11 @@ def tableau_series(
         (A, B, multiples of y) by colour.
     p : int
         Last order.
-
-    The stages are those of a :class:`StartingSeries` with eta = 0.
     """
-    components = {
-        c: Prepared(sparse(A), (), sparse(B), (), len(B[0]), tuple(u), (), (), (), certain=True)
-        for c, (A, B, u) in table.items()
-    }
-    series = StartingSeries(components, dict.fromkeys(table, ""), free=False)
-    found: dict[Any, tuple[Any, ...]] = {c: x.u for c, x in components.items()}
+    series = fast_judge().series.Series.of_tables(
+        {c: (_numbers(A), _numbers(B)) for c, (A, B, _) in table.items()}
+    )
+    found: dict[Any, tuple[Any, ...]] = {c: tuple(u) for c, (_, _, u) in table.items()}
     for n in range(1, p + 1):
-        for t in level(n):
-            found[t] = series.output(t)
-            if n < p:
-                series.settle_stage(t)
+        found |= {t: _scalars(series.value(_judged(t))) for t in level(n)}
     return found

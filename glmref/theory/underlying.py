@@ -38,11 +38,12 @@ from fractions import Fraction
 from typing import Any
 
 from ..errors import ExactnessError, UsageError
+from ..exact import linalg
 from ..exact.linalg import Matrix
 from ..method.component import GENERAL, SEPARABLE, Palette
 from ..method.model import Method
 from ..system.budget import spend
-from .coefficients import apply, plus, scalars, tidy, times, weighted
+from .coefficients import plus, scalars, tidy, times
 from .series import AfterFlow, Series
 from .starting_series import Prepared, StartingSeries, component, read
 from .symplectic import quadratic_value
@@ -73,6 +74,7 @@ class UnderlyingMethod(StartingSeries):
         is_real: bool = True,
     ) -> None:
         super().__init__(components, palette, free=False)
+        self._solved.solved = False  # eta of a gauge is not zero
         self.form: Matrix | None = form
         self.is_real: bool = is_real
         self.phi: dict[Tree, Any] = {}
@@ -118,25 +120,25 @@ class UnderlyingMethod(StartingSeries):
 
     def settle(self) -> None:
         """Find eta, Phi and the field at the trees of the last order."""
-        if not self._waiting:
+        if self._solved.filled == self.order:
             return
+        self._solved.filled = self.order
         gauge = {} if self.form is None else self._symplectic_gauge(self.order)
-        for t in self._waiting:
+        for t in self.level(self.order):
             spend()
             c = self.components[t.colour]
             right: Any = self.output(t)
             beyond: Any = self._after.beyond(t)
             if type(beyond) is tuple:
                 right = plus(right, times(-1, beyond[:-1]))
-            (slope,) = apply(c.W, right)
-            value = tidy(apply(c.lift, plus(right, times(times(-1, slope), c.u))))
+            (slope,) = linalg.matvec(c.W, right)
+            value = tidy(linalg.matvec(c.lift, plus(right, times(times(-1, slope), c.u))))
             if t in gauge:
-                (seen,) = apply(c.W, value)
+                (seen,) = linalg.matvec(c.W, scalars(value))
                 value = tidy(plus(value, times(plus(gauge[t], times(-1, seen)), c.u)))
-            self._set(t, value)
+            self._solved.give(t, value)
             self.phi[t] = plus(slope, beyond[-1]) if type(beyond) is tuple else slope
             self._after.settle(t, (*value, 0), slope)
-        self._waiting = []
 
     def _symplectic_gauge(self, order: int) -> dict[Tree, Any]:
         """Return ``p = w eta`` at the trees of an order."""
@@ -171,11 +173,8 @@ class UnderlyingMethod(StartingSeries):
         assert self.form is not None
         if u.colour != next(iter(self.components)):
             u, v = v, u
-        rows = tuple(tuple(enumerate(row)) for row in self.form)
-        x, y = scalars(self.value(u)), apply(rows, self.value(v))
-        if self.is_real:
-            return weighted(list(enumerate(x)), y)
-        return scalars([weighted([(j, z.conjugate()) for j, z in enumerate(x)], y)])[0].real
+        x, y = self.value(u), linalg.matvec(self.form, self.value(v))
+        return linalg.dot(x, y) if self.is_real else linalg.dot([z.conjugate() for z in x], y).real
 
     @property
     def map(self) -> Series:
