@@ -20,28 +20,26 @@ from .table import OWN, from_table, table_of
 __all__ = ["Problem", "about", "from_path", "names", "problem"]
 
 _MODULES = {
-    "oscillators": ("harmonic-oscillator", "henon-heiles", "pendulum"),
-    "kepler": ("kepler",),
+    "small": ("dahlquist", "henon-heiles"),
     "nbody": ("arenstorf", "n-body"),
     "chains": ("fput", "fput-stiff", "nonseparable-chain", "toda"),
     "extreme": (
-        *("blow-up", "linear-field", "long-chain", "pythagorean", "scaled-kepler", "zero-field"),
-        *("fault-infinity", "fault-jacobian", "fault-jacobian-nan", "fault-nan", "fault-raises"),
-        "fault-shape",
+        *("linear-field", "long-chain", "zero-field"),
+        *("fault-jacobian", "fault-jacobian-nan", "fault-raises", "fault-shape"),
     ),
     "named": (
-        *("double-pendulum", "lotka-volterra", "lotka-volterra-logarithmic"),
-        *("figure-eight", "outer-solar-system", "pleiades"),
-        *("hires", "oregonator", "robertson", "van-der-pol"),
+        *("double-pendulum", "harmonic-oscillator", "kepler", "kepler-sundman", "pendulum"),
+        *("lotka-volterra", "lotka-volterra-logarithmic", "rigid-body", "scaled-kepler"),
+        *("figure-eight", "outer-solar-system", "pleiades", "pythagorean"),
+        *("hires", "kaps", "oregonator", "prothero-robinson", "robertson", "van-der-pol"),
+        *("blow-up", "fault-infinity", "fault-nan", "stiff-spring-pendulum"),
         *("charge-in-gauge", "dipole-charge", "discrete-schroedinger", "elastic-pendulum"),
         *("frame-dragging", "heavy-top", "hyperbolic-oscillator", "magnetic-trap"),
         *("post-newtonian-binary", "quartic-shear", "restricted-three-body"),
         *("hill-moon", "magnetic-bottle", "penning-trap", "relativistic-charge"),
         *("rotating-three-body", "schwarzschild-orbit", "shear", "swinging-atwood", "uneven-plane"),
     ),
-    "quadratic": ("point-vortices", "rigid-body", "skew-quadratic"),
-    "sundman": ("kepler-sundman",),
-    "stiff": ("dahlquist", "kaps", "prothero-robinson", "stiff-spring-pendulum"),
+    "quadratic": ("point-vortices", "skew-quadratic"),
 }
 _HOME = {name: module for module, listed in _MODULES.items() for name in listed}
 

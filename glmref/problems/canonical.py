@@ -102,6 +102,12 @@ def constant_matrix(
     return [entries[i * d + first : (i + 1) * d] for i in range(len(formula.outputs))]
 
 
+def rational(formula: Formula) -> Fraction | None:
+    """Return the value of an expression in its parameters, ``None`` where it is not rational."""
+    values: dict[str, Fraction | None] = {k: Fraction(v) for k, v in formula.parameters.items()}
+    return _exact(formula.trees[1][0], values)
+
+
 def _exact(tree: ast.AST, values: Mapping[str, Fraction | None]) -> Fraction | None:
     """Return the value of a constant expression, ``None`` where it is not rational."""
     if isinstance(tree, ast.Constant):

@@ -12,13 +12,10 @@ from typing import Any
 import numpy as np
 
 from .chains import fput_energy, fput_force_into
-from .formula import Formula
-from .kepler import kepler_flow
 from .loops import Loops
 from .model import Problem
-from .nbody import gravity
 from .precision import Flow
-from .ranges import count, number
+from .ranges import count
 
 # name of an extreme case -> the problem and the parameters that make it one
 PRESETS: Mapping[str, tuple[str, Mapping[str, object]]] = {
@@ -118,82 +115,6 @@ def _mode_flow(t: Any, y0: Sequence[Any], parameters: Mapping[str, Any], ctx: An
     c, s, half = ctx.cos(omega * t), ctx.sin(omega * t), len(y0) // 2
     pairs = list(zip(y0[:half], y0[half:], strict=True))
     return [q * c + p * s / omega for q, p in pairs] + [p * c - q * s * omega for q, p in pairs]
-
-
-def pythagorean() -> Problem:
-    """Masses 3, 4, 5 at rest in the corners of a right triangle: close encounters, then escape."""
-    return gravity(
-        (3, 4, 5),
-        ((1, 3), (-2, -1), (1, -1)),
-        ((0, 0), (0, 0), (0, 0)),
-        name="pythagorean",
-        source="Burrau 1913; Szebehely, Peters, Astron. J. 72 (1967) 876-883",
-        t_span=(0.0, 10.0),
-        scales={"time": 1e-3},
-    )
-
-
-def scaled_kepler(length: object = "1e-150", eccentricity: object = "3/5") -> Problem:
-    """Kepler's problem with lengths and velocities times ``length``, the period still 2 pi.
-
-    Written so that only the square of the distance can leave the range of double precision: that
-    happens below 1e-162 and above 1e154.
-    """
-    parameters = {
-        "length": number(length, "length", above=0),
-        "eccentricity": number(eccentricity, "eccentricity", least=0, below=1),
-    }
-    return Problem(
-        name="scaled-kepler",
-        source="HLW, section I.2.2, in other units",
-        parameters=parameters,
-        force=Formula(
-            common=(("s", "length/sqrt(q[0]*q[0] + q[1]*q[1])"), ("w", "-s*s*s")),
-            outputs=("w*q[0]", "w*q[1]"),
-            variables=("q",),
-            parameters=parameters,
-        ),
-        y0=(
-            "length*(1 - eccentricity)",
-            0,
-            0,
-            "length*sqrt((1 + eccentricity)/(1 - eccentricity))",
-        ),
-        t_span=(0.0, 62.83185307179586),
-        hamiltonian="((y[2]/length)**2 + (y[3]/length)**2)/2 - length/sqrt(y[0]*y[0] + y[1]*y[1])",
-        exact=Flow(_scaled_kepler_flow, parameters),
-        scales={"period": 6.283185307179586, "length": float(parameters["length"])},
-    )
-
-
-def _scaled_kepler_flow(
-    t: Any, y0: Sequence[Any], parameters: Mapping[str, Any], ctx: Any
-) -> list[Any]:
-    unit = parameters["length"]
-    return [unit * x for x in kepler_flow(t, [x / unit for x in y0], parameters, ctx)]
-
-
-def blow_up() -> Problem:
-    """Field y' = y**2 from 1: the solution 1/(1 - t) ends at t = 1."""
-    return Problem(
-        name="blow-up",
-        source="definition",
-        f=("y[0]*y[0]",),
-        y0=(1,),
-        t_span=(0.0, 2.0),
-        exact=Flow(lambda t, y0, parameters, ctx: [y0[0] / (1 - t * y0[0])], {}),
-        scales={"time": 1.0},
-    )
-
-
-def fault_nan() -> Problem:
-    """Right-hand side that is NaN after t = 1."""
-    return Problem(name="fault-nan", source="planted", f=("sqrt(1 - t) - y[0]",), y0=(1,))
-
-
-def fault_infinity() -> Problem:
-    """Right-hand side that overflows after t = 7.1."""
-    return Problem(name="fault-infinity", source="planted", f=("exp(100*t) - y[0]",), y0=(1,))
 
 
 def fault_raises() -> Problem:

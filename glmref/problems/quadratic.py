@@ -1,4 +1,4 @@
-"""Problems with quadratic invariants: the rigid body, and y' = S(y) C y with S skew.
+"""Problems of any size with quadratic invariants: y' = S(y) C y with S skew, point vortices.
 
 A method is G-symplectic exactly when it keeps such invariants in the sense of G, whatever S is:
 these are the problems on which the property is measured.
@@ -12,31 +12,7 @@ from random import Random
 from .formula import Formula
 from .loops import QuadraticForm
 from .model import Problem
-from .ranges import count, number
-
-
-def rigid_body(inertia1: object = 2, inertia2: object = 1, inertia3: object = "2/3") -> Problem:
-    """Euler's equations of the free rigid body, in angular momenta."""
-    given = {"inertia1": inertia1, "inertia2": inertia2, "inertia3": inertia3}
-    moments = {key: number(value, key, above=0) for key, value in given.items()}
-    energy = {(i, i): 1 / Fraction(2 * m) for i, m in enumerate(moments.values())}
-    return Problem(
-        name="rigid-body",
-        source="HLW, section IV.1.4, example 1.7",
-        parameters=moments,
-        f=(
-            "(inertia2 - inertia3)/(inertia2*inertia3)*y[1]*y[2]",
-            "(inertia3 - inertia1)/(inertia3*inertia1)*y[2]*y[0]",
-            "(inertia1 - inertia2)/(inertia1*inertia2)*y[0]*y[1]",
-        ),
-        y0=("cos(11/10)", 0, "sin(11/10)"),
-        t_span=(0.0, 100.0),
-        quadratic={
-            "momentum": QuadraticForm({(i, i): 1 for i in range(3)}, 3),
-            "energy": QuadraticForm(energy, 3),
-        },
-        scales={"time": 1.0},
-    )
+from .ranges import count
 
 
 def skew_quadratic(dimension: object = 4, seed: object = 1) -> Problem:

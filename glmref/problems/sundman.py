@@ -19,7 +19,6 @@ transformation; Darboux-Sundman as (2.1)). Leimkuhler and Reich, "Simulating Ham
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..errors import UsageError
@@ -27,64 +26,6 @@ from .derivative import differentiated
 from .formula import Formula, kept, substituted
 from .loops import QuadraticForm
 from .model import Problem
-from .precision import Flow
-from .ranges import number
-
-
-def kepler_sundman(eccentricity: object = "9/10") -> Problem:
-    """Kepler's problem in the time s with dt = r ds: y = (q1, q2, t, p1, p2, w), w = -H.
-
-    s is the eccentric anomaly: an orbit takes 2 pi of it, and its ends get as many steps as its
-    middle. K = r (p1**2 + p2**2)/2 - 1 + r w.
-    """
-    e = number(eccentricity, "eccentricity", least=0, below=1)
-    parameters = {"eccentricity": e}
-    f = Formula(
-        common=(
-            ("r", "sqrt(y[0]*y[0] + y[1]*y[1])"),
-            ("k", "-((y[3]*y[3] + y[4]*y[4])/2 + y[5])/r"),
-        ),
-        outputs=("r*y[3]", "r*y[4]", "r", "k*y[0]", "k*y[1]", "0"),
-        parameters=parameters,
-    )
-    return Problem(
-        name="kepler-sundman",
-        source="HLW, section I.2.2, in the time of section VIII.2.1",
-        parameters=parameters,
-        f=f,
-        y0=(
-            "1 - eccentricity", 0, 0, 0, "sqrt((1 + eccentricity)/(1 - eccentricity))", "1/2",
-        ),
-        t_span=(0.0, 62.83185307179586),
-        hamiltonian="sqrt(y[0]*y[0] + y[1]*y[1])*((y[3]*y[3] + y[4]*y[4])/2 + y[5]) - 1",
-        quadratic={"angular momentum": QuadraticForm({(0, 4): 1, (1, 3): -1}, 6)},
-        observables={"energy": "(y[3]*y[3] + y[4]*y[4])/2 - 1/sqrt(y[0]*y[0] + y[1]*y[1])"},
-        canonical=True,
-        exact=Flow(_flow, parameters),
-        scales={"period": 6.283185307179586, "time": float((1 - e) ** 0.5), "length": float(1 - e)},
-    )  # fmt: skip
-
-
-def _flow(s: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[Any]:
-    """Advance (q, t, p, w) by s: elliptic motion about a centre of strength 1 + K.
-
-    Stumpff's functions for a constant w > 0; see Leimkuhler and Reich, section 9.2, for K = 0.
-    """
-    q, t, p, w = y0[:2], y0[2], y0[3:5], y0[5]
-    r0 = ctx.hypot(*q)
-    if not r0 or w <= 0:
-        raise UsageError("the exact flow needs bodies apart and w > 0, that is, an ellipse")
-    strength = r0 * ((p[0] * p[0] + p[1] * p[1]) / 2 + w)
-    b, sigma = ctx.sqrt(2 * w), q[0] * p[0] + q[1] * p[1]
-    g0, g1 = ctx.cos(b * s), ctx.sin(b * s) / b
-    g2, g3 = (1 - g0) / (2 * w), (s - g1) / (2 * w)
-    r = r0 * g0 + sigma * g1 + strength * g2
-    f, g = 1 - strength * g2 / r0, r0 * g1 + sigma * g2
-    df, dg = -strength * g1 / (r * r0), 1 - strength * g2 / r
-    time = t + r0 * g1 + sigma * g2 + strength * g3
-    pairs = list(zip(q, p, strict=True))
-    moved = [f * x + g * v for x, v in pairs]
-    return [*moved, time, *(df * x + dg * v for x, v in pairs), w]
 
 
 def time_transformed(problem: Problem, rate: str) -> Problem:

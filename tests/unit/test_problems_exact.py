@@ -8,7 +8,7 @@ import pytest
 from glmref.conformance.taylor import taylor_states
 from glmref.errors import UsageError
 from glmref.problems import names, problem
-from glmref.problems.kepler import eccentric_anomaly
+from glmref.problems.flows import eccentric_anomaly
 from tests.build import high
 
 CASES = [(name, {}) for name in names() if problem(name).exact and name != "long-chain"] + [
