@@ -415,3 +415,9 @@ def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:
     """Return (accepted, sentence) of a certificate, judged with FLINT's numbers: `consulted`."""
     with consulted() as found:
         return found.verdict(certificate)
+
+
+def proof_of(certificate: Mapping[str, object]) -> str:
+    """Return what the proof of a certificate may be called: exact, where all it looks at is."""
+    with consulted() as found:
+        return found.proof.Proof(certificate, found.statements.RULES).proofs()[0]

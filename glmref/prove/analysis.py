@@ -47,7 +47,6 @@ from ..theory.residues import rates_on_one_sign, residues
 from ..theory.stability_interval import imaginary_interval, real_interval
 from .digits import rounded_up
 from .facts import Facts, facts_of
-from .finders import proposal_for
 from .kernel import SMALL, Kernel
 from .ranges import Range
 from .verifier import budget_of, facts_for, ignored
@@ -354,7 +353,7 @@ class _Questions:
 
         def known(facts: Facts) -> tuple[bool | None, str]:
             facts = of(facts)
-            found = facts.kernel.known(claim, proposal_for(facts, claim))
+            found = facts.known(claim)
             return found.truth, found.reason or "the digits do not decide it"
 
         answer = self.ask(where + claim, known, None, seconds)
@@ -617,7 +616,7 @@ def _reduced(q: _Questions) -> dict[str, Any]:
             if smaller is None:
                 return None, ""
             less = Facts(smaller)
-            truth = less.kernel.known(SYMMETRIC.key, proposal_for(less, SYMMETRIC.key)).truth
+            truth = less.truth(SYMMETRIC.key)
             return truth, "without the stages whose slopes are not used" if truth else ""
         if f.method.multistep is not None:
             alpha, beta = f.method.multistep
@@ -627,7 +626,7 @@ def _reduced(q: _Questions) -> dict[str, Any]:
             truth = None if None in truths and False not in truths else all(truths)
             why = "alpha_m = -alpha_(k-m), beta_m = beta_(k-m)"
             return truth, f"{why}: the values h f follow from the values y" if truth else ""
-        truth = f.kernel.known(SYMMETRIC_REDUCED.key, proposal_for(f, SYMMETRIC_REDUCED.key)).truth
+        truth = f.truth(SYMMETRIC_REDUCED.key)
         return truth, f.reduction.witness if truth else ""
 
     truth, why = q.ask("symmetric in reduced form", known, None, STABILITY) or (None, "")

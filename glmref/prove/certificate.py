@@ -8,9 +8,10 @@ written (:mod:`.verdicts`). What has no certificate is said with the reason.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from ..catalogue.claims import (
     A_STABLE,
@@ -31,17 +32,20 @@ from ..catalogue.claims import (
     NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
+    PARASITISM_FREE,
     REDUCIBLE,
     ROW_SUMS,
     STAGE_ORDER,
     STARTING_ORDER,
     SYMMETRIC,
     W_ORDER,
+    ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, linalg
 from ..exact.expression import parse, to_text
+from ..exact.judging import proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method.preconsistency import consistency_vector, preconsistency_vector
@@ -49,13 +53,10 @@ from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import difference, is_zero, scalars
 from ..theory.forms import choose_form
+from ..theory.stability import SAMPLES
 from ..theory.starting_series import StartingSeries
 from ..theory.symplectic import find_forms, form_identities
-from .algebra import (
-    bounded,
-    diagonal_values,
-    is_exact,
-)
+from .algebra import diagonal_values, is_exact
 from .certificate_enclosed import start_proofs
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
@@ -76,14 +77,17 @@ _ABOUT = {
 _ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
 
 
-def certificate_of(
-    facts: Any, shared: Shared, claim: str, declared: object, found: Found
-) -> dict[str, Any] | str:
-    """Write the certificate of what was found about a claim, or say why there is none."""
+def certificates_of(
+    facts: Any, claim: str, declared: object, found: Found
+) -> Iterator[dict[str, Any] | str]:
+    """Write the certificates that may prove what was found, or say why there is none.
+
+    Of an open question of truth the judge searches: it accepts one of several, or none.
+    """
     try:
-        return _certificate(facts, claim, declared, found, shared)
+        yield from _certificates(facts, claim, declared, found)
     except ExactnessError as error:
-        return str(error)
+        yield str(error)
 
 
 def _trees(series: StartingSeries, nystrom: bool) -> str:
@@ -158,30 +162,33 @@ class Shared:
         return {**field_of_decimals("enclosure", radicals), "proofs": proofs}
 
 
-def _certificate(
-    facts: Any, claim: str, declared: Any, judged: Found, shared: Shared
-) -> dict[str, Any]:
+def _certificates(facts: Any, claim: str, declared: Any, judged: Found) -> Iterator[dict[str, Any]]:
+    shared: Shared = facts.shared
     enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
     document = shared.document
     writer = (_EnclosedWriter if enclosed else _Writer)(facts, claim, declared, judged)
-    parts = writer.parts()
-    found = {
-        "format": FORMAT,
-        "statement": {
-            "method": document["name"],
-            "claim": claim,
-            "declared": declared,
-            "verdict": "holds" if judged.truth else "fails",
-            "proof": str(judged.proof),
-        },
-        "document": {**about(document), "claims": {claim: declared}},
-        "field": shared.field(claim, parts) if enclosed else shared.exact_field(parts, declared),
-        "parts": parts,
-        "identities": writer.identities,
-    }
-    if document.get("class") == "composition":
-        found["base"] = dict(shipped_document(document["base"]))
-    return found
+    for parts in writer.proposals():
+        found = {
+            "format": FORMAT,
+            "statement": {
+                "method": document["name"],
+                "claim": claim,
+                "declared": declared,
+                "verdict": "holds" if judged.truth else "fails",
+                "proof": str(judged.proof),
+            },
+            "document": {**about(document), "claims": {claim: declared}},
+            "field": shared.field(claim, parts)
+            if enclosed
+            else shared.exact_field(parts, declared),
+            "parts": parts,
+            "identities": writer.identities,
+        }
+        if document.get("class") == "composition":
+            found["base"] = dict(shipped_document(document["base"]))
+        if enclosed and CLAIMS[claim].type is bool:
+            found["statement"]["proof"] = proof_of(json.loads(json.dumps(found)))
+        yield found
 
 
 def _vector(values: Vector) -> list[str]:
@@ -193,6 +200,17 @@ def _vector(values: Vector) -> list[str]:
 
 def _matrix(rows: Matrix) -> list[list[str]]:
     return [_vector(row) for row in rows]
+
+
+def _not_a_stable(**witness: Any) -> Part:
+    return {"rule": "not-a-stable", "witness": witness}
+
+
+def _involutions(proposed: Mapping[str, Any]) -> Any:
+    """Return the L, and the exchanges of stages by colour, that were proposed."""
+    if "involutions" not in proposed:
+        raise ExactnessError("no exchange of stages was found")
+    return proposed["involutions"]
 
 
 class _About:
@@ -211,6 +229,18 @@ class _Writer:
         self.identities: list[str] = []
         self.holds = judged.truth is True
 
+    def proposals(self) -> Iterator[list[Part]]:
+        """Yield lists of parts that may prove the statement."""
+        several = self._several.get(self.claim)
+        if several is None or self._truth() or self._absent() or self._follows():
+            yield self.parts()
+        else:
+            yield from several(self)
+
+    def _follows(self) -> bool:
+        """Return whether the statement is decided at the root of the equations of the file."""
+        return False
+
     def parts(self) -> list[Part]:
         """Return the parts that prove the statement."""
         return [{"rule": "absent", "witness": {}}] if self._absent() else self._parts()
@@ -226,9 +256,6 @@ class _Writer:
         )  # fmt: skip
 
     def _parts(self) -> list[Part]:
-        method = self.facts.method
-        if method.rosenbrock and self.claim in (A_STABLE.key, L_STABLE.key):
-            return self._of(Kernel(method.linear_form), self.claim).parts()
         special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
         if special is not None:
             return special()
@@ -436,11 +463,13 @@ class _Writer:
     def _symmetric_reduced(self) -> list[Part]:
         """Return the method without idle values, which is minimal, and its symmetry."""
         proposed = self._witness()
-        smaller = proposed["reduced"]
+        smaller = proposed.get("reduced")
+        if smaller is None:
+            raise ExactnessError("the method without idle values was not found")
         inner = self._of(Kernel(smaller), SYMMETRIC.key)
         blocks = {k: _matrix(getattr(smaller, k)) for k in "UBV"}
         if self._truth():
-            Ls, exchanges = proposed["involutions"]
+            Ls, exchanges = _involutions(proposed)
             witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
             last = [{"rule": "symmetric", "witness": witness}]
         else:
@@ -457,7 +486,7 @@ class _Writer:
     # -- true or false
 
     def _truth(self) -> bool:
-        return bool(self.declared) == self.holds
+        return (self.declared is not False) == self.holds
 
     def _witness(self) -> Mapping[str, Any]:
         return proposal_for(self.facts, self.claim).witness()
@@ -496,25 +525,15 @@ class _Writer:
     def _bounded(c: str) -> Part:
         return {"rule": "bounded", "witness": {"which": c}}
 
-    @staticmethod
-    def _blocks(V: Matrix) -> list[Matrix]:
-        """Return diagonal blocks of V in the order of the page: by the values in them."""
-        groups = sorted(diagonal_values(V))
-        return [tuple(tuple(V[i][j] for j in group) for i in group) for group in groups]
-
-    def _unbounded(self) -> Part:
-        """Return the first V, or block of V, with a root outside the circle or defective on it."""
-        c = next(c for c, answer in self.kernel.bounded.items() if answer is False)
-        V, where = self.kernel.blocks[c][3], {}
-        if not is_exact(V):
-            blocks = self._blocks(V)
-            where["block"] = next(i for i, x in enumerate(blocks) if bounded(x) is False)
-        return {"rule": "unbounded", "witness": {"which": c, **where}}
+    def _unbounded(self) -> Iterator[list[Part]]:
+        """Yield every V, or block of V, that may have a root outside or defective on the circle."""
+        for c, (_, _, _, V) in self.kernel.blocks.items():
+            blocks = range(len(diagonal_values(V)))
+            for where in [{}] if is_exact(V) else [{"block": i} for i in blocks]:
+                yield [{"rule": "unbounded", "witness": {"which": c, **where}}]
 
     def _zero_stable(self) -> list[Part]:
-        if self._truth():
-            return [self._bounded(c) for c in self.kernel.blocks]
-        return [self._unbounded()]
+        return [self._bounded(c) for c in self.kernel.blocks]
 
     def _symplectic(self) -> list[Part]:
         if self._truth():
@@ -567,8 +586,9 @@ class _Writer:
 
     def _eliminated_form(self) -> tuple[Matrix, tuple[Vector, ...]]:
         """Return a form that no finder proposes."""
-        found = choose_form(find_forms(self.kernel.method))
-        assert found is not None
+        found = None if self._witness().get("none") else choose_form(find_forms(self.kernel.method))
+        if found is None:
+            raise ExactnessError("no form was found")
         return found.G, found.D
 
     def _no_form(self) -> list[Part]:
@@ -581,7 +601,7 @@ class _Writer:
     def _symmetric(self) -> list[Part]:
         kernel = self.kernel
         if self._truth():
-            Ls, exchanges = self._witness()["involutions"]
+            Ls, exchanges = _involutions(self._witness())
             if kernel.is_pair:
                 witness = {
                     "L": _matrix(Ls[0]), "L_hat": _matrix(Ls[1]),
@@ -626,32 +646,33 @@ class _Writer:
         return self._simple("reducible", "irreducible")
 
     def _a_stable(self) -> list[Part]:
-        if self._truth():
-            return [self._bounded("o"), {"rule": "a-stable", "witness": {}}]
-        reason = self.judged.reason
-        _, at, y = reason.partition(" at z = ")
-        if at:
-            return [{"rule": "not-a-stable", "witness": {"y": y.removesuffix(" i")}}]
-        kind = (
-            "infinity" if "infinity" in reason
-            else "pole" if "pole" in reason
-            else "start" if "M(0)" in reason
-            else "axis"
-        )  # fmt: skip
-        part = {"rule": "not-a-stable", "witness": {kind: True}}
-        if kind != "start":
-            return [part]
-        return [self._unbounded(), part]
+        self._exact_stability()
+        return [self._bounded("o"), {"rule": "a-stable", "witness": {}}]
+
+    def _exact_stability(self) -> None:
+        if not self.kernel.exact:
+            raise ExactnessError("published decimals: stability is decided for exact methods only")
+
+    def _not_a_stable(self) -> Iterator[list[Part]]:
+        """Yield the reasons for which a method may not be A-stable."""
+        self._exact_stability()
+        yield [_not_a_stable(infinity=True)]
+        poles_first = self.facts.linear.is_diagonally_implicit
+        if poles_first:
+            yield [_not_a_stable(pole=True)]
+        yield from ([_not_a_stable(y=y)] for y in SAMPLES)
+        if not poles_first:
+            yield [_not_a_stable(pole=True)]
+        yield [_not_a_stable(axis=True)]
+        for parts in self._unbounded():
+            yield [*parts, _not_a_stable(start=True)]
 
     def _l_stable(self) -> list[Part]:
-        if self._truth():
-            return [
-                self._bounded("o"), {"rule": "a-stable", "witness": {}},
-                {"rule": "l-limit", "witness": {}},
-            ]  # fmt: skip
-        if "do not all tend to 0" in self.judged.reason:
-            return [{"rule": "not-l-limit", "witness": {}}]
-        return self._a_stable()
+        return [*self._a_stable(), {"rule": "l-limit", "witness": {}}]
+
+    def _not_l_stable(self) -> Iterator[list[Part]]:
+        yield [{"rule": "not-l-limit", "witness": {}}]
+        yield from self._not_a_stable()
 
     # -- growth
 
@@ -689,8 +710,6 @@ class _Writer:
         return [{"rule": "residues", "witness": {"cosines": cosines}}]
 
     def _growth(self) -> list[Part]:
-        if self.kernel._unstable():
-            return [self._unbounded()]
         if halves := self._halves():
             return halves
         if unshared := self._unshared():
@@ -731,32 +750,41 @@ class _Writer:
         raise ExactnessError("no growth parameter is another one than declared")
 
     def _parasitism_free(self) -> list[Part]:
-        if self.kernel._unstable():
-            return self._growth()
-        if halves := self._halves():
-            return halves
-        if self._truth() and (unshared := self._unshared()):
-            return unshared
+        if found := self._halves() or self._unshared():
+            return found
         parts, proposed = self._eigen()
         self._real_growth(proposed)
-        if self._truth():
-            return [*parts, {"rule": "growth", "witness": {}}]
-        matrices = self.kernel._growth_matrices(self._witness(), one_is_enough=True)
-        for k, (zeta, found) in enumerate(matrices):
-            if not self.kernel.is_pair and (zeta - 1).is_zero():
-                if self.kernel._only_principal(found[0]) is False:
-                    return [*parts, {"rule": "grows", "witness": {"part": k}}]
-                continue
-            if any(x.is_zero() is False for m in found for row in m for x in row):
-                return [*parts, {"rule": "grows", "witness": {"part": k}}]
-        raise ExactnessError("growth at the eigenvalue 1 is not written out")
+        return [*parts, {"rule": "growth", "witness": {}}]
+
+    def _growing_parts(self) -> Iterator[list[Part]]:
+        """Yield the eigenvalues at which something may grow; of an unstable V all does."""
+        yield from self._unbounded()
+        if halves := self._halves():
+            yield halves
+            return
+        parts, proposed = self._eigen()
+        self._real_growth(proposed)
+        for k in range(min(len(found) for found, _ in proposed.values())):
+            yield [*parts, {"rule": "grows", "witness": {"part": k}}]
+
+    def _other_growth(self) -> Iterator[list[Part]]:
+        yield from self._unbounded() if self._witness().get("unstable") else [self.parts()]
+
+    #: What may refute claims that are false, for the judge to search.
+    _several: ClassVar[Mapping[str, Callable[[Any], Iterator[list[Part]]]]] = {
+        ZERO_STABLE.key: _unbounded,
+        A_STABLE.key: _not_a_stable,
+        L_STABLE.key: _not_l_stable,
+        PARASITISM_FREE.key: _growing_parts,
+        GROWTH.key: _other_growth,
+    }
 
 
 class _EnclosedWriter(_Writer):
     """The parts of a statement about decimals: the one exact method in them, or all of them."""
 
     def _parts(self) -> list[Part]:
-        claim, kernel = self.claim, self.kernel
+        claim = self.claim
         if CLAIMS[claim].type is int:
             return self._range()
         if claim == EMBEDDED_ORDER.key:
@@ -765,14 +793,16 @@ class _EnclosedWriter(_Writer):
             return [{"rule": "irreducible", "witness": {}}]
         if claim == SYMMETRIC.key and not self._truth():
             return self._not_symmetric()
-        implied = kernel.implied
-        growing = claim == GROWTH.key and implied and implied.growth_zeros is not None
-        listed = claim == ABSCISSAE.key and self.holds
-        follows = implied and (listed or (claim in implied.true and self._truth()))
-        if growing or follows:
+        if self._follows():
             self.identities.append("decided at the one root of the equations of the file")
             return [{"rule": "implied", "witness": {}}]
         return super()._parts()
+
+    def _follows(self) -> bool:
+        claim, implied = self.claim, self.kernel.implied
+        growing = claim == GROWTH.key and implied and implied.growth_zeros is not None
+        listed = claim == ABSCISSAE.key and self.holds
+        return bool(implied and (growing or listed or (claim in implied.true and self._truth())))
 
     def _rows(self) -> list[Part]:
         """Return every row; of a claim that fails, one whose order is another."""

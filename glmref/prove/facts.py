@@ -12,11 +12,11 @@ from functools import cached_property
 from math import factorial
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.claims import ORDER, ORDER_IDENTITY
+from ..catalogue.claims import CLAIMS, G_SYMPLECTIC, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Scalar
 from ..exact.linalg import Vector
-from ..findings import Proof
+from ..findings import Proof, Verdict
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
@@ -25,10 +25,12 @@ from ..theory.reduction import reduction
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
-from .certificate import Shared, certificate_of
+from .algebra import is_exact
+from .certificate import Shared, certificates_of
 from .finders import eigen_witness, proposal_for
-from .kernel import Found, Kernel
-from .verdicts import Judgement, judged
+from .kernel import BESIDE, Found, Kernel
+from .ranges import Known
+from .verdicts import Judgement, explained, judged
 
 if TYPE_CHECKING:
     from ..theory.consistency import Consistency
@@ -77,24 +79,59 @@ class Facts:
         return Proof.MEASURED if self.implied is None else Proof.ENCLOSED
 
     def find(self, claim: str, declared: object) -> Found:
-        """Find whether one claim is true: a proposal to the judge."""
+        """Find whether a claim that has a value is true: a proposal to the judge."""
         return self.kernel.find(claim, declared, proposal_for(self, claim))
 
     def judge(self, claim: str, declared: object) -> Judgement:
-        """Judge one claim: what the finders find is written down, and the judge decides."""
+        """Judge one claim: certificates are proposed, and the judge decides."""
+        if CLAIMS[claim].type is bool:
+            answer = self._either_way(claim, declared=bool(declared))
+            if answer.verdict is Verdict.OPEN:
+                return answer
+            truth = bool(answer.value)
+            return explained(answer, *proposal_for(self, claim).explain(truth, answer.certificate))
         found = self.find(claim, declared)
         if found.truth is None:
-            return judged(found, "")
-        return judged(found, certificate_of(self, self.shared, claim, declared, found))
+            return judged(found, [""])
+        return judged(found, certificates_of(self, claim, declared, found))
+
+    def _either_way(self, claim: str, *, declared: bool) -> Judgement:
+        """Ask the judge whether what is declared holds, and else whether the opposite does."""
+        proof, answers = Proof.EXACT if self._is_exact(claim) else Proof.ENCLOSED, []
+        for truth in (declared, not declared):
+            found = Found(truth == declared, proof, truth, 0.0, "")
+            answers.append(judged(found, certificates_of(self, claim, declared, found)))
+            if answers[-1].verdict is not Verdict.OPEN:
+                return answers[-1]
+        return answers[0]
 
     @cached_property
     def shared(self) -> Shared:
         """What the certificates about the method share."""
         return Shared(self)
 
+    def _is_exact(self, claim: str) -> bool:
+        """Tell whether a claim that is true or false is about exact numbers."""
+        G, diagonals = self.method.G, self.method.diagonals
+        if claim == G_SYMPLECTIC.key and G is not None:
+            given = [d for d in diagonals if d is not None]
+            return self.kernel.exact and is_exact(G, given)
+        return self.kernel.exact and (claim not in BESIDE or self.kernel.known(claim).exact)
+
+    def known(self, claim: str) -> Known:
+        """Return whether a claim that is true or false is true, and why it is open.
+
+        What is no claim of a Rosenbrock method is known of its linear form.
+        """
+        if self.method.rosenbrock and not CLAIMS[claim].rosenbrock:
+            return facts_of(self.linear).known(claim)
+        answer = self._either_way(claim, declared=True)
+        truth = {Verdict.HOLDS: True, Verdict.FAILS: False}.get(answer.verdict)
+        return Known(truth, answer.proof is Proof.EXACT, answer.reason)
+
     def truth(self, claim: str) -> bool | None:
         """Return whether a claim that is true or false is true, as far as it is proved."""
-        return self.kernel.known(claim, proposal_for(self, claim)).truth
+        return self.known(claim).truth
 
     @property
     def is_single(self) -> bool:

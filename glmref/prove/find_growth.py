@@ -1,4 +1,4 @@
-"""What the kernel finds of V: zero-stability, parasitism, and growth parameters."""
+"""What the kernel finds of V: growth parameters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
 from ..theory.residues import Residue, in_order, residues
 from ..theory.root_location import is_schur
-from .algebra import all_of, bounded, compared, is_exact, vanishes
+from .algebra import all_of, compared, is_exact, vanishes
 from .ranges import Known
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -29,19 +29,6 @@ class GrowthRules:
         shared: bool
         exact: bool
         implied: Any
-
-    @cached_property
-    def bounded(self) -> Mapping[str, bool | None]:
-        """Return whether the powers of V are bounded, by colour."""
-        return {c: bounded(b[3]) for c, b in self.blocks.items()}
-
-    def _zero_stable(self, witness: Mapping[str, Any]) -> Known:
-        """Return whether the powers of V are bounded."""
-        return Known(all_of(list(self.bounded.values())), self._exact_values())
-
-    def _exact_values(self) -> bool:
-        """Return whether every V is exact."""
-        return all(is_exact(b[3]) for b in self.blocks.values())
 
     def _eigen(self, colour: str, witness: Mapping[str, Any]) -> list[tuple[Any, Matrix, Matrix]]:
         """Check the eigenvalues of modulus 1 that were proposed: all of them, semisimple.
@@ -81,12 +68,9 @@ class GrowthRules:
         return list(parts)
 
     def _growth_matrices(
-        self, witness: Mapping[str, Any], *, one_is_enough: bool = False
+        self, witness: Mapping[str, Any]
     ) -> list[tuple[Exact, tuple[Matrix, ...]]]:
         """Return zeta^-1 W B U N at each eigenvalue of V of modulus 1, by increasing argument.
-
-        With ``one_is_enough`` only the shared eigenvalues of a pair are looked at where one of
-        their matrices is not 0, which refutes that nothing grows whatever the others are.
 
         For a pair the coupled matrices at the shared eigenvalues other than 1, and where stages are
         shared also those within each half. At zeta = 1 of one method the principal component is in
@@ -136,8 +120,6 @@ class GrowthRules:
                     ),
                 )
             )
-        if one_is_enough and any(vanishes(m) is False for _, row in found for m in row):
-            return found
         if self.shared and len(found) < max(len(x) for x in others.values()):
             raise ExactnessError(
                 "V and V^ have different eigenvalues and the stages are shared: not supported"
@@ -149,43 +131,6 @@ class GrowthRules:
         """The growth parameters of each half, where shared stages and simple roots allow them."""
         return residues(self.method) if self.is_pair and self.shared and self.exact else None
 
-    def _unstable(self) -> bool:
-        """Return whether some V is proved not to be power-bounded: then growth has no meaning."""
-        return False in self.bounded.values()
-
-    def _parasitism_free(self, witness: Mapping[str, Any]) -> Known:
-        """Decide that V is power-bounded and growth matrices are 0 (at 1: but the principal)."""
-        if self._unstable():
-            exact = self._exact_values()
-            return Known(False, exact, "V is not power-bounded: parasitic components grow anyway")
-        if self._residues is not None:
-            return Known(all(x.mu.is_zero() for half in self._residues.values() for x in half))
-        answers: list[bool | None] = []
-        for zeta, matrices in self._growth_matrices(witness, one_is_enough=True):
-            if (zeta - 1).is_zero():  # of one method: pairs have others only
-                answers.append(self._only_principal(matrices[0]))
-            else:
-                answers += [vanishes(m) for m in matrices]
-        return Known(all_of(answers), self.exact)
-
-    def _only_principal(self, matrix: Matrix) -> bool | None:
-        """Return whether W B U N has rank 1 and the eigenvalue 1, that of the principal component.
-
-        A rank above 1 leaves more than the solution, and of a nilpotent matrix other than 0
-        exp(t M) grows without it. Of a method that is not consistent the matrix may be 0 or have
-        one eigenvalue other than 0 and 1: what the solution is has no meaning then, and nothing is
-        decided.
-        """
-        if len(matrix) == 1:
-            return True
-        if not is_exact(matrix):
-            return None
-        rank = linalg.rank(matrix)
-        trace = sum((matrix[k][k] for k in range(len(matrix))), _ZERO)  # the eigenvalue not 0
-        if rank > 1 or (rank == 1 and trace.is_zero()):
-            return False
-        return True if (trace - 1).is_zero() else None
-
     def _growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """Judge whether the declared numbers are the eigenvalues of the growth matrices.
 
@@ -194,8 +139,8 @@ class GrowthRules:
         zero or not whatever the eigenvectors are; other values are not defined. Of a pair whose
         halves share the stages and only the eigenvalue 1: those of q, and then those of p.
         """
-        if self._unstable():
-            exact = self._exact_values()
+        if witness.get("unstable"):
+            exact = all(is_exact(b[3]) for b in self.blocks.values())
             return Known(False, exact, "V is not power-bounded: growth parameters are not defined")
         if self.implied is not None and self.implied.growth_zeros is not None:
             count = self.implied.growth_zeros

@@ -35,11 +35,7 @@ class ModifiedRules:
     if TYPE_CHECKING:
         method: Any
         exact: bool
-        one_step: bool
         blocks: dict[str, tuple[Matrix, Matrix, Matrix, Matrix]]
-
-        def _symplectic(self, witness: Mapping[str, Any]) -> Known: ...
-        def _g_symplectic(self, witness: Mapping[str, Any]) -> Known: ...
 
     @cached_property
     def _underlying(self) -> UnderlyingMethod:
@@ -76,14 +72,6 @@ class ModifiedRules:
     def _conjugate_symplectic_order(self) -> Range:
         """In some variables the modified field is Hamiltonian: Hairer, Zbinden (2013)."""
         return self._reached(lambda field: conjugacy(field).reach)
-
-    def _conjugate_symplectic(self, witness: Mapping[str, Any]) -> Known:
-        """Judge by the form, which is enough: D'Ambrosio, Hairer, Zbinden, BIT 53 (2013) 867."""
-        form = self._symplectic if self.one_step else self._g_symplectic
-        if self._underlying and self.method.is_real and form(witness).truth:
-            return Known(True)
-        found = self._conjugate_symplectic_order
-        return Known(None if found.upper is None else False, reason=found.sentence)
 
     @cached_property
     def invariants(self) -> tuple[Scalar, ...]:

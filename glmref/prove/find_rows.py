@@ -134,7 +134,7 @@ class RowRules:
             reason=f"row {name}: {decides.reason}" if name else "",
         )
 
-    def _embedded_difference(self, witness: Mapping[str, Any]) -> Known:
+    def _embedded_difference(self) -> Known:
         """Return the weights of each estimate sum to zero.
 
         Of q the weight of q' itself is left out.
@@ -186,7 +186,7 @@ class RowRules:
         exact = self.exact and all(is_exact(x.weights, (x.values,)) for x in m.embedded)
         return _all_zero([*gaps, *slopes], exact=exact)
 
-    def _row_sums(self, witness: Mapping[str, Any]) -> Known:
+    def _row_sums(self) -> Known:
         """Decide c = A 1; it is where no c is given. Of Nystrom methods A 1 = c^2 / 2, A' 1 = c."""
         if self.is_pair:
             gaps = nystrom_gaps(self.method)
@@ -202,7 +202,7 @@ class RowRules:
         ]
         return _all_zero(gaps, exact=self.exact)
 
-    def _dense_end(self, witness: Mapping[str, Any]) -> Known:
+    def _dense_end(self) -> Known:
         """Decide b(1) = b."""
         if self.method.dense is None:
             return Known(False, True, "the file gives no dense output")

@@ -10,13 +10,16 @@ from contextlib import suppress
 from typing import Any
 
 from ..catalogue.claims import (
+    A_STABLE,
     ABSCISSAE,
     CONJUGATE_SYMPLECTIC,
+    CONJUGATE_SYMPLECTIC_ORDER,
     CONSISTENT,
     ERROR_CONSTANT,
     EXPLICIT,
     G_SYMPLECTIC,
     GROWTH,
+    L_STABLE,
     PARASITISM_FREE,
     PRECONSISTENT,
     REDUCIBLE,
@@ -33,8 +36,10 @@ from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
 from ..theory.equivalence import reduce
 from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
-from ..theory.symmetry import symmetry
-from .kernel import Proposal
+from ..theory.stability import why_not_a_stable
+from ..theory.symmetry import Symmetry, symmetry, symmetry_as_given
+from .kernel import BESIDE, Explain, Proposal
+from .ranges import Known
 
 #: :class:`glmref.prove.facts.Facts`, which imports the kernel.
 Facts = Any
@@ -49,11 +54,11 @@ def _nothing(facts: Facts) -> Proposal:
     return Proposal()
 
 
-def _told(results: Callable[[], Any]) -> Callable[[bool | None], tuple[str, float]]:
+def _told(results: Callable[[], Any]) -> Explain:
     """Return sentence and residual of theory's records, where the claim was not proved true."""
 
-    def explain(truth: bool | None) -> tuple[str, float]:
-        if truth is True:
+    def explain(truth: bool, certificate: object) -> tuple[str, float]:
+        if truth:
             return "", 0.0
         try:
             found = results()
@@ -66,6 +71,19 @@ def _told(results: Callable[[], Any]) -> Callable[[bool | None], tuple[str, floa
     return explain
 
 
+def _by_rule(claim: str) -> Callable[[Facts], Proposal]:
+    """Return what the kernel says of a claim, where it is not true."""
+
+    def propose(facts: Facts) -> Proposal:
+        def explain(truth: bool, certificate: object) -> tuple[str, float]:
+            known = Known(True) if truth else facts.kernel.known(claim)
+            return known.reason, known.residual
+
+        return Proposal(explain=explain)
+
+    return propose
+
+
 def _consistent(facts: Facts) -> Proposal:
     return Proposal(explain=_told(lambda: facts.consistencies))
 
@@ -75,18 +93,29 @@ def _zero_stable(facts: Facts) -> Proposal:
 
 
 def _explicit(facts: Facts) -> Proposal:
-    def explain(truth: bool | None) -> tuple[str, float]:
-        if truth is None:
-            return "", 0.0
+    def explain(truth: bool, certificate: object) -> tuple[str, float]:
         known = "every stage is a known vector when its turn comes"
         return (known if truth else "an implicit stage needs an equation solved"), 0.0
 
     return Proposal(explain=explain)
 
 
+def _stable(facts: Facts) -> Proposal:
+    def explain(truth: bool, certificate: Mapping[str, Any]) -> tuple[str, float]:
+        rule, witness = certificate["parts"][-1].values()
+        if truth:
+            return "", 0.0
+        if rule == "not-l-limit":
+            return "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity", 0.0
+        return why_not_a_stable(facts.linear, witness), 0.0
+
+    return Proposal(explain=explain)
+
+
 def _symplectic(facts: Facts) -> Proposal:
     if not facts.is_one_step:
-        return Proposal()
+        several = "a method that carries several values has no symplectic step"
+        return Proposal(explain=lambda truth, certificate: (several, 0.0))
     return Proposal(explain=_told(lambda: facts.g_symplecticity))
 
 
@@ -103,7 +132,11 @@ def _g_symplectic(facts: Facts) -> Proposal:
 
 
 def _conjugate_symplectic(facts: Facts) -> Proposal:
-    return Proposal(_g_symplectic(facts).witness)
+    def explain(truth: bool, certificate: object) -> tuple[str, float]:
+        key = CONJUGATE_SYMPLECTIC_ORDER.key
+        return ("" if truth else facts.kernel.range(key).sentence), 0.0
+
+    return Proposal(_g_symplectic(facts).witness, explain=explain)
 
 
 def _symmetric(facts: Facts) -> Proposal:
@@ -114,7 +147,10 @@ def _symmetric(facts: Facts) -> Proposal:
             return {}
         return {"involutions": (Ls, found.exchanges)}
 
-    return Proposal(witness, explain=_told(lambda: facts.symmetry))
+    def found() -> Symmetry:
+        return symmetry_as_given(facts.method) if facts.symmetry.reduced else facts.symmetry
+
+    return Proposal(witness, explain=_told(found))
 
 
 def _symmetric_reduced(facts: Facts) -> Proposal:
@@ -154,7 +190,9 @@ def _parasitism(facts: Facts) -> Proposal:
 
 
 def _growth(facts: Facts) -> Proposal:
-    return Proposal(lambda: facts.eigen, _shown_growth(facts, facts.eigen))
+    unstable = facts.truth(ZERO_STABLE.key) is False
+    witness = {"unstable": True} if unstable else facts.eigen
+    return Proposal(lambda: witness, _shown_growth(facts, facts.eigen))
 
 
 def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
@@ -194,7 +232,7 @@ def _error_constant(facts: Facts) -> Proposal:
 
 
 def _reducible(facts: Facts) -> Proposal:
-    def explain(truth: bool | None) -> tuple[str, float]:
+    def explain(truth: bool, certificate: object) -> tuple[str, float]:
         return facts.reduction.witness, 0.0
 
     return Proposal(explain=explain)
@@ -216,4 +254,7 @@ _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
     ABSCISSAE.key: _abscissae,
     ERROR_CONSTANT.key: _error_constant,
     REDUCIBLE.key: _reducible,
+    A_STABLE.key: _stable,
+    L_STABLE.key: _stable,
+    **{key: _by_rule(key) for key in BESIDE},
 }

@@ -32,11 +32,14 @@ from typing import Any
 from ..catalogue.claims import (
     ABSCISSAE,
     CLAIMS,
+    DENSE_END,
+    EMBEDDED_DIFFERENCE,
     ERROR_CONSTANT,
     GROWTH,
     NYSTROM_ORDER,
     ORDER,
     ORDER_IDENTITY,
+    ROW_SUMS,
     SECOND_ORDER_GROWTH,
 )
 from ..errors import ExactnessError
@@ -48,12 +51,9 @@ from ..method import Method
 from ..method.component import Palette
 from ..method.preconsistency import (
     abscissae,
-    consistency_vector,
     output,
     outputs,
-    preconsistency_vector,
 )
-from ..method.stage_order import has_cycle
 from ..theory.coefficients import (
     difference,
     first_nonzero,
@@ -61,10 +61,8 @@ from ..theory.coefficients import (
     scalars,
 )
 from ..theory.order import MANY_STARTS, highest_order
-from ..theory.reduction import reduction
 from ..theory.series import Series, compose, shift
 from ..theory.starting_series import (
-    NoOrderOne,
     NotPreconsistent,
     Prepared,
     StartingSeries,
@@ -74,16 +72,13 @@ from ..theory.starting_series import (
 )
 from ..theory.trees import Tree, counted, single, trees
 from .algebra import (
-    all_of,
     compared,
     is_exact,
 )
 from .digits import DigitRules, Sized, rounded_up
-from .find_forms import FormRules
 from .find_growth import GrowthRules
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
-from .find_stability import StabilityRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Known, Range
 
@@ -95,6 +90,8 @@ _CALLED: Mapping[str, str] = {
     ABSCISSAE.key: "abscissae",
     ERROR_CONSTANT.key: "error constant",
 }
+#: Claims of truth about what stands beside a tableau.
+BESIDE = frozenset({EMBEDDED_DIFFERENCE.key, ROW_SUMS.key, DENSE_END.key})
 #: Largest order to which trees of one method that carries one value are compared.
 HIGHEST = 14
 #: Largest order where the trees without branches decide.
@@ -128,6 +125,10 @@ class Found:
     reason: str
 
 
+#: From a truth value and its certificate to a sentence and the size of what decides.
+Explain = Callable[[bool, Any], tuple[str, float]]
+
+
 @dataclass(frozen=True)
 class Proposal:
     """What a finder hands in: witnesses by name, and words and numbers to show.
@@ -138,13 +139,13 @@ class Proposal:
         What the rule checks, by name; called when it is needed.
     value : object
         Of a list, what to show.
-    explain : Callable[[bool or None], tuple[str, float]]
-        From a truth value to a sentence and the size of what decides.
+    explain : Explain
+        What is said where the claim is one of truth, and the judge has decided it.
     """
 
     witness: Callable[[], Mapping[str, Any]] = dict
     value: object = None
-    explain: Callable[[bool | None], tuple[str, float]] = lambda truth: ("", 0.0)
+    explain: Explain = lambda truth, certificate: ("", 0.0)
 
 
 def _number(text: object) -> Scalar:
@@ -165,7 +166,7 @@ def _is_only_one(U: Matrix, gap: Matrix, w: Vector) -> bool:
     return all(x.is_zero() for n in free for x in linalg.matvec(U, n))
 
 
-class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, ModifiedRules):
+class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
     """The rules, for one method.
 
     Parameters
@@ -202,27 +203,16 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
     # -- claims ----------------------------------------------------------------------------------
 
     def find(self, claim: str, declared: object, proposal: Proposal) -> Found:
-        """Find whether one claim is true."""
+        """Find whether one claim that has a value is true."""
         try:
             kind = CLAIMS[claim].type
             if kind is int:
                 return self._find_range(claim, declared, proposal)
             if kind is dict:
                 return self._rule(claim)(declared, proposal)
-            if kind is not bool:
-                return self._find_list(claim, declared, proposal)
-            known = self.known(claim, proposal)
+            return self._find_list(claim, declared, proposal)
         except ExactnessError as error:
             return self._made(None, exact=self.exact, value=None, residual=0.0, reason=str(error))
-        truth = None if known.truth is None else known.truth == declared
-        reason, residual = proposal.explain(known.truth)
-        return self._made(
-            truth,
-            exact=known.exact,
-            value=known.truth,
-            residual=known.residual or residual,
-            reason=reason or known.reason,
-        )
 
     @staticmethod
     def _made(
@@ -233,20 +223,18 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         proof = Proof.EXACT if exact else Proof.ENCLOSED
         return Found(truth, proof, value, residual, reason)
 
-    def known(self, claim: str, proposal: Proposal) -> Known:
-        """Return what is known of a claim that is true or false."""
-        if self.implied is not None and claim in self.implied.true:
-            return Known(True, False)
+    def known(self, claim: str) -> Known:
+        """Return what is known of a claim about what stands beside a tableau."""
         try:
-            return self._rule(claim)(proposal.witness())
+            return self._rule(claim)()
         except ExactnessError as error:
             return Known(None, self.exact, str(error))
 
     def _rule(self, claim: str) -> Any:
         """Return the rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
 
-        Of an order it is a property, a :class:`Range`; of a truth value a method of what was
-        proposed; of numbers a method of those declared and of what was proposed.
+        Of an order it is a property, a :class:`Range`; of numbers a method of those declared and of
+        what was proposed.
         """
         return getattr(self, f"_{CLAIMS[claim].rule}")
 
@@ -910,50 +898,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
         reason = f"agrees on all trees of order {p} or less"
         return Range(min(lower, known.lower), known.upper, exact=exact, value=p, reason=reason)
 
-    # -- consistency -------------------------------------------------------------------------------
-
-    def _preconsistent(self, witness: Mapping[str, Any]) -> Known:
-        """Decide V u = u and U u = 1 for some u by elimination (Butcher 2016, 510B)."""
-        answers, exact = [], True
-        for c in self.method.components:
-            A, U, B, V = c.matrices
-            if is_exact(U, V):
-                answers.append(preconsistency_vector(c) is not None)
-                continue
-            exact = False
-            try:
-                found = component(A, U, B, V)
-            except NoOrderOne:  # another u may have U u = 1
-                answers.append(None)
-            except NotPreconsistent:
-                answers.append(False)
-            except ExactnessError:
-                answers.append(None)
-            else:
-                answers.append(True if found.certain else None)
-        return Known(all_of(answers), exact)
-
-    def _consistent(self, witness: Mapping[str, Any]) -> Known:
-        """Decide B 1 + V v = u + v as well, linear in (u, v) (Butcher 2016, 510C)."""
-        answers, exact = [], True
-        for part in self.method.components:
-            A, U, B, V = part.matrices
-            if is_exact(U, B, V):
-                answers.append(consistency_vector(part) is not None)
-                continue
-            exact = False
-            try:
-                c = component(A, U, B, V)
-            except NotPreconsistent:
-                answers.append(False)
-                continue
-            except ExactnessError:
-                answers.append(None)
-                continue
-            gap = linalg.matvec(c.W, difference(linalg.row_sums(c.B), c.u))
-            answer = is_zero(gap)
-            answers.append(None if answer is True and not c.certain else answer)
-        return Known(all_of(answers), exact)
+    # -- numbers -----------------------------------------------------------------------------------
 
     def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
         """Decide c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
@@ -1018,27 +963,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, StabilityRules, FormRules, Modif
                 found = defect / sigma * Fraction(1, factorial(q))
                 return compared([found], declared[:1], exact=True)
         raise ExactnessError("no term of the local error was found")
-
-    # -- structure ---------------------------------------------------------------------------------
-
-    def _explicit(self, witness: Mapping[str, Any]) -> Known:
-        """Judge whether some order of the stages lets each need earlier ones only (no cycle).
-
-        Where f and k are evaluated at the same stages (Q_i, P_i), stage i needs j where A or A^ has
-        an entry; in a separable pair stages Q need stages P and the other way. Only exact zeros say
-        that nothing is needed, only entries that exclude zero that something is.
-        """
-        structural = self.implied is None or not self.implied.zeros
-        m = self.method
-        if not has_cycle(m.components, m.palette, lambda x: True):
-            return Known(True, structural)
-        if has_cycle(m.components, m.palette, lambda x: x.is_zero() is False):
-            return Known(False, self.exact)
-        raise ExactnessError("whether some entries of A are zero is not decided within the digits")
-
-    def _reducible(self, witness: Mapping[str, Any]) -> Known:
-        """Judge whether a value is never reached (u, B by V) or seen (U V^k): Kalman 1963."""
-        return Known(reduction(self.method).reducible, self.exact)
 
 
 def _as_balls(matrix: Matrix) -> Matrix:

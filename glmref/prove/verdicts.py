@@ -12,7 +12,8 @@ format is about them. Their conditions are evaluated on schemes (:func:`reaches`
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, NoReturn
 
 from ..exact import Exact, Scalar
@@ -78,29 +79,43 @@ class Judgement:
         )  # fmt: skip
 
 
-def judged(found: Found, certificate: Mapping[str, Any] | str) -> Judgement:
+def judged(found: Found, certificates: Iterable[Mapping[str, Any] | str]) -> Judgement:
     """Return the judge's verdict about what was found.
 
     Parameters
     ----------
     found : Found
         Whether the claim is true, as a finder has it.
-    certificate : Mapping[str, Any] or str
-        Its certificate, or why there is none.
+    certificates : Iterable[Mapping[str, Any] or str]
+        Certificates of it, of which the first that is accepted decides, or why there is none.
     """
     if found.truth is None:
         return Judgement(Verdict.OPEN, found, found.reason, "the claim is open", seal=_SEAL)
-    if isinstance(certificate, str):
-        missing = f"no certificate is written: {certificate}"
-        reason = "; ".join(x for x in (found.reason, missing) if x)
-        return Judgement(Verdict.OPEN, found, reason, certificate, seal=_SEAL)
-    plain = json.loads(json.dumps(certificate))  # texts with their values become plain ones
-    accepted, sentence = judges_verdict(plain)
-    if not accepted:
-        refused = f"the judge refuses the certificate: {sentence}"
+    missing = refused = ""
+    for certificate in certificates:
+        if isinstance(certificate, str):
+            missing = certificate
+            continue
+        plain = json.loads(json.dumps(certificate))  # texts with their values become plain ones
+        accepted, sentence = judges_verdict(plain)
+        if accepted:
+            found = replace(found, proof=Proof(plain["statement"]["proof"]))
+            verdict = Verdict.HOLDS if found.truth else Verdict.FAILS
+            return Judgement(verdict, found, found.reason, plain, seal=_SEAL)
+        refused = refused or f"the judge refuses the certificate: {sentence}"
+    if isinstance(found.value, bool):  # a proposal that was not accepted
+        found = replace(found, value=None)
+    if not missing:
         return Judgement(Verdict.OPEN, found, refused, refused, seal=_SEAL)
-    verdict = Verdict.HOLDS if found.truth else Verdict.FAILS
-    return Judgement(verdict, found, found.reason, plain, seal=_SEAL)
+    why = f"no certificate is written: {missing}"
+    reason = "; ".join(x for x in (found.reason, why) if x)
+    return Judgement(Verdict.OPEN, found, reason, missing, seal=_SEAL)
+
+
+def explained(judgement: Judgement, reason: str, residual: float) -> Judgement:
+    """Return a judgement with the sentence that explains it, and the size of what decides."""
+    found = Found(None, judgement.proof, judgement.value, residual, reason)
+    return Judgement(judgement.verdict, found, reason, judgement.certificate, seal=_SEAL)
 
 
 def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:

@@ -54,13 +54,13 @@ def _signs_at(chain: list[Polynomial], x: Scalar | None, infinity: int) -> list[
     return [q[-1].sign() * (infinity if len(q) % 2 == 0 else 1) for q in chain]
 
 
-def real_roots(p: Polynomial, low: Scalar | None = None, high: Scalar | None = None) -> int:
-    """Count distinct real roots in ``(low, high]`` by Sturm's theorem; ``None`` is infinite."""
+def real_roots(p: Polynomial) -> int:
+    """Count distinct real roots by Sturm's theorem."""
     p = squarefree(p)
     if len(p) <= 1:
         return 0
     chain = _sturm_chain(p)
-    return _sign_changes(_signs_at(chain, low, -1)) - _sign_changes(_signs_at(chain, high, 1))
+    return _sign_changes(_signs_at(chain, None, -1)) - _sign_changes(_signs_at(chain, None, 1))
 
 
 def first_root(p: Polynomial, low: Fraction, high: Fraction, width: Fraction) -> Fraction | None:
@@ -117,24 +117,6 @@ def odd_part(p: Polynomial) -> Polynomial:
         other = divide(other, factor)[0] if other else ()
         multiplicity += 1
     return result
-
-
-def is_nonnegative(p: Polynomial) -> bool:
-    """Return whether a polynomial with real coefficients is nowhere negative on the real line."""
-    p = trim(p)
-    if not p:
-        return True
-    if len(p) % 2 == 0 or p[-1].sign() < 0:
-        return False
-    low = 0
-    while p[low].is_zero() is True:
-        low += 1
-    if low % 2:
-        return False
-    p = p[low:]
-    if all(a.is_zero() is True for a in p[1::2]):  # even: half the degree in x^2, on x^2 > 0
-        return real_roots(odd_part(p[::2]), low=_ZERO) == 0
-    return real_roots(odd_part(p)) == 0
 
 
 def _end_sizes(p: Polynomial) -> int:

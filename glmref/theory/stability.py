@@ -9,7 +9,7 @@ The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stabil
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import cast
@@ -23,6 +23,9 @@ from .polynomials import Polynomial
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _I = Exact(-1).sqrt()
+
+#: Points of the imaginary axis at which a violation of A-stability is looked for.
+SAMPLES = ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6")
 
 #: P(w, z) as the coefficients of 1, w, .., w^r, each a polynomial in z (or in y).
 Bivariate = tuple[Polynomial, ...]
@@ -214,9 +217,46 @@ def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
     return leading, len(P) - len(leading)
 
 
-def only_zeros(leading: Polynomial, unbounded: int) -> bool:
-    """Return whether all limits of the eigenvalues at infinity are zero."""
-    return unbounded == 0 and all(x.is_zero() is True for x in leading[:-1])
+def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:
+    """Return the sentence of a reason that refutes A-stability.
+
+    Parameters
+    ----------
+    m : GLM
+        The method.
+    witness : Mapping[str, object]
+        ``start``, ``infinity``, ``pole`` or ``axis``, or ``y`` with the text of a rational.
+    """
+    P = stability_polynomial(m)
+    leading, unbounded = leading_part(P)
+    if "start" in witness:
+        return "V = M(0) is not power-bounded"
+    if "infinity" in witness and unbounded:
+        return "an eigenvalue of M(z) grows without bound as z goes to infinity"
+    if "infinity" in witness:
+        return f"{_largest(leading)[1]} as z goes to infinity"
+    if "pole" in witness:
+        below = (m.A[i - 1][i - 1] for i in m.implicit_stages if m.is_diagonally_implicit)
+        at = [
+            a for a in below if a.real.sign() < 0 and not all(vanishes_at_inverse(p, a) for p in P)
+        ]
+        where = (
+            f"pole z = {1 / float(at[0].real):.6g}"
+            if at
+            else "pole in the left half-plane or on the imaginary axis"
+        )
+        return f"M(z) has {'the' if at else 'a'} {where}"
+    if "axis" in witness:
+        return "for some y an eigenvalue of M(iy) lies outside the unit circle"
+    y = str(witness["y"])
+    size, text = _largest(poly.trim([poly.evaluate(p, Fraction(y)) for p in on_imaginary_axis(P)]))
+    return f"{text if size > 1 else 'M(z) is not power-bounded'} at z = {y} i"
+
+
+def _largest(p: Polynomial) -> tuple[float, str]:
+    """Return the largest modulus of a root, and the sentence about it."""
+    size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
+    return size, f"M(z) has an eigenvalue of modulus {size:.10g}"
 
 
 def divided(q: Bivariate, factor: Polynomial) -> Bivariate:

@@ -29,7 +29,6 @@ from glmref.method.preconsistency import (
 )
 from glmref.prove.analysis import analyze
 from glmref.prove.facts import facts_of
-from glmref.prove.finders import proposal_for
 from tests.build import invertible
 
 SMALL = st.integers(-2, 2)
@@ -53,9 +52,7 @@ SAME = (
 
 def symmetric_reduced(m: GLM) -> bool | None:
     """Whether the method without its idle values equals its adjoint."""
-    facts = facts_of(m)
-    claim = "symmetric-reduced"
-    return facts.kernel.known(claim, proposal_for(facts, claim)).truth
+    return facts_of(m).truth("symmetric-reduced")
 
 
 def condition(T: Any) -> float:

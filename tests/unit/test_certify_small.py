@@ -161,7 +161,8 @@ def check_abscissae(d: dict[str, Any]) -> None:
 
 
 def answer(d: dict[str, Any], claim: str, declared: Any) -> bool | None:
-    if written(d, claim, declared) in UNDECIDED:
+    found = written(d, claim, declared)
+    if isinstance(found, str) and (found in UNDECIDED or isinstance(declared, bool)):
         return None
     return proved(d, claim, declared)[0]
 

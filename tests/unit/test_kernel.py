@@ -7,12 +7,12 @@ import pytest
 
 from glmref import load
 from glmref.catalogue.reader import load_document
-from glmref.exact import Ball, Exact, ball
+from glmref.exact import Exact, ball
 from glmref.findings import Proof, Verdict
 from glmref.method import GLM, PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
-from tests.build import SOURCE
+from tests.build import SOURCE, method_document
 
 
 def searched(method):
@@ -60,25 +60,31 @@ def test_the_tree_decides_over_balls_what_it_excludes_and_is_enclosed():
     assert (found.upper, found.exact) == (2, False)
 
 
-@pytest.mark.parametrize(("b", "truth"), [("1", False), ("2", True), ("1+i", False)])
+@pytest.mark.parametrize(("b", "truth"), [("1", False), ("2", True), ("1+i", None)])
 def test_the_imaginary_parts_of_a_form_count(b, truth):
     # d = b* g and 2 d Re a = |b|^2 g: with b = 1 + i the real parts alone have a solution
     facts = facts_of(runge_kutta([["1"]], [b], field="complex"))
-    assert facts.find("g-symplectic", True).truth is truth
+    assert facts.truth("g-symplectic") is truth
+
+
+def written(**members):
+    """The facts of a document with one value and the claim that it is G-symplectic."""
+    one = {"U": [["1"]] * len(members["A"]), "V": [["1"]], "digits": 1}
+    return facts_of(load_document(method_document("glm", {"g-symplectic": True}, **one, **members)))
 
 
 def test_a_form_that_was_found_is_enough_where_decimals_play_no_part():
     # the second stage is used by nobody: its entry of 0.3 +- 0.1 meets the weight 0
-    facts = facts_of(runge_kutta([["1/2", "0"], ["0.3", "0"]], ["1", "0"], digits=1))
-    found = facts.find("g-symplectic", True)
-    assert (found.truth, found.proof) == (True, Proof.ENCLOSED)
+    facts = written(A=[["1/2", "0"], ["0.3", "0"]], B=[["1", "0"]])
+    found = facts.judge("g-symplectic", True)
+    assert (found.verdict, found.proof) == (Verdict.HOLDS, Proof.ENCLOSED)
 
 
 def test_a_given_form_in_decimals_is_refuted_by_balls():
     # the weight d = b g would have to be 1, and g is 2 within a tenth
-    G, D = ((Ball.decimal("2.0", 1),),), ((Exact(1),),)
-    known = Kernel(load("gauss-1"))._g_symplectic({"form": (G, D), "given": True})
-    assert (known.truth, known.exact) == (False, False)
+    facts = written(A=[["1/2"]], B=[["1"]], G=[["2.0"]], D=["1"])
+    found = facts.judge("g-symplectic", True)
+    assert (found.verdict, found.proof) == (Verdict.FAILS, Proof.ENCLOSED)
 
 
 def growing_pair(last, *, separable):
@@ -99,7 +105,7 @@ def test_eigenvalues_of_one_half_alone_leave_growth_open_where_stages_are_shared
         ("1/2", True, True),
     ):
         facts = facts_of(growing_pair(last, separable=separable))
-        assert facts.find("parasitism-free", True).truth is truth, (last, separable)
+        assert facts.truth("parasitism-free") is truth, (last, separable)
 
 
 def two_values_at_1(*B):
@@ -118,7 +124,7 @@ def test_a_double_1_without_the_solution_leaves_parasitism_open():
         ((2, 0), None),  # the eigenvalue 2
     ):
         facts = facts_of(two_values_at_1(*B))
-        assert facts.find("parasitism-free", True).truth is truth, B
+        assert facts.truth("parasitism-free") is truth, B
 
 
 def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
@@ -265,7 +271,7 @@ def test_a_pair_of_shared_stages_has_no_tree_with_leaves_alone():
     assert kernel._bushes(series, 3) == {}
 
 
-def test_a_form_is_found_by_elimination_where_none_is_proposed():
+def test_a_form_is_found_by_elimination_where_none_is_given():
     i = Exact(-1).sqrt()
     zero, one = Exact(0), Exact(1)
     n: Any = load("gsymplectic-n")
@@ -273,7 +279,7 @@ def test_a_form_is_found_by_elimination_where_none_is_proposed():
     n = n.transform(((one, one), (zero, one)))
     both = PartitionedGLM(n.A, n.U, n.B, n.V, n.A, n.U, n.B, n.V)
     for method in (turned, n, both, load("stormer-verlet")):
-        assert Kernel(method)._g_symplectic({}).truth is True
+        assert facts_of(method).truth("g-symplectic") is True
 
 
 def test_a_scheme_of_two_colours_is_exact_where_both_are():

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import random
+from contextlib import suppress
 from fractions import Fraction
 from typing import Any
 
 import pytest
 
-from glmref.exact import Ball, Exact, ball, exact
-from glmref.prove import algebra
-from glmref.prove.algebra import bounded, diagonal_values, in_right_half, inside_circle, leaves_disc
-from glmref.theory import polynomials as poly
+from glmref.exact import exact
+from glmref.judge.arithmetic import Interval
+from glmref.judge.linalg import blocks_of
+from glmref.judge.polynomials import from_roots, is_schur, is_unbounded, multiply, plus
+from glmref.judge.refusals import Undecided
+from glmref.judge.rules_growth import PowersCase, one_block_is_on_the_circle, powers_are_bounded
+from glmref.judge.rules_stability import never_meet
+from glmref.prove.algebra import diagonal_values
 
-SMALL = Ball.around(ball(0), Fraction(1, 10**20))
+SMALL = Interval.ends(Fraction(-1, 10**20), Fraction(1, 10**20))
 
 
 def reached(V: Any) -> list[set[int]]:
@@ -37,6 +42,17 @@ def test_each_value_stands_in_one_block_with_those_it_exchanges_with(seed: int) 
             assert set(group) == {j for j in range(r) if j in reach[i] and i in reach[j]}
 
 
+def powers(V: list[list[Any]]) -> bool | None:
+    """What the judge shows of the powers of V: bounded, not bounded, or neither."""
+    case = PowersCase.__new__(PowersCase)
+    case.V = V
+    for block in blocks_of(V):
+        with suppress(Undecided):
+            if is_unbounded(block):
+                return False
+    return True if one_block_is_on_the_circle(case) and powers_are_bounded(case) else None
+
+
 @pytest.mark.parametrize(
     ("block", "expected"),
     [([[0, 1], [1, 0]], True), ([[0, 1], [-1, 0]], True), ([[1, 1], [0, 1]], None),
@@ -46,87 +62,47 @@ def test_one_exact_block_on_the_circle_beside_rounded_ones_inside(
     block: list[list[int]], expected: bool | None
 ) -> None:
     n = len(block)
-    V = [[exact(x) for x in row] + [exact(0)] for row in block]
-    V.append([exact(0)] * n + [SMALL + Fraction(1, 2)])
-    assert bounded(tuple(map(tuple, V))) is expected
-    V[n][n] = SMALL + 2
-    assert bounded(tuple(map(tuple, V))) is False
-
-
-def polynomial(roots: list[complex]) -> list[Fraction]:
-    """The real polynomial with these roots, from the constant term up; entries that are near."""
-    found = [1.0 + 0j]
-    for z in roots:
-        found = [x - z * y for x, y in zip([0j, *found], [*found, 0j], strict=True)]
-    return [Fraction(x.real).limit_denominator(10**9) for x in found]
+    V: list[list[Any]] = [[Fraction(x) for x in row] + [Fraction(0)] for row in block]
+    V.append([Fraction(0)] * n + [SMALL + Fraction(1, 2)])
+    assert powers(V) is expected
+    V[n][n] = SMALL + Fraction(2)
+    assert powers(V) is False
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_roots_inside_the_circle_and_in_the_right_half_plane(seed: int) -> None:
+def test_roots_inside_the_circle_over_rationals_and_intervals(seed: int) -> None:
     draw = random.Random(seed)
-    roots: list[complex] = []
-    for _ in range(draw.randint(1, 3)):
-        z = complex(draw.choice((0, 1, 2, 3, 5, -3, 9)), draw.choice((0, 1, 2))) / 4
-        roots += [z] if z.imag == 0 else [z, z.conjugate()]
-    sizes = [abs(z) for z in roots]
-    if 1.0 in sizes or 0.0 in (z.real for z in roots):
-        roots, sizes = [0.5], [0.5]
-    p = tuple(exact(x) for x in polynomial(roots))
-    assert in_right_half(p) == all(z.real > 0 for z in roots)
-    for q in (p, tuple(ball(x) for x in p)):
-        found = inside_circle(q)
-        assert found == (max(sizes) < 1) or (found is None and max(sizes) > 1)
+    roots = [Fraction(draw.choice((0, 1, 2, 3, 5, -3, 9)), 4) for _ in range(draw.randint(1, 4))]
+    p = from_roots(roots)
+    inside = max(map(abs, roots)) < 1
+    assert is_schur(p) is inside
+    assert is_schur([x + SMALL if x else x for x in p]) is inside
 
 
 @pytest.mark.parametrize("middle", ["0", "1/3", "2"])
 def test_where_the_ends_agree_roots_may_lie_on_the_circle(middle: str) -> None:
     for sign in (1, -1):
-        p = (exact(sign), SMALL + Fraction(middle), exact(1))
-        assert inside_circle(p) is None
-
-
-@pytest.mark.parametrize(
-    ("root", "simple"),
-    [
-        (((1,), (2,)), True),  # 1/2 for all y
-        (((0, 2), (2, 0, 2)), True),  # y/(1 + y^2), of modulus at most 1/2
-        (((0, 2), (1, 0, 1)), False),  # 2 y/(1 + y^2), which is 1 at y = 1 and -1 at y = -1
-        (((1,), (1, 0, 1)), True),  # 1/(1 + y^2), which is 1 at y = 0 alone
-    ],
-)
-def test_a_double_root_that_touches_the_circle_is_told(root: Any, simple: bool) -> None:
-    """(w - root(y))^2, without fractions; y = 0 is left aside."""
-    top, bottom = (tuple(map(Exact, x)) for x in root)
-    square = poly.mul(bottom, bottom), poly.mul(top, bottom), poly.mul(top, top)
-    q = (square[2], tuple(-2 * x for x in square[1]), square[0])
-    assert leaves_disc(q) == (None, simple)
+        with pytest.raises(Undecided):
+            is_schur([SMALL + Fraction(sign), SMALL + Fraction(middle), Fraction(1)])
 
 
 @pytest.mark.parametrize(("other", "inside"), [(Fraction(1, 2), True), (Fraction(2), False)])
 @pytest.mark.parametrize("zeros", [1, 2])
 def test_roots_that_are_0_lie_inside_the_circle(other: Fraction, inside: bool, zeros: int) -> None:
-    """x - other, with balls as coefficients, times x or x^2."""
-    p = (*[exact(0)] * zeros, ball(-other) + SMALL, ball(1))
-    assert inside_circle(p) is inside
-    assert inside_circle((*p[:zeros], exact(1))) is True
+    """x - other, with intervals as coefficients, times x or x^2."""
+    nil = [Fraction(0)] * zeros
+    assert is_schur([*nil, SMALL - other, SMALL + Fraction(1)]) is inside
+    assert is_schur([*nil, Fraction(1)])
 
 
 @pytest.mark.parametrize(
-    ("third", "multiple"),
-    [
-        ((3,), False),
-        ((0,), False),
-        ((0, 1), True),
-        ((11, -1), True),
-        ((2, 0, 1), False),
-        ((-2, 0, 1), True),
-    ],
+    ("third", "meet"),
+    [((3,), False), ((-5, 0, 1), False), ((0, 1), False), ((2, 0, 1), True), ((3, 0, 1), True)],
 )
-def test_roots_that_meet_on_the_axis_are_told(third: tuple[int, ...], multiple: bool) -> None:
-    """1, 2 and a polynomial in y, times 1 + y^2, which makes the resultant as long as it can be."""
-    one = (Exact(1),)
-    product: list[Any] = [(Exact(1), Exact(0), Exact(1))]
-    for root in (one, (Exact(2),), tuple(map(Exact, third))):
-        lower = [poly.mul(tuple(-x for x in root), c) for c in product]
-        product = [poly.add(x, y) for x, y in zip([*lower, ()], [(), *product], strict=True)]
-    assert algebra.multiple_on_axis(product) is multiple
+def test_roots_that_meet_on_the_axis_are_told(third: tuple[int, ...], meet: bool) -> None:
+    """1, 3 / 2 and a polynomial in z = i y, which 1 or 3 / 2 is for no real y but 0, or for some."""
+    product = [[Fraction(1)]]
+    for root in ([1], [Fraction(3, 2)], list(third)):
+        lower = [multiply([-Fraction(x) for x in root], c) for c in product]
+        product = [plus(x, y) for x, y in zip([*lower, []], [[], *product], strict=True)]
+    assert never_meet(product) is not meet

@@ -93,10 +93,16 @@ def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
 def test_the_certificates_written_are_those_by_which_the_claims_were_decided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each claim is judged once: nothing is found or judged again for the files."""
+    """Each claim is decided once: nothing is found or judged again for the files."""
     judged: list[Any] = []
-    verdict = verdicts.judges_verdict
-    monkeypatch.setattr(verdicts, "judges_verdict", lambda x: judged.append(x) or verdict(x))
+
+    def verdict(certificate: Any, judge: Any = verdicts.judges_verdict) -> tuple[bool, str]:
+        accepted, sentence = judge(certificate)
+        if accepted:
+            judged.append(certificate)
+        return accepted, sentence
+
+    monkeypatch.setattr(verdicts, "judges_verdict", verdict)
     assert main(["verify", "rk4", "ab-2-sign", "--certificates", str(tmp_path)]) == 0
     written = [json.loads(x.read_text(encoding="utf-8")) for x in tmp_path.iterdir()]
 
