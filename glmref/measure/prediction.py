@@ -362,12 +362,14 @@ class _Growing:
         known = self.near and period is not None and period + 3 < len(psi)
         self.period = period if known else None
 
-    def size(self, product: np.ndarray) -> float:
-        """Return the size of phi where the product of the propagators is so much."""
-        if not np.isfinite(product).all():
-            return math.inf
-        least = self.least * float(np.linalg.norm(product, 2))
-        return max(float(np.linalg.norm(product @ self.start)), least)
+    def size(self, products: np.ndarray) -> np.ndarray:
+        """Return the size of phi where the product of the propagators is so much, (..., m, m)."""
+        finite = np.asarray(np.isfinite(products).all(axis=(-2, -1)))
+        known = np.where(finite[..., None, None], products, 0)
+        least = self.least * np.linalg.norm(known, 2, axis=(-2, -1))
+        return np.where(
+            finite, np.maximum(np.linalg.norm(known @ self.start, axis=-1), least), math.inf
+        )
 
     def found(self, level: float) -> _Course:
         """Return its course to a size; NaN where steps are too large."""
@@ -388,7 +390,7 @@ class _Growing:
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         Where the pilot itself comes to the size, nothing is averaged.
         """
-        over = next((n for n, x in enumerate(self.products) if self.size(x) >= level), 0)
+        over = int(np.argmax(self.size(self.products) >= level))  # the first, or 0
         if over:
             before, begins = self.products[over - 1], self.size(self.products[0])
             return _Course(math.log(level / begins) / over, float(over), self.late(before))
@@ -409,8 +411,10 @@ class _Growing:
             return _OPEN
         rate = math.log(np.max(np.abs(np.linalg.eigvals(once)))) / period
         done, before = self._repeated(once, level)
-        last = next((n for n in range(whole) if self.size(self.products[n] @ before) >= level),
-                    whole) if math.isfinite(done) else 0  # fmt: skip
+        last = 0
+        if math.isfinite(done):
+            over = np.flatnonzero(self.size(self.products[:whole] @ before) >= level)
+            last = int(over[0]) if len(over) else whole
         return _Course(rate, done * period + last, self.late(before))
 
     def _repeated(self, once: np.ndarray, level: float) -> tuple[float, np.ndarray]:
@@ -463,10 +467,13 @@ class _Followed:
         return _Course(rate, end + math.log(needed / late) / rate, self.phi[-1])
 
 
-def _products(psi: np.ndarray) -> list[np.ndarray]:
-    found = [np.eye(psi.shape[-1], dtype=psi.dtype)]
-    for step in psi:
-        found.append(step @ found[-1])
+def _products(psi: np.ndarray) -> np.ndarray:
+    """Return the products of no, one, two, .. propagators, (N + 1, m, m)."""
+    found = np.empty((len(psi) + 1, *psi.shape[1:]), dtype=psi.dtype)
+    found[0] = np.eye(psi.shape[-1])
+    with np.errstate(all="ignore"):
+        for n, step in enumerate(psi):
+            np.matmul(step, found[n], out=found[n + 1])
     return found
 
 
