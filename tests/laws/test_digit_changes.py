@@ -53,11 +53,11 @@ UNSEEN: dict[str, tuple[tuple[Any, ...], ...]] = {
     "multistep-general-6": FIRST_LEVELS,
     "multistep-general-8": FIRST_LEVELS,
     "multistep-general-8b": FIRST_LEVELS,
-    **{f"multistep-kinetic-{order}": FIRST_LEVELS for order in (6, 8, 10)},
+    **{f"multistep-kinetic-{order}": FIRST_LEVELS for order in (6, 8, 10, 12)},
 }
 #: A start that is wrong at a tree with branches is refuted, and the judge has no rule for such trees
 #: of systems that are not separable: the claim is open, and never holds.
-OPEN_STARTS = tuple(f"multistep-kinetic-{order}" for order in (6, 8, 10))
+OPEN_STARTS = tuple(f"multistep-kinetic-{order}" for order in (6, 8, 10, 12))
 
 
 def hidden(doc: dict[str, Any], path: tuple[Any, ...], new: str) -> bool:

@@ -65,6 +65,12 @@ SHIPPED: Mapping[str, Shipped] = {
     "multistep-kinetic-10": Shipped(
         "71/100 13/25 -47/100 -1", "89/100 41/50 23/50 0 -47/50", (_VELOCITIES,), semi=True
     ),
+    "multistep-kinetic-12": Shipped(
+        "81/100 3/5 7/25 -73/100 -1",
+        "17/20 19/25 69/100 23/50 -7/100 -49/50",
+        (_VELOCITIES,),
+        semi=True,
+    ),
 }
 
 _CLAIMS: Mapping[str, Any] = {
