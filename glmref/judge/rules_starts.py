@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cached_property
 
 from .arithmetic import Fraction, Number
+from .document import Method
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
 from .parity import finish_with_parity, undoes
@@ -117,14 +118,13 @@ def start_uses_right_stages_along_paths(case: StartCase) -> bool:
     """Along trees without branches a value of the start uses stages that are the solution."""
     if case.kind[1] not in PATHS or not case.declared:
         return True  # without a start its values are 0 on a tree where eta is, and on the path too
-    return uses_right_stages(case, case.past_the_bound[1])
+    return uses_right_stages(case.start, case.method, case.kind[1], case.past_the_bound[1])
 
 
-def uses_right_stages(case: StartCase, p: int) -> bool:
+def uses_right_stages(start: Series, method: Method, which: bool | str, p: int) -> bool:
     """Tell whether the stages that the values of a start use have the order that these need."""
-    start, method = case.start, case.method
     (A, B), (A_hat, B_hat) = ((start.part(c).A, start.part(c).B) for c in "fk")
-    if case.kind[1] == "nystrom-paths":
+    if which == "nystrom-paths":
         links = {"f": (times(A, A_hat), "f", 2)}
         used = [(B_hat, "f", p - 1), (times(B, A_hat), "f", p - 2)]
     else:

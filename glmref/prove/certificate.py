@@ -51,7 +51,7 @@ from ..findings import Proof
 from ..method.preconsistency import consistency_vector, preconsistency_vector
 from ..system.shown import above
 from ..theory import polynomials as poly
-from ..theory.coefficients import difference, is_zero, scalars
+from ..theory.coefficients import scalars
 from ..theory.forms import choose_form
 from ..theory.stability import SAMPLES
 from ..theory.starting_series import StartingSeries
@@ -393,26 +393,12 @@ class _Writer:
             return parts
         if q is None or found.lower != q or parts[0]["rule"] != "order-at-least":
             raise ExactnessError("the stage order is not settled")
-        tree = (
-            self._failing_stage(parts[0]["witness"], q) if q < parts[0]["witness"]["order"] else ""
-        )
-        where = {"tree": tree} if tree else {}
+        where = {} if found.failing is None else {"tree": found.failing}
         return [
             *parts,
             {"rule": "stage-order-at-least", "witness": {"q": q}},
             {"rule": "stage-order-at-most", "witness": {"q": q, **where}},
         ]
-
-    def _failing_stage(self, witness: Mapping[str, Any], q: int) -> str:
-        series = self.kernel.timed.series[witness["principal"] == "free", False]
-        c = {colour: series.abscissae(colour) for colour in series.palette}
-        for t in series.level(q + 1):
-            defect = series.defect(t, c[t.colour], series.value(t))
-            if witness["principal"] == "free" and q + 1 == witness["order"]:
-                defect = series.fixed_stages(t.colour, defect)
-            if is_zero(defect) is False:
-                return str(t)
-        raise ExactnessError("no stage was found that is not the solution")
 
     def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
         kernel = self.kernel
@@ -428,17 +414,8 @@ class _Writer:
             raise ExactnessError("the order of the start is not settled")
         if not kernel._exact_start():
             raise ExactnessError("certificates of enclosed starts are not written yet")
-        q, p, series = found.upper, known.value, kernel.series[free, nystrom]
-        given = kernel._start_series(series, p)
-        eta = dict(kernel._shifted(series, given, p) if free else series.eta)
-        failing: dict[str, Any] = {"tree": ""} if q < p else {}
-        for t in series.level(q + 1) if q < p else ():
-            gap = difference(given[t], eta.get(t, series.value(t)))
-            if q + 1 == p and free:
-                gap = kernel._without_principal(series, t, gap)
-            if any(x.is_zero() is False for x in gap):
-                failing = {"tree": str(t)}
-                break
+        q = found.upper
+        failing = {} if found.failing is None else {"tree": found.failing}
         parts = self._order_parts(free=free, nystrom=nystrom)
         if found.lower == q:
             self.identities.append(f"the start agrees with the series through order {q}")
@@ -453,7 +430,7 @@ class _Writer:
         p, q = parts[0]["witness"]["order"], found.upper
         if q is None or found.lower != q or not self.kernel._exact_start():
             raise ExactnessError("the order of the finish is not settled")
-        more = {"tree": found.reason.split()[1]} if q < p else {}
+        more = {"tree": found.failing} if q < p else {}
         return [
             *parts,
             {"rule": "finish-at-least", "witness": {"q": q}},
@@ -870,7 +847,7 @@ class _EnclosedWriter(_Writer):
         if not self.holds and q > self.declared:
             more = {"rule": "implied-stage-order", "witness": {"q": self.declared + 1}}
             return [least, more]
-        where = {"tree": self._failing_stage(least["witness"], q)} if q < p else {}
+        where = {"tree": stages.failing} if q < p else {}
         above = {"rule": "stage-order-at-most", "witness": {"q": q, **where}}
         if not self.holds:
             return [above] if q < p else [most]
@@ -907,9 +884,7 @@ class _EnclosedWriter(_Writer):
         elif stages.upper == self.kernel.order_range(free=free).upper:
             return self._bounds(free=free, nystrom=False)[1:]
         assert stages.upper is not None, "the verdict rests on it"
-        beyond = {"principal": "free" if free else "identity", "order": stages.upper + 1}
-        tree = self._failing_stage(beyond, stages.upper)
-        witness = {"q": stages.upper, "tree": tree}
+        witness = {"q": stages.upper, "tree": stages.failing}
         return [*parts, {"rule": "stage-order-at-most", "witness": witness}]
 
     def _row(self, name: str, kernel: Kernel) -> Part:
@@ -950,9 +925,9 @@ class _EnclosedWriter(_Writer):
             free = not kernel.is_pair
             if q is not None and q == own.upper:
                 return self._bounds(free=free, nystrom=nystrom)[1:]
-            more = self._failing_start(nystrom) if kernel.is_pair or q else {
-                "tree": "" if "multiple of y" in found.reason else "o"
-            }  # fmt: skip
+            if q and not kernel.is_pair:
+                raise ExactnessError("the order of the start is not written out")
+            more = {"tree": found.failing}
             return [{"rule": "start-at-most", "witness": {"q": q, **more}}]
         if kernel.exact:
             parts = [*self._order_parts(free=True), *self._symmetric_part()]
@@ -960,7 +935,9 @@ class _EnclosedWriter(_Writer):
             parts = self._bounds(free=free, nystrom=nystrom)
         name, top = ("finish", "finish-at-most") if finish else ("start", "start-at-most")
         lower = self.declared < parts[0]["witness"]["order"]
-        more = self._failing_start(nystrom) if lower else {}
+        if lower and not kernel.is_pair:
+            raise ExactnessError("the order of the start is not written out")
+        more = {"tree": found.failing} if lower else {}
         return [
             *parts,
             {"rule": f"implied-{name}", "witness": {"q": self.declared}},
@@ -972,17 +949,3 @@ class _EnclosedWriter(_Writer):
         Ls, exchanges = proposed["involutions"]
         witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
         return [{"rule": "symmetric", "witness": witness}]
-
-    def _failing_start(self, nystrom: bool) -> dict[str, Any]:
-        """Return the first tree at which the start of a pair is certainly wrong, and the value."""
-        kernel = self.kernel
-        if not kernel.is_pair:
-            raise ExactnessError("the order of the start is not written out")
-        kernel.order_range(free=False, nystrom=nystrom)
-        series = kernel.series[False, nystrom]
-        found = kernel.range(self.claim)
-        given = kernel._start_series(series, (found.upper or 0) + 1)
-        for t in series.level((found.upper or 0) + 1):
-            if any(x.is_zero() is False for x in difference(given[t], series.value(t))):
-                return {"tree": str(t)}
-        raise ExactnessError("no tree refutes the start")

@@ -61,7 +61,7 @@ from ..theory.coefficients import (
     scalars,
 )
 from ..theory.order import MANY_STARTS, highest_order
-from ..theory.series import Series, compose, shift
+from ..theory.series import Series, compose
 from ..theory.starting_series import (
     NotPreconsistent,
     Prepared,
@@ -479,7 +479,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
             if not (zero and on_solution) or (n == 1 and not self._at_one_time(series)):
                 return None
             # of the next order a tree may still fail: that needs no other trees
-            on_solution = self._on_solution(series, n, "f" if nystrom else "fk")
+            on_solution = series.right_along_paths("f" if nystrom else "fk")
         return None
 
     def _at_one_time(self, series: StartingSeries) -> bool:
@@ -487,15 +487,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
         if not self.shared:
             return True
         return is_zero(difference(*map(series.abscissae, "fk"))) is True
-
-    def _on_solution(self, series: StartingSeries, n: int, colours: str) -> bool:
-        """Return whether ``xi(t) = c^n / n!`` at stages of these colours, t the path of order n."""
-        for colour in colours:
-            (last,) = (t for t in series.level(n) if t.colour == colour)
-            c, x = series.abscissae(colour), series.stage(last, series.value(last))
-            if not all(_is_power(*pair, n) for pair in zip(x, c, strict=True)):
-                return False
-        return True
 
     def nearly(self) -> list[float]:
         """Return the largest residual through each order, zero or not: measured, never a verdict.
@@ -659,18 +650,22 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
         one = not self.method.additive or all(is_zero(difference(*x)) for x in pairwise(c.values()))
         lower = top if order.lower and one else 0
         for q in range(1, top + 1):
-            answers, refuted = [], False
+            answers: list[bool | None] = []
+            refuted = None
             series.through(q)
             for t in series.level(q):
                 fixed = defect = series.defect(t, c[t.colour], series.value(t))
                 if free and q >= order.lower:
                     fixed = series.fixed_stages(t.colour, defect)
-                refuted = refuted or is_zero(fixed) is False
+                if refuted is None and is_zero(fixed) is False:
+                    refuted = str(t)
                 # the principal part is free only where the order is known to end here
                 answers.append(is_zero(fixed if q == order.upper else defect))
-            if refuted:
-                lower = min(lower, q - 1)
-                return Range(lower, q - 1, exact=exact, value=q - 1, reason=f"found {q - 1}")
+            if refuted is not None:
+                return Range(
+                    min(lower, q - 1), q - 1, exact=exact, value=q - 1,
+                    reason=f"found {q - 1}", failing=refuted,
+                )  # fmt: skip
             # of order 1 the condition says what the abscissae are
             if not all(answers) and q > 1:
                 lower = min(lower, q - 1)
@@ -708,7 +703,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
                          reason="the method has no starting series to agree with")  # fmt: skip
         series = self.series[free, nystrom].through(p)
         given = self._start_series(series, p)
-        eta = self._shifted(series, given, p) if free else series.eta
+        ahead: Scalar = _ZERO
+        if free:  # so that the output is that of the start at one vertex
+            ahead = read(
+                series.components["o"], difference(given[single()], series.value(single()))
+            )
         # where 1 is a multiple eigenvalue another series may have a higher order
         known_series = series.simple or known.upper is not None
         proved = known_series and self._start_fits(series, p, nystrom=nystrom)
@@ -719,14 +718,14 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
                 reason = (
                     f"the multiple of y differs by {gap[bad].magnitude():.6g} in value {bad + 1}"
                 )
-                return Range(0, 0, exact=self.exact, residual=0.0, reason=reason)
+                return Range(0, 0, exact=self.exact, reason=reason, failing="")
             proved = proved and all(y.is_zero() is True for y in gap)
         lower = 0
         exact = self.exact and self._exact_start()
         for q in range(1, p + 1):
             answers = []
             for t in series.level(q):
-                gap = difference(given[t], eta.get(t, series.value(t)))
+                gap = difference(given[t], series.moved(t, ahead))
                 strict = gap
                 if q >= known.lower and free:
                     gap = self._without_principal(series, t, gap)
@@ -738,6 +737,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
                         reason=f"tree {t} differs by {gap[bad].magnitude():.6g} in "
                         f"value {bad + 1}" if start is not None else
                         f"a carried value starts with a term of {t}",
+                        failing=str(t),
                     )  # fmt: skip
                 # the principal part is free only where the order is known to end here
                 answers += [y.is_zero() for y in (gap if q == known.upper else strict)]
@@ -765,49 +765,8 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
         start: Any = self.method.starting
         if not series.along_paths or start is None:
             return True
-        f, k = start.components
-        if nystrom:
-            links = {"f": (linalg.matmul(f.A, k.A), "f", 2)}
-            values = ((k.B, "f", p - 1), (linalg.matmul(f.B, k.A), "f", p - 2))
-        else:
-            links = {"f": (f.A, "k", 1), "k": (k.A, "f", 1)}
-            values = ((f.B, "k", p - 1), (k.B, "f", p - 1))
-        orders = self._path_orders(f.A, k.A, p)
-        if self.shared:
-            sums = (linalg.row_sums(f.A), linalg.row_sums(k.A))
-            if len(sums[0]) != len(sums[1]) or is_zero(difference(*sums)) is not True:
-                return False
-        for _ in range(p):
-            if self.shared:
-                both = [min(pair) for pair in zip(orders["f"], orders["k"], strict=True)]
-                orders = {"f": both, "k": both}
-            for at, (A, used, gain) in links.items():
-                reached = [
-                    [orders[used][j] + gain for j, x in enumerate(row) if not x.vanishes()]
-                    for row in A
-                ]
-                orders[at] = [min(q, *x, p) for q, x in zip(orders[at], reached, strict=True)]
-        return all(
-            x.vanishes() or orders[used][j] >= least
-            for B, used, least in values
-            for row in B
-            for j, x in enumerate(row)
-        )
-
-    @staticmethod
-    def _path_orders(A: Matrix, A_hat: Matrix, p: int) -> dict[str, list[int]]:
-        """Return through which order, p at most, each stage is the solution on unbranched trees."""
-        at = {"f": (_ONE,) * len(A), "k": (_ONE,) * len(A_hat)}
-        c: dict[str, Vector] = {}
-        orders = {colour: [0] * len(x) for colour, x in at.items()}
-        for n in range(1, p + 1):
-            at = {"f": linalg.matvec(A, at["k"]), "k": linalg.matvec(A_hat, at["f"])}
-            c = c or at
-            for colour, reached in orders.items():
-                for i, pair in enumerate(zip(at[colour], c[colour], strict=True)):
-                    if reached[i] == n - 1 and _is_power(*pair, n):
-                        reached[i] = n
-        return orders
+        table = {c.colour: (c.A, c.B) for c in start.components}
+        return series.right_start(table, "nystrom-paths" if nystrom else "paths", p)
 
     def _exact_start(self) -> bool:
         start: Any = self.method.starting
@@ -834,18 +793,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
     @cached_property
     def _start_tables(self) -> dict[tuple[StartingSeries, int], dict[Any, tuple[Any, ...]]]:
         return {}
-
-    @staticmethod
-    def _shifted(
-        series: StartingSeries, given: Mapping[Any, Any], p: int
-    ) -> Mapping[Tree, tuple[Any, ...]]:
-        """Return eta E^a, with a such that its output is that of the start at one vertex."""
-        c, node = series.components["o"], single()
-        ahead = read(c, difference(given[node], series.value(node)))
-        if is_zero(ahead) is True:
-            return series.eta
-        eta = {t: x for t, x in series.eta.items() if t.order <= p}
-        return shift(Series(eta, c.u, p, series.palette), ahead)
 
     def _without_principal(self, series: StartingSeries, t: Tree, gap: Vector) -> Vector:
         """Return what no principal part N beta changes of a difference: W is 0 at it."""
@@ -890,7 +837,7 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
                     size = total.magnitude()
                     return Range(
                         min(lower, known.lower), q - 1, exact=exact, value=q - 1,
-                        reason=f"tree {t} differs by {size:.6g} in value 1",
+                        reason=f"tree {t} differs by {size:.6g} in value 1", failing=str(t),
                     )  # fmt: skip
                 answers.append(answer)
             proved = proved and None not in answers
@@ -968,14 +915,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
 def _as_balls(matrix: Matrix) -> Matrix:
     """Return the matrix with every entry but exact zeros as a ball."""
     return tuple(tuple(x if x.vanishes() else ball(x) for x in row) for row in matrix)
-
-
-def _is_power(x: Scalar, c: Scalar, n: int) -> bool:
-    """Return whether ``x = c^n / n!``."""
-    power = _ONE
-    for _ in range(n):
-        power = power * c
-    return (x - power / factorial(n)).is_zero() is True
 
 
 # -- schemes of coloured stages -------------------------------------------------------------------

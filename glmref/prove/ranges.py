@@ -42,6 +42,8 @@ class Range:
         One sentence.
     value : int
         The order to show where the bounds differ: no tree through it is known to fail.
+    failing : str or None
+        Of stages, starts and finishes: the tree that refutes order upper + 1, ``""`` for u.
     """
 
     lower: int
@@ -52,6 +54,7 @@ class Range:
     exact: bool = True
     reason: str = ""
     value: int = 0
+    failing: str | None = None
 
     @property
     def sentence(self) -> str:

@@ -61,13 +61,14 @@ from types import SimpleNamespace
 from typing import Any, Self
 
 from ..errors import ExactnessError
-from ..exact import Exact, linalg
+from ..exact import Exact, Scalar, linalg
 from ..exact.judging import Fraction, as_number, as_scalar, fast_judge
 from ..exact.linalg import Matrix, Vector
 from ..judge.refusals import Refused
 from ..method.component import Palette
 from ..method.model import Method
 from ..method.preconsistency import first_functional
+from ..method.stage_order import is_shared
 from ..system.budget import spend
 from .coefficients import difference, is_zero
 from .trees import Tree, paths, single, trees
@@ -322,6 +323,33 @@ class StartingSeries:
         expected = [x**t.order / t.density for x in c]
         return difference(self.stage(t, value), expected)
 
+    def moved(self, t: Tree, sigma: Scalar) -> Vector:
+        """Return (eta E^sigma)(t), of one method: the start after the flow through sigma h."""
+        if is_zero(sigma) is True:
+            return self.value(t)
+        gain = _scalars(self._solved.shift(_judged(t), as_number(sigma)))
+        return tuple(x + y for x, y in zip(self.value(t), gain, strict=True))
+
+    def right_along_paths(self, colours: str) -> bool:
+        """Tell whether stages of these colours are the solution on paths through the last order."""
+        solved, n = self._solved, self.order
+        paths = fast_judge().series.path_orders
+        try:
+            return all(min(paths(solved.method, solved, c, n)) >= n for c in colours)
+        except Refused:
+            return False
+
+    def right_start(self, table: Mapping[str, Any], which: str, p: int) -> bool:
+        """Tell whether a start, (A, B) by colour, uses stages that are right for order p on paths.
+
+        ``which`` are the paths, in the words of a certificate.
+        """
+        rule = fast_judge().rules_starts.uses_right_stages
+        try:
+            return rule(_tableau(table), self._solved.method, which, p)
+        except Refused:
+            return False
+
     def fixed_stages(self, colour: str, value: Sequence[Any]) -> tuple[Any, ...]:
         """Return the factors U N through which principal parts N beta of a value enter the stages.
 
@@ -399,7 +427,9 @@ def _solver() -> Any:
                 self.k[colour] = None
                 parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
             self.parts = parts
-            self.method = SimpleNamespace(palette=tuple(of.palette.items()), parts=parts)
+            self.method = SimpleNamespace(
+                palette=tuple(of.palette.items()), parts=parts, separable=not is_shared(of.palette)
+            )
             self.solved = not of.free and all(m.r == 1 for m in parts.values())
             series.Series.__init__(self, parts.__getitem__, self.u, self.cut_value)
             self.share_stages()
@@ -446,6 +476,12 @@ def _numbers(M: Sequence[Sequence[Any]]) -> list:
     return [list(map(as_number, row)) for row in M]
 
 
+def _tableau(table: Mapping[str, Any]) -> Any:
+    """Return the series of stages and values (A, B) by colour, as the judge has it."""
+    tables = {c: (_numbers(A), _numbers(B)) for c, (A, B, *_) in table.items()}
+    return fast_judge().series.Series.of_tables(tables)
+
+
 def tableau_series(
     level: Callable[[int], Sequence[Tree]], table: Mapping[str, Any], p: int
 ) -> dict[Any, tuple[Any, ...]]:
@@ -460,9 +496,7 @@ def tableau_series(
     p : int
         Last order.
     """
-    series = fast_judge().series.Series.of_tables(
-        {c: (_numbers(A), _numbers(B)) for c, (A, B, _) in table.items()}
-    )
+    series = _tableau(table)
     found: dict[Any, tuple[Any, ...]] = {c: tuple(u) for c, (_, _, u) in table.items()}
     for n in range(1, p + 1):
         found |= {t: _scalars(series.value(_judged(t))) for t in level(n)}

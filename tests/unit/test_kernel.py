@@ -1,6 +1,7 @@
 """Rules of the kernel that no shipped method reaches: each condition of each is asked for."""
 
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -9,6 +10,7 @@ from glmref import load
 from glmref.catalogue.reader import load_document
 from glmref.exact import Exact, ball
 from glmref.findings import Proof, Verdict
+from glmref.judge.series import Series, path_orders
 from glmref.method import GLM, PartitionedGLM
 from glmref.prove.facts import facts_of
 from glmref.prove.kernel import Kernel, Reach
@@ -373,8 +375,9 @@ def test_of_second_order_systems_the_tree_with_leaves_alone_has_the_root_k():
 
 def test_a_stage_is_the_solution_as_far_as_every_path_says_so():
     # c = 6: the path of order 2 misses c^2 / 2, that of order 3 is c^3 / 6 again
-    found = Kernel._path_orders(((Exact(6),),), ((Exact(1),),), 3)
-    assert found == {"f": [1], "k": [1]}
+    series = Series.of_tables({"f": ([[Fraction(6)]], [[]]), "k": ([[Fraction(1)]], [[]])})
+    method: Any = SimpleNamespace(palette=(("f", "k"), ("k", "f")))
+    assert [path_orders(method, series, c, 3) for c in "fk"] == [[1], [1]]
 
 
 def test_an_order_that_needs_other_principal_parts_is_not_nearly_one_of_a_single_value():
