@@ -86,35 +86,6 @@ def _listed(order: int, family: Family) -> tuple[Tree, ...]:
     return tuple(t for t in whole if family is not Family.SECOND_ORDER or second_order(t))
 
 
-def attach(t: Tree, u: Tree) -> Tree:
-    """Return t*u: the tree t with ``u`` attached to its root."""
-    return tree([*t.children, u], t.colour)
-
-
-@cache
-def moves(version: Tree) -> tuple[tuple[Tree, Tree, Tree], ...]:
-    """Return ``(t, u, u*t)`` for each way of writing the tree as t*u: the neighbouring roots."""
-    result = []
-    for u in dict.fromkeys(version.children):
-        rest = list(version.children)
-        rest.remove(u)
-        t = tree(rest, version.colour)
-        result.append((t, u, attach(u, t)))
-    return tuple(result)
-
-
-@cache
-def free_tree(version: Tree) -> tuple[Tree, ...]:
-    """Return all rooted versions of the free tree under a rooted tree, in ascending order."""
-    found, waiting = {version}, [version]
-    while waiting:
-        for _, _, other in moves(waiting.pop()):
-            if other not in found:
-                found.add(other)
-                waiting.append(other)
-    return tuple(sorted(found, key=lambda t: t.key))
-
-
 @cache
 def second_order(t: Tree) -> bool:
     """Return whether every vertex f of the free tree has at most two neighbours."""
@@ -153,7 +124,7 @@ def pairs(order: int, q: int, family: Family = Family.ROOTED) -> tuple[Pair, ...
     for n in range(1, order // 2 + 1):
         for i, t in enumerate(classes(n, q, family)):
             for j, u in enumerate(classes(order - n, q, family)):
-                if (n < order - n or i <= j) and attach(t, u) in family:
+                if (n < order - n or i <= j) and t * u in family:
                     found.append((t, u))
     return tuple(found)
 
@@ -162,7 +133,7 @@ def _spread(pair: Pair, index: dict[Tree, int], q: int, size: int) -> list[Fract
     """Return coefficients of ``x(t*u) + x(u*t)`` in the values of x at the classes."""
     row = [Fraction(0)] * size
     t, u = pair
-    for grown in (attach(t, u), attach(u, t)):
+    for grown in (t * u, u * t):
         reduced, factor = reduce_tree(grown, q)
         row[index[reduced]] += factor
     return row

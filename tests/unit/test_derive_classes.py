@@ -20,17 +20,14 @@ from glmref.prove.classes import (
     Family,
     _cuts,
     _identities,
-    attach,
     classes,
-    free_tree,
-    moves,
     pairs,
     plan,
     reduce_tree,
     representatives,
 )
 from glmref.prove.equations import Series, starting_series
-from glmref.theory.trees import Tree, parse_tree, pruned, tree, trees
+from glmref.theory.trees import Tree, free_tree, halves, parse_tree, pruned, tree, trees
 
 
 def follows(order: int, q: int, given: Sequence[Tree]) -> bool:
@@ -40,9 +37,14 @@ def follows(order: int, q: int, given: Sequence[Tree]) -> bool:
     return conditions_follow(order, q, {read(str(t)) for t in given}, free)
 
 
+def versions_of(t: Tree) -> tuple[Tree, ...]:
+    """All rooted versions of the free tree under a rooted tree, in ascending order."""
+    return tuple(sorted(free_tree(t).signs, key=lambda x: x.key))
+
+
 def free_trees(order: int) -> list[tuple[Tree, ...]]:
     """The free trees of an order, each as the tuple of its rooted versions."""
-    return list(dict.fromkeys(free_tree(t) for t in trees(order)))
+    return list(dict.fromkeys(versions_of(t) for t in trees(order)))
 
 
 def test_free_trees_are_counted() -> None:
@@ -144,7 +146,7 @@ def series_of(method: Component, order: int) -> Series:
 def form(series: Series, t: Tree, u: Tree) -> Exact:
     """Q(t, u)."""
     value = linalg.dot(series.zeta[t], linalg.matvec(_G, series.zeta[u]))
-    return value - series.zeta[attach(t, u)][0] - series.zeta[attach(u, t)][0]
+    return value - series.zeta[t * u][0] - series.zeta[u * t][0]
 
 
 def test_moving_the_root_changes_the_sign_of_the_residual() -> None:
@@ -172,7 +174,7 @@ def test_identity_of_order_5_holds_with_its_lower_terms() -> None:
     for seed in range(4):
         residual = series_of(random_method(seed, symmetric=True), 4).residual
         for t, u in pairs(3, 1):
-            assert (residual[attach(t, u)] + residual[attach(u, t)]).is_zero()
+            assert (residual[t * u] + residual[u * t]).is_zero()
         assert residual[parse_tree("[o]")].is_zero()
 
 
@@ -189,9 +191,9 @@ def test_without_g_symplecticity_the_conditions_are_independent() -> None:
 def test_neighbouring_roots_are_mutual() -> None:
     for n in range(2, 7):
         for version in trees(n):
-            for t, u, other in moves(version):
-                assert attach(t, u) is version
-                assert any(back is version for _, _, back in moves(other))
+            for t, u in halves(version):
+                assert t * u is version
+                assert any(w * v is version for v, w in halves(u * t))
 
 
 def test_cutting_respects_the_relations_of_stage_order() -> None:

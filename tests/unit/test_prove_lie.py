@@ -19,8 +19,8 @@ from glmref.judge.trees import read_tree, show, versions
 from glmref.judge.trees import trees as judged_trees
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
-from glmref.prove.classes import Family, attach, free_tree, moves, representatives, second_order
-from glmref.theory.trees import parse_tree, trees
+from glmref.prove.classes import Family, representatives, second_order
+from glmref.theory.trees import free_tree, halves, parse_tree, trees
 from tests.bseries import order_residuals
 
 
@@ -35,10 +35,9 @@ def one_of_each(order):
 
 def test_moving_the_root_changes_its_colour():
     t = parse_tree("f[kk[f]]")
-    for rest, branch, other in moves(t):
-        assert (rest.colour, branch.colour, other.colour) == ("f", "k", "k")
-        assert attach(rest, branch) is t
-        assert attach(branch, rest) is other
+    for rest, branch in halves(t):
+        assert (rest.colour, branch.colour, (branch * rest).colour) == ("f", "k", "k")
+        assert rest * branch is t
 
 
 def test_the_numbers_of_free_trees_with_two_colours():
@@ -50,9 +49,9 @@ def test_the_numbers_of_free_trees_with_two_colours():
 
 def test_free_trees_divide_the_rooted_ones():
     for n in range(1, 7):
-        versions = [v for t in representatives(n, 1, Family.SEPARABLE) for v in free_tree(t)]
+        versions = [v for t in representatives(n, 1, Family.SEPARABLE) for v in free_tree(t).signs]
         assert sorted(map(str, versions)) == sorted(map(str, trees(n, SEPARABLE)))
-        assert all(second_order(v) == second_order(free_tree(v)[0]) for v in versions)
+        assert all(second_order(v) == second_order(free_tree(v).root) for v in versions)
 
 
 def test_words_count_the_orders_with_children_first():
