@@ -467,6 +467,8 @@ class Folder:
             ):
                 found = found[0]  # {{{..}, {..}}}
             return bounded(found)
+        if all(re.fullmatch(r"\d+(?:,\d+)*", x) for x in record.fields):
+            return _numbered(record.fields)
         record.values = [("", x) for x in found]
         return record
 
@@ -488,9 +490,12 @@ class Folder:
         if k + 1 >= self.end:
             return ""
         x, y = self.tokens[k], self.tokens[k + 1]
-        keys = (
-            ("name", "string", "number") if self.language.name == "python" else ("name", "string")
-        )
+        number = self.language.name in ("python", "javascript")
+        keys = ("name", "string", "number") if number else ("name", "string")
+        words = [y.text for y in self.tokens[k : k + 6]]
+        if number and len(words) == 6 and [words[i] for i in (0, 2, 4, 5)] == ["(", ",", ")", ":"]:
+            self.at = k + 6  # (2, 1): of a dictionary
+            return f"{words[1]},{words[3]}"
         if x.kind in keys and y.text in (":", "=", "=>"):
             if y.text == "=" and self.language.name == "fortran":
                 return ""
@@ -839,6 +844,18 @@ class Folder:
 
 
 _NOT_KNOWN = object()
+
+
+def _numbered(fields: Mapping[str, Any]) -> Entries:
+    """Return an array from a dictionary whose keys are the numbers of its entries, or its rows."""
+    found = Entries()
+    for key, x in fields.items():
+        place = tuple(map(int, key.split(",")))
+        if isinstance(x, Entries):
+            found |= {(*place, *k): y for k, y in x.items()}
+        else:
+            found[place] = plain(x)
+    return found
 
 
 def number(x: Any) -> Number:

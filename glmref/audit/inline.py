@@ -78,6 +78,11 @@ def _slopes(tokens: Sequence[Token]) -> set[str]:
     return found
 
 
+def ends(tokens: Sequence[Token], k: int) -> bool:
+    """Return whether a statement outside of brackets ends with a line."""
+    return k == 0 or tokens[k - 1].text not in _GOES_ON
+
+
 def _right_sides(tokens: Sequence[Token]) -> Iterator[Sequence[Token]]:
     """Yield what stands after the sign of an assignment or ``return``, to the end of it."""
     start, depth = -1, 0
@@ -88,8 +93,7 @@ def _right_sides(tokens: Sequence[Token]) -> Iterator[Sequence[Token]]:
             continue
         if x.kind == "mark":
             depth += (x.text in ("(", "[", "{")) - (x.text in (")", "]", "}"))
-        goes_on = depth > 0 or tokens[k - 1].text in _GOES_ON
-        if depth < 0 or x.text == ";" or (x.kind == "line" and not goes_on):
+        if depth < 0 or x.text == ";" or (x.kind == "line" and depth <= 0 and ends(tokens, k)):
             row = [y for y in tokens[start:k] if y.kind != "line"]
             if row:
                 yield row

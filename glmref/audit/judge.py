@@ -21,18 +21,22 @@ from ..prove.wrong_entry import (
     beside_weights,
     correction,
     digit,
+    embedded,
     empty_rows,
     enters_nothing,
     estimate,
     exchanged,
     mirrored,
     one_row_apart,
+    unordered,
     vector,
 )
 from ..system.budget import limited
 from .nearest_method import Library
 from .table import Table
 
+#: What a table is of which nothing is asked.
+_GOOD = ("right", "digits", "found")
 #: Seconds of processor time for one table.
 SECONDS = 120.0
 
@@ -96,6 +100,11 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     if library is not None:
         _alike(table, library, status, record, remarks)
     remarks += empty_rows(table)
+    remarks += _unseen(table, method)
+    if table.general and status in _GOOD and search:
+        said = unordered(method)
+        remarks += said
+        status = "question" if said else status
     status = _stage(method, status, record, remarks)
     status = _explained(table, method, status, record, remarks, search=search)
     if record["found"] == 0 and status not in ("unread", "wrong"):  # whatever a label means
@@ -238,9 +247,24 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
         if total > 1e-12 * method.scale:
             remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
             remarks += estimate(method, list(vector(error)))
-            if total > method.coarse and status in ("right", "digits", "found"):
+            if total > method.coarse and status in _GOOD:
                 status = "wrong"
     return status
+
+
+def _unseen(table: Table, method: Trial) -> list[str]:
+    """Return which rows of A nothing uses, so that no condition sees more of them than the sum."""
+    if not table.general or table.kind != "rk" or len(table.b[0]) < 3:
+        return []
+    others = [vector(x) for x in (*table.errors, *(row for _, row, _ in table.rows))]
+    found = []
+    for k, row in enumerate(method.A[0]):
+        used = any(len(x) <= k or complex(x[k]) != 0 for x in others)
+        alike = all(abs(complex(x - y)) <= method.coarse
+                    for x, y in zip(row, method.b[0], strict=True))  # fmt: skip
+        if not used and not alike and enters_nothing(method, k):
+            found.append(f"row {k + 1} of A enters nothing that is read: only its sum is checked")
+    return found
 
 
 def _alike(
@@ -332,10 +356,19 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
             status = "wrong"
         elif table.general and declared is None and order == 0:
             total = complex(sum(row, Exact(0))).real
-            remarks.append(f"the row {label} sums to {total:.9g}, neither to 1 nor to 0")
+            said = f"sums to {total:.9g}, not to 1"
+            if abs(total) <= coarse:
+                said = (
+                    "sums to 0: it may be that of an error estimate, in place of embedded weights"
+                )
+            remarks.append(f"the row {label} {said}")
             status = "question" if status in ("right", "digits") else status
         elif declared is not None and size > fine and size > 1e-12 * method.scale:
             remarks.append(f"the row {label} has order {declared} to {size:.1e}")
+        elif table.general and declared is None and order < least and status in _GOOD:
+            said = embedded(method, row, order, least)
+            remarks += said
+            status = "question" if said else status
         more = declared is None or order > declared  # than is said of this row
         least = max(found.to(coarse) + 1, table.order or 0 if found.to(coarse) == 0 else 0)
         if more and order >= least and table.order and found.to(coarse) < table.order:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 from math import isqrt
 from typing import Any
@@ -69,6 +70,12 @@ def _stem(x: Array) -> str:
     return x.name[: len(x.name) - len(_letter(x))].lower()
 
 
+@lru_cache(maxsize=16)
+def _says(word: re.Pattern[str], text: str) -> bool:
+    """Return whether a source has a word; it is asked for each of its blocks."""
+    return word.search(text) is not None
+
+
 def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     """Return the tables of a block that are of these kinds.
 
@@ -87,11 +94,11 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         found += rule(block, matrices, vectors)
     if not matrices:
         storage = _low_storage(vectors)
-        found += [x for x in storage if x.table.loose > 1 or _STORAGE.search(text)]
+        found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
         steps = [] if found else list(_splitting(vectors))
-        if steps and _SPLITTING.search(text):
+        if steps and _says(_SPLITTING, text):
             found += steps
-        if not found and (_SPLITTING.search(text) or _WEIGHTS.search(text)):
+        if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
             found += _compositions(block, vectors)
     if not found:
         found += _multistep(block, made)

@@ -8,6 +8,7 @@ strict; and what a name forbids, numbers do not allow. See :mod:`.collecting` fo
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,6 +25,7 @@ from .inline import inline_sums
 from .kinds import others
 from .lexer import Language, Remark
 from .readers import ORDINALS, by_name
+from .steps import EULER, steps_of
 from .table import ZERO, Rows, Table
 from .values import Number, Unread
 
@@ -261,6 +263,8 @@ def _all_readings(array: Array, vectors: list[Array]) -> Iterator[Reading]:
                 yield Reading([[*row[:i], values[i], *row[i + 1 :]] for i, row in rows],
                               cost=reading.cost)  # fmt: skip
         for n in weights:
+            if n == s - 1 and any(x.role == "c" and len(x.value) == s for x in vectors):
+                continue  # a stage without a weight, such as first same as last
             if 2 < n < s and all(size(y) == 0 for row in reading.A[:n] for y in row[n:]):
                 yield Reading([row[:n] for row in reading.A[:n]], cost=reading.cost + 1)
 
@@ -388,6 +392,8 @@ def tables(
                      and block.kind == "record" and lo <= x.line <= hi]  # fmt: skip
         found += _of_block(block, made, text, about=about, strong=strong)
         found += _euler(block, made)
+    if about:
+        found = _with_steps(found, everything, collector)
     found = _distinct(found)
     found.sort(key=lambda x: x.line)
     _called_with(found, collector.calls)
@@ -405,6 +411,33 @@ def tables(
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
+
+
+#: Source of a table that is read from the arithmetic of a step.
+STEP = "#step"
+
+
+def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -> list[Table]:
+    """Add the steps that functions make; what is computed says more than names do."""
+    lines = [x.line for x in collector.tokens]
+    for block in blocks:
+        if block.kind != "code" or block.name in CHOICES:
+            continue
+        inner = [x for x in block.blocks if x.kind == "code" and x.name not in CHOICES]
+        own = set(range(block.line, block.last + 1))
+        own = own.difference(n for x in inner for n in range(x.line, x.last + 1))
+        low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
+        given = [x for x in collector.tokens[low:high] if x.line in own]
+        made = list(steps_of(block, given, collector))
+        for table in made:
+            table.block, table.name = block, (block.own or block.name) if block.parent else "step"
+            table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
+        named = [x for x in found if x.line in own and (x.named or x.unread)]
+        same = {key_of(x.b) for x in named if not x.unread}
+        made = [x for x in made if key_of(x.b) not in same and not (x.guessed and same)]
+        if made:  # what names say is something else
+            found = [x for x in found if all(x is not y for y in named)] + made
+    return found
 
 
 def _of_arithmetic(
@@ -460,13 +493,9 @@ def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> N
             table.order = used.pop()
 
 
-_EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
-                    re.IGNORECASE)  # fmt: skip
-
-
 def _euler(block: Block, made: list[Array]) -> Iterator[Table]:
     """Yield the method of Euler where its name and the weight 1 are all that is written."""
-    name = next((x for x in reversed(block.path()) if _EULER.search(x)), "")
+    name = next((x for x in reversed(block.path()) if EULER.search(x)), "")
     if name and not any(x.role == "A" for x in made):
         for x in made:
             if x.role == "b" and [size(y) for y in x.value] == [1.0]:
@@ -885,6 +914,10 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
     )
 
 
+#: Names that weights of an error estimate do not have.
+_EMBEDDED = re.compile(r"b_?(?:hat|star|emb\w*|low\w*)", re.IGNORECASE)
+
+
 def _further(table: Table, x: Candidate, near: list[Array]) -> None:
     """Add embedded rows and the weights of error estimates."""
     s = len(x.weights)
@@ -910,9 +943,9 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
             named = role_of(y.name)[1] == "embedded"
-            if abs(total) < LOOSE:
+            if abs(total) < LOOSE and not _EMBEDDED.fullmatch(y.name):
                 table.errors.append(row)
-            elif _near(total, 1) or (named and abs(total - 1) < 0.5):
+            elif _near(total, 1) or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE)):
                 table.rows.append((y.name, row, lower))
 
 

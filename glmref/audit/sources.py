@@ -18,7 +18,7 @@ from .judge import judge
 from .lexer import ENDINGS, FIXED, language_of
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
-from .recognising import key_of, may_hold, tables
+from .recognising import STEP, key_of, may_hold, tables
 from .table import Table
 from .values import Unread
 
@@ -265,9 +265,11 @@ def _read(
         if not (x.unread and any(x.line <= n < end for n in read_at)):
             yield x
     known = {key_of(A) for x in special for A in x.A}
+    weights = {key_of(x.b) for x in special if not x.unread}
     names = {x.name.lower() for x in special if not x.unread}
     for x in found:
         again = ({key_of(A) for A in x.A} | {x.key}) & known
+        again = again or (x.source == STEP and key_of(x.b) in weights)
         if (
             not again
             and x.name.rpartition(".")[0].lower() not in names

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations
 from typing import Any, Protocol
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER
@@ -441,6 +442,57 @@ def enters_nothing(method: Trial, k: int) -> bool:
     """Return whether a stage has no weight and no other stage needs it, as the last one of FSAL."""
     column = [row[k] for i, row in enumerate(method.A[0]) if i != k]
     return method.kind == "rk" and all(complex(x) == 0 for x in (method.b[0][k], *column))
+
+
+def unordered(method: Trial) -> list[str]:
+    """Return whether the last row of A, a stage of the next step, has the weights in another order.
+
+    No condition sees such a row: the stage has no weight (first same as last).
+    """
+    k = len(method.b[0]) - 1
+    if method.kind != "rk" or k < 2 or not enters_nothing(method, k):
+        return []
+    row, b = ([complex(x).real for x in y[:k]] for y in (method.A[0][k], method.b[0]))
+
+    def near(x: Sequence[float], y: Sequence[float]) -> bool:
+        return all(abs(p - q) <= method.coarse for p, q in zip(x, y, strict=True))
+
+    if near(row, b) or not near(sorted(row), sorted(b)):
+        return []
+    return [f"row {k + 1} of A holds the weights b in another order, and enters nothing else"]
+
+
+def embedded(method: Trial, row: Sequence[Scalar], order: int, least: int) -> list[str]:
+    """Return what gives an embedded row a higher order: two weights exchanged, or an entry of A.
+
+    Nothing declares its order; only where one change gives the next order below that of b, it is
+    asked about.
+    """
+
+    def reached(weights: Sequence[Scalar]) -> bool:
+        got = reach(method.scheme([list(weights)] * len(method.b)), least, stop=0.5 * method.scale)
+        return len(got.sizes) >= least and got.size(least) <= method.coarse
+
+    if method.kind != "rk" or least > 8 or len(row) > 16 or order < 1:
+        return []
+    said = f"the embedded row has order {order}, and order {least}"
+    for i, j in combinations(range(len(row)), 2):
+        other = list(row)
+        other[i], other[j] = row[j], row[i]
+        if complex(row[i]) != complex(row[j]) and reached(other):
+            return [f"{said} with its entries {i + 1} and {j + 1} exchanged"]
+    for k, stage in enumerate(method.A[0]):
+        if not enters_nothing(method, k):
+            continue  # b has its order with the others
+        for i, j in combinations(range(len(stage)), 2):
+            if complex(stage[i]) == complex(stage[j]):
+                continue
+            stage[i], stage[j] = stage[j], stage[i]
+            good = reached(row)
+            stage[i], stage[j] = stage[j], stage[i]
+            if good:
+                return [f"{said} with a[{k + 1}][{i + 1}] and a[{k + 1}][{j + 1}] exchanged"]
+    return []
 
 
 def one_row_apart(method: Trial) -> bool:

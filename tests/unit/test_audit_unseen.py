@@ -99,3 +99,95 @@ def test_a_defect_is_found_and_its_right_twin_is_not_accused(case: Case, tmp_pat
     accused = [x for x in found if x["status"] in ("wrong", "question")]
     assert accused, found
     assert case.said in str(accused), accused
+
+
+#: The classical method as steps: its text, and what is changed in the third stage or the weights.
+STEPS = {
+    "r.c": (
+        ("/* Runge-Kutta, 4th order */\n"
+        "void rk4(double t, double h, double *y, int n) {\n  f(t, y, k1);\n"
+        "  for (int i = 0; i < n; i++) tmp[i] = y[i] + 0.5*h*k1[i];\n  f(t + 0.5*h, tmp, k2);\n"
+        "  for (int i = 0; i < n; i++) tmp[i] = y[i] + 0.5*h*k2[i];\n  f(t + 0.5*h, tmp, k3);\n"
+        "  for (int i = 0; i < n; i++) tmp[i] = y[i] + h*k3[i];\n  f(t + h, tmp, k4);\n"
+        "  for (int i = 0; i < n; i++) y[i] += h*(k1[i] + 2.*k2[i] + 2.*k3[i] + k4[i])/6.;\n}\n"),
+        ("0.5*h*k2", "0.25*h*k2"), ("2.*k3", "3.*k3"),
+    ),
+    "r.jl": (
+        ("# Runge-Kutta of order 4\nfunction rk4(f, y, t, h)\n    k1 = h * f(t, y)\n"
+        "    k2 = h * f(t + 0.5h, y + 0.5k1)\n    k3 = h * f(t + 0.5h, y + 0.5k2)\n"
+        "    k4 = h * f(t + h, y + k3)\n"
+        "    return y .+ (k1 .+ 2 .* k2 .+ 2 .* k3 .+ k4) ./ 6\nend\n"),
+        ("0.5k2", "0.2k2"), ("2 .* k3", "3 .* k3"),
+    ),
+    "r.py": (
+        ("# Runge-Kutta of order 4\nt, h = 0.0, 0.1\ny = np.array([1.0, 0.0])\nwhile t < 1:\n"
+        "    k1 = f(t, y)\n    k2 = f(t + h/2, y + h*k1/2)\n    k3 = f(t + h/2, y + h*k2/2)\n"
+        "    k4 = f(t + h, y + h*k3)\n    y = y + h*(k1 + 2*k2 + 2*k3 + k4)/6\n    t = t + h\n"),
+        ("h*k2/2", "h*k2/3"), ("2*k3", "3*k3"),
+    ),
+    "r.cpp": (
+        ("// Runge-Kutta of order 4, the slope at the start given\n"
+        "void rk4(Vec &y, Vec &dydx, double x, double h, Vec &yout) {\n"
+        "  double hh = h*0.5; double h6 = h/6.0; double xh = x+hh;\n"
+        "  for (int i=0;i<n;i++) yt[i]=y[i]+hh*dydx[i];\n  derivs(xh,yt,dyt);\n"
+        "  for (int i=0;i<n;i++) yt[i]=y[i]+hh*dyt[i];\n  derivs(xh,yt,dym);\n"
+        "  for (int i=0;i<n;i++) { yt[i]=y[i]+h*dym[i]; dym[i] += dyt[i]; }\n"
+        "  derivs(x+h,yt,dyt);\n"
+        "  for (int i=0;i<n;i++) yout[i]=y[i]+h6*(dydx[i]+dyt[i]+2.0*dym[i]);\n}\n"),
+        ("yt[i]=y[i]+hh*dyt[i]", "yt[i]=y[i]+h*dyt[i]"), ("dydx[i]+dyt", "2.0*dydx[i]+dyt"),
+    ),
+    "R.java": (
+        ("// Runge-Kutta\nclass RK4 { int order = 4;\n"
+        "  double step(double t, double y, double h) {\n    double k1 = f(t, y);\n"
+        "    double k2 = f(t + h / 2, y + h * k1 / 2);\n"
+        "    double k3 = f(t + h / 2, y + h * k2 / 2);\n    double k4 = f(t + h, y + h * k3);\n"
+        "    return y + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6;\n  }\n}\n"),
+        ("h * k2 / 2", "h * k2 / 3"), ("2 * k3", "3 * k3"),
+    ),
+    "r.rs": (
+        ("// Runge-Kutta 4\nfn rk4(f: &dyn Fn(f64, f64) -> f64, t: f64, y: f64, h: f64) -> f64 {\n"
+        "    let k1 = f(t, y);\n    let k2 = f(t + h / 2.0, y + h * k1 / 2.0);\n"
+        "    let k3 = f(t + h / 2.0, y + h * k2 / 2.0);\n    let k4 = f(t + h, y + h * k3);\n"
+        "    y + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0\n}\n"),
+        ("h * k2 / 2.0", "h * k2 / 3.0"), ("2.0 * k3", "3.0 * k3"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [
+    pytest.param(x, marks=[] if x in ("r.py", "r.c") else [pytest.mark.slow]) for x in STEPS
+])  # fmt: skip
+def test_a_step_in_its_arithmetic_is_read(name: str, tmp_path: Path) -> None:
+    """A wrong factor in a stage or in the weights is asked for, with the line; the twin is right."""
+    text, *changes = STEPS[name]
+    for k, (right, wrong) in enumerate((("", ""), *changes)):
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        changed = text.replace(right, wrong, 1) if right else text
+        assert right == "" or changed != text
+        (folder / name).write_text(changed, "utf-8")
+        (record,) = audit(folder, compare=False)
+        assert record["status"] == ("question" if k else "right"), record
+        assert record["declared"] == 4
+        if k and name != "r.cpp":
+            (entry,) = record["correction"]
+            lines = [n for n, x in enumerate(changed.splitlines(), 1) if wrong in x]
+            assert entry["entry"] == ("a[3][2]", "b[3]")[k - 1] and entry["line"] in lines
+
+
+def test_two_steps_of_gradient_descent_are_no_method(tmp_path: Path) -> None:
+    (tmp_path / "g.py").write_text(
+        "# Runge-Kutta is not used here\ndef descend(x, rate):\n    for k in range(9):\n"
+        "        x = x - rate * gradient(x)\n    return x - rate * gradient(x)\n", "utf-8"
+    )  # fmt: skip
+    assert all(x["status"] == "unread" for x in audit(tmp_path, compare=False))
+
+
+def test_a_step_with_a_branch_is_not_read(tmp_path: Path) -> None:
+    """Which of two arguments the stage has is not known, so that no order is said."""
+    (tmp_path / "b.py").write_text(
+        "# Runge-Kutta\ndef step(f, t, y, h, heun):\n    k1 = f(t, y)\n    if heun:\n"
+        "        z = y + h*k1\n    else:\n        z = y + h*k1/2\n    k2 = f(t + h, z)\n"
+        "    return y + h*(k1 + k2)/2\n", "utf-8"
+    )  # fmt: skip
+    assert [x["status"] for x in audit(tmp_path, compare=False)] == ["unread"]

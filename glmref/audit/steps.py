@@ -1,0 +1,597 @@
+"""Explicit steps whose numbers stand in their arithmetic, read as the linear forms they compute.
+
+A function that calls another one several times, ``k2 = f(t + h/2, y + h*k1/2)`` or
+``f(tmp, k2, t + h/2)``, makes stages: the form of the argument in the state, the step and the
+slopes before it is a row of A, and what is left in the state at the end holds the weights. Nothing
+is run; a function of which one statement that matters is not folded gives no table.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..errors import GlmrefError
+from ..exact import Exact
+from .collecting import Block, Collector, _equal, _partner, _parts
+from .folding import Folder, plain
+from .inline import ends
+from .lexer import Language, Token
+from .table import ZERO, Table
+from .values import Number, Unread
+
+_ONE, _ZERO = Exact(1), Exact(0)
+#: How far from 1 the sum of the weights of a further row may be.
+_SUM = 0.1
+#: Calls that are no right-hand side.
+_OTHER = re.compile(
+    r"(?:.*\.)?(?:\w*sqrt|a?(?:sin|cos|tan)h?|exp|log\w*|f?abs|\w*max|\w*min|pow|print\w*|range|len|"
+    r"size|zeros\w*|ones\w*|array|append|push\w*|\w*alloc|mem\w+|copy\w*|if|for|while|switch|"
+    r"return|function|subroutine|def|sizeof|static_cast|assert\w*|norm\w*|dot|sum|all|any|int|float|"
+    r"double|real|dble|abs|mod|floor|ceil|enumerate|zip|isinstance|super|str|format|begin|end|at|"
+    r"and|or|not|similar|write|is\w*|tuple|list|fill|axpy)",
+    re.IGNORECASE,
+)
+#: Names of a step, a time and a state, whatever number they begin with.
+_LOOSE = re.compile(
+    r"h|hh|dt|step|step_?size|delta_?t|deltat|tau|t|t0|time|[xyu](?:0|n|_n|_?old|in)?|state|[xyu]i",
+    re.IGNORECASE,
+)
+EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
+                   re.IGNORECASE)  # fmt: skip
+_ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
+_BRANCHES = frozenset("else elif elseif elsif case switch match".split())
+_LOOPS = frozenset(("for", "do", "DO"))
+
+
+class Form:
+    """A sum of products of names with exact coefficients, as the value of a number."""
+
+    def __init__(self, terms: dict[tuple[str, ...], Exact]) -> None:
+        self.terms = {k: v for k, v in terms.items() if v != 0}
+
+    @staticmethod
+    def of(x: Any) -> Form:
+        """Return a form, or an exact number as one."""
+        return x if isinstance(x, Form) else Form({(): x})
+
+    def __add__(self, other: Any) -> Form:
+        total = dict(self.terms)
+        for k, v in Form.of(other).terms.items():
+            total[k] = total.get(k, _ZERO) + v
+        return Form(total)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Form:
+        return Form({k: -v for k, v in self.terms.items()})
+
+    def __sub__(self, other: Any) -> Form:
+        return self + -Form.of(other)
+
+    def __rsub__(self, other: Any) -> Form:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Form:
+        total: dict[tuple[str, ...], Exact] = {}
+        for j, a in self.terms.items():
+            for k, b in Form.of(other).terms.items():
+                key = tuple(sorted(j + k))
+                if len(key) > 3:
+                    raise Unread("a product of many names is not read")
+                total[key] = total.get(key, _ZERO) + a * b
+        return Form(total)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Form:
+        x = Form.of(other)
+        if not x.terms:
+            raise Unread("a quotient has the divisor 0")
+        if set(x.terms) != {()}:
+            raise Unread("a quotient by a name is not read")
+        return Form({k: v / x.terms[()] for k, v in self.terms.items()})
+
+    def __rtruediv__(self, other: Any) -> Form:
+        return Form.of(other) / self
+
+    def as_fraction(self) -> None:
+        """Return nothing: no form is a number."""
+
+    def sqrt(self) -> Exact:
+        """Raise: a root of names is not read."""
+        raise Unread("a root of a name is not read")
+
+    __pow__ = root = sqrt
+
+
+def _atom(name: str) -> Number:
+    return Number(Form({(name,): _ONE}))  # type: ignore[arg-type]
+
+
+def _sum(x: Number, other: Form) -> Number:
+    return Number(other + x.value, x.places, x.size)  # type: ignore[arg-type]
+
+
+def _form(x: Any) -> Form:
+    if not isinstance(x, Number):
+        raise x if isinstance(x, Unread) else Unread("a number is expected")
+    return Form.of(x.value)
+
+
+# --- tokens ---------------------------------------------------------------------------------------
+
+
+def _loops(row: Sequence[Token]) -> set[str]:
+    """Return the names that loops count with."""
+    found: set[str] = set()
+    for k, x in enumerate(row):
+        if x.text in _LOOPS:
+            for y, z in zip(row[k + 1 : k + 7], row[k + 2 : k + 8], strict=False):
+                if y.kind == "name" and z.text in ("=", "in", "∈", ",", ":="):
+                    found.add(y.text)
+                if y.text in ("in", "∈", ";"):
+                    break
+    return found
+
+
+def _flat(given: Sequence[Token], language: Language) -> list[Token]:
+    """Return tokens in which ``k[0][i]`` is the name ``k[0]``, and ``f.(`` is ``f(``."""
+    row = [x._replace(text=".") if x.text == "%" and language.name == "fortran" else x
+           for x in given if x.text != "self" or language.name != "rust"]  # fmt: skip
+    counts = _loops(row)
+    found: list[Token] = []
+    k = 0
+    while k < len(row):
+        x = row[k]
+        nxt = row[k + 1].text if k + 1 < len(row) else ""
+        if x.text == "." and nxt in ("=", "+=", "-=", "("):
+            k += 1
+            continue
+        if x.text == "(" and [y.text for y in row[k + 1 : k + 2]] == ["*"] and [
+            y.text for y in row[k + 3 : k + 5]] == [")", "("]:  # fmt: skip
+            found.append(row[k + 2])  # (*f)(
+            k += 4
+            continue
+        found.append(x)
+        k += 1
+        opens = ("[", "(") if language.calls_index else ("[",)
+        while x.kind == "name" and k < len(row) and row[k].text in opens:
+            end = _partner(row, k)
+            inside = row[k + 1 : end]
+            index = [
+                y.text for y in inside if y.text not in counts | {",", ":", ".", "end", "-", "+"}
+            ]
+            if not inside or any(not y.isdigit() for y in index):
+                break
+            if row[k].text == "(" and not any(y.text == ":" or y.text in counts for y in inside):
+                break  # a call
+            if index:
+                found[-1] = found[-1]._replace(text=f"{found[-1].text}[{','.join(index)}]")
+            k = end + 1
+    return found
+
+
+def _statements(row: Sequence[Token], language: Language) -> Iterator[list[Token]]:
+    by_line = not language.braces or language.name in ("go", "javascript")
+    start, depth = 0, 0
+    for k, x in enumerate(row):
+        if x.kind == "mark":
+            depth += (x.text in ("(", "[")) - (x.text in (")", "]"))
+        line = x.kind == "line" and by_line and depth <= 0 and ends(row, k)
+        if (depth <= 0 and x.text in (";", "{", "}")) or line:
+            said = [y for y in row[start:k] if y.kind != "line"]
+            if said:
+                yield said
+            start, depth = k + 1, 0
+    said = [y for y in row[start:] if y.kind != "line"]
+    if said:
+        yield said
+
+
+def _headless(row: list[Token]) -> list[Token]:
+    """Return a statement without ``for (..)``, ``if (..)`` and ``call`` before it."""
+    while row:
+        word = row[0].text.lower()
+        if word in ("for", "if", "while") and len(row) > 1 and row[1].text == "(":
+            row = row[_partner(row, 1) + 1 :]
+        elif word in ("for", "if", "while", "do", "elif", "with", "def", "function", "subroutine"):
+            return []
+        elif word in ("call", "@", "await", "mut", "let", "const", "auto", "var"):
+            row = row[1:]
+        else:
+            return row
+    return row
+
+
+@dataclass
+class _Call:
+    """A call: the index of its name, its arguments, and whether its value is used."""
+
+    name: str
+    at: int
+    arguments: list[list[Token]]
+    valued: bool
+
+
+def _calls(row: Sequence[Token]) -> Iterator[_Call]:
+    for k in range(len(row) - 1):
+        if row[k].kind != "name" or row[k + 1].text != "(":
+            continue
+        name, first = row[k].text, k
+        while (
+            first >= 2
+            and row[first - 1].text in (".", "->", "::")
+            and row[first - 2].kind == "name"
+        ):
+            first -= 2
+            name = f"{row[first].text}.{name}"
+        if _OTHER.fullmatch(name):
+            continue
+        before = row[first - 1] if first else None
+        plain_call = before is None or before.kind == "line" or before.text in (";", "{", "}", ")",
+                                                                               "call")  # fmt: skip
+        if before is not None and before.kind == "name" and before.text not in ("call", "return"):
+            continue  # a declaration
+        yield _Call(name, k, _parts(row[k + 2 : _partner(row, k + 1)]), not plain_call)
+
+
+def _lone(part: Sequence[Token]) -> str:
+    """Return the name that an argument is, or ``""``."""
+    names = [x.text for x in part if x.text not in ("&", "*", "mut", ".", "->")]
+    return names[-1] if part and all(
+        x.kind == "name" or x.text in ("&", "*", ".", "->") for x in part) else ""  # fmt: skip
+
+
+# --- a step ---------------------------------------------------------------------------------------
+
+
+class _Folding(Folder):
+    """A folder in which one name is the right-hand side."""
+
+    step: _Step
+
+    def _known(self, name: str) -> bool:
+        return name in self.step.values
+
+    def _call(self, name: str, t: Token) -> Any:
+        if self.step.is_slope(name, self):
+            return self.step.stage(self._arguments()[0])
+        return super()._call(name, t)
+
+
+@dataclass
+class _Step:
+    """A function carried out with one callee as the right-hand side."""
+
+    block: Block
+    collector: Collector
+    callee: str
+    count: int  #: Number of the arguments of a call.
+    output: int  #: Place of the argument that takes the slope, -1 where the call returns it.
+    again: set[str]  #: Names that are assigned to twice.
+    values: dict[str, Any] = field(default_factory=dict)
+    order: list[str] = field(default_factory=list)  #: Names in the order of their assignments.
+    places: list[list[Number | None]] = field(default_factory=list)
+    used: set[int] = field(default_factory=set)  #: What has been the argument of a stage.
+    returned: Any = None
+    out: set[str] = field(default_factory=set)
+
+    def look(self, name: str) -> Any:
+        """Return what a name holds; a name that holds nothing stands for itself."""
+        for word in ("self.", "this.", "me."):
+            name = name.removeprefix(word)
+        if name in self.values:
+            x = self.values[name]
+            if isinstance(x, Unread):
+                raise x
+            return x
+        if not _LOOSE.fullmatch(name.rpartition(".")[2]) and name not in self.again:
+            try:
+                x = Collector._look(self.block)(name.partition("[")[0])
+                for k in re.findall(r"\d+", name.partition("[")[2]):
+                    x = x[int(k) - self.collector.language.base]
+                if isinstance(x, Number):
+                    return plain(x)
+            except (Unread, IndexError, TypeError):
+                pass
+        return _atom(name)
+
+    def is_slope(self, name: str, folder: Folder) -> bool:
+        """Return whether a call gives a slope: of the callee, or of one that is called alike."""
+        if name == self.callee:
+            return True
+        if self.output < 0 or _OTHER.fullmatch(name):
+            return False
+        end = _partner(folder.tokens, folder.at)
+        parts = _parts(list(folder.tokens[folder.at + 1 : end]))
+        if len(parts) != self.count:
+            return False
+        given = _lone(parts[self.output])
+        return given in self.out and given not in self.values
+
+    def stage(self, given: Sequence[tuple[str, Any]]) -> Number:
+        """Note a stage and return its slope."""
+        places: list[Number | None] = []
+        for k, (label, x) in enumerate(given):
+            if k != self.output:
+                held = self.values.get(label)
+                if isinstance(x, Number) and isinstance(held, Number) and held.place:
+                    x.place = held.place
+                self.used.add(id(x.value) if isinstance(x, Number) else 0)
+                places.append(x if isinstance(x, Number) else None)
+        self.places.append(places)
+        slope = _atom(f"#{len(self.places)}")
+        if self.output >= 0:
+            name = given[self.output][0]
+            self.values[name] = slope
+        return slope
+
+    def fold(self, row: Sequence[Token]) -> Any:
+        """Return the value of an expression."""
+        folder = _Folding(row, self.collector.language, self.look)
+        folder.step = self
+        x = folder.expression()
+        rest = folder.peek()
+        if rest is not None and rest.text not in (",", ":"):
+            raise Unread(f"{rest.text!r} is not read here", rest.line)
+        if isinstance(x, list) and x and all(isinstance(y, Number) for y in x[:1]):
+            return x[0] if len(x) == 1 else x
+        return x
+
+    def take(self, row: list[Token]) -> None:
+        """Carry out a statement."""
+        if row[0].text.lower() == "associate":
+            for part in _parts(row[2 : _partner(row, 1)]):
+                if len(part) > 2 and part[1].text == "=>" and part[0].text not in self.out:
+                    self._set(part[0].text, part[2:], "=")
+            return
+        row = _headless(row)
+        if not row:
+            return
+        if row[0].text == "return":
+            self._end(row[1:] or row)
+            return
+        equal = _equal(row)
+        if equal is None:
+            self._end(row)
+            return
+        left = row[:equal]
+        mark = next((k for k, x in enumerate(left) if x.text in ("::", ":")), None)
+        if mark is not None and left[mark].text == ":":
+            left = left[:mark]
+        elif mark is not None and self.collector.language.name == "fortran":
+            left = left[mark + 1 :]
+        if not left or left[-1].kind != "name":
+            return
+        first = len(left) - 1
+        while first >= 2 and left[first - 1].text in (".", "->") and left[first - 2].kind == "name":
+            first -= 2
+        owner = [x.text for x in left[first:-1:2] if x.text not in ("self", "this", "me")]
+        self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
+
+    def _end(self, row: Sequence[Token]) -> None:
+        """Note what is returned: by that word, or by an expression at the end."""
+        try:
+            x = self.fold(row)
+        except Unread as error:
+            x = error
+        if isinstance(x, Number) and _slopes(x):
+            x.place = (row[0].line, " ".join(y.text for y in row)[:80])
+        if isinstance(x, list) or (_slopes(x) and len(_form(x).terms) > 1):
+            self.returned = x
+
+    def _set(self, name: str, row: Sequence[Token], sign: str) -> None:
+        try:
+            x = self.fold(row)
+            if isinstance(x, list) or not isinstance(x, Number):
+                raise Unread(f"what {name} is set to is not read")
+            if sign in ("+=", "-="):
+                old = self.look(name)
+                value = old.value + x.value if sign == "+=" else old.value - x.value
+                x = old.of(value, x)
+            elif sign not in ("=", ":="):
+                raise Unread(f"the operator {sign} is not read")
+            constant = not isinstance(x.value, Form) or not set(x.value.terms) - {()}
+            if constant and (name in self.again or _LOOSE.fullmatch(name)):
+                x = _atom(name)
+            x.place = (row[0].line, " ".join(y.text for y in row)[:80])
+        except Unread as error:
+            begins = not self.places and (name in self.again or _LOOSE.fullmatch(name))
+            x = _atom(name) if begins else error
+        self.values[name] = x
+        if name in self.order:
+            self.order.remove(name)
+        self.order.append(name)
+
+    # --- what it is ---------------------------------------------------------------------------
+
+    def finished(self) -> Table | None:
+        """Return the table, or ``None`` where it is no step that is understood."""
+        width = min(map(len, self.places), default=0)
+        at = [k for k in range(width) if any(_slopes(x[k]) for x in self.places)]
+        if not at and len(self.places) == 1:  # of one stage
+            values = [_form(x).terms for x in self.values.values() if isinstance(x, Number)]
+            at = [k for k in range(width) if any(
+                (_name_of(self.places[0][k]),) in x and len(x) > 1 for x in values)]  # fmt: skip
+        forms = [x[at[0]] for x in self.places] if len(at) == 1 else [None]
+        read = [x for x in forms if x is not None]
+        if len(read) < len(forms):
+            return None
+        given = self._first_slope(read)
+        terms = [key for x in read for key in _form(x).terms]
+        states = {key[0] for key in terms if len(key) == 1 and not key[0].startswith("#")}
+        if len(states) != 1:
+            return None
+        (state,) = states
+        if given:
+            read.insert(0, _atom(state))
+        names = [*([given] if given else []), *(f"#{k + 1}" for k in range(len(self.places)))]
+        step = self._step_of(read, set(names))
+        A = [_row(x, state, step, names) for x in read] if step is not None else [None]
+        rows = [x for x in A if x is not None]
+        found = self._weights(state, step or (), names) if len(rows) == len(A) else None
+        if found is None:
+            return None
+        b, more, errors, guessed = found
+        table = Table("", 0, A=[rows], b=[b], rows=more, errors=errors, general=True)
+        table.guessed, table.sure = guessed, False
+        table.c = [self._times(at[0], step or (), bool(given))]
+        _drop(table)
+        return table
+
+    @staticmethod
+    def _first_slope(places: Sequence[Number]) -> str:
+        """Return the name of a slope at the start that no call gives, as ``dydx`` of a function."""
+        products = [key for x in places for key in _form(x).terms if len(key) > 1]
+        steps = {y for key in products if any(z.startswith("#") for z in key) for y in key}
+        others = {y for key in products for y in key if y not in steps and not y.startswith("#")}
+        return others.pop() if len(others) == 1 and steps else ""
+
+    def _step_of(self, places: Sequence[Number], slopes: set[str]) -> tuple[str, ...] | None:
+        """Return the names by which all slopes are multiplied."""
+        values = [*places, *(self.values[x] for x in self.order[-1:] if len(places) == 1)]
+        found = {tuple(y for y in key if y not in slopes) for x in values for key in _form(x).terms
+                 if set(key) & slopes}  # fmt: skip
+        return found.pop() if len(found) == 1 else None
+
+    def _weights(self, state: str, step: tuple[str, ...], names: list[str]) -> Any:
+        """Return b, further rows, error weights, and whether b is a guess; or ``None``."""
+        done: list[tuple[str, Number, list[Number]]] = []
+        errors: list[list[Number]] = []
+        unit = Form({(state,): _ONE})
+        for name in self.order:
+            x = self.values.get(name)
+            if not isinstance(x, Number) or not isinstance(x.value, Form):
+                continue
+            row = _row(x, state, step, names)
+            if row is not None and any(y.value != 0 for y in row):
+                done.append((name, x, row))
+                continue
+            row = _row(_sum(x, unit), state, step, names)
+            if row is not None and sum(y.value != 0 for y in row) > 1:
+                total = abs(complex(sum((y.value for y in row), _ZERO)))
+                errors += [row] if total < 0.5 else []
+        free = [x for x in done if id(x[1].value) not in self.used]
+        full = [x for x in free if abs(complex(sum((y.value for y in x[2]), _ZERO)) - 1) < _SUM]
+        values = self.returned if isinstance(self.returned, list) else [self.returned]
+        for x in values:
+            if isinstance(x, Number) and _slopes(x):
+                rows = [_row(x, state, step, names)]
+                rows += [_row(_sum(x, unit), state, k, names) for k in (step, ())]
+                row = next((y for y in rows if y is not None), None)
+                if row is None:
+                    return None
+                return row, [(n, r, None) for n, y, r in full if r != row and y is not x], errors, 0
+        own = [x for x in done if x[0] == state]
+        last = (own or free or done)[-1:]
+        if not last:
+            return None
+        rest = [(n, r, None) for n, _, r in full if n != last[0][0]]
+        return last[0][2], rest, errors, bool(rest) and not own
+
+    def _times(self, at: int, step: tuple[str, ...], given: bool) -> list[Number] | None:
+        """Return the nodes, where an argument of all stages is a time and a part of the step."""
+        for k in range(len(self.places[0])):
+            column = [x[k] if k < len(x) else None for x in self.places]
+            read = [x for x in column if x is not None]
+            if k == at or not step or len(read) < len(column):
+                continue
+            terms = [_form(x).terms for x in read]
+            names = {key for x in terms for key in x if key not in (step, ())}
+            if len(names) > 1 or not all(len(x) == 1 for x in names):
+                continue
+            if any(step in x for x in terms):
+                rows = [x.of(y.get(step, _ZERO)) for x, y in zip(read, terms, strict=True)]
+                return [ZERO, *rows] if given else rows
+        return None
+
+
+def _slopes(x: Any) -> bool:
+    return isinstance(x, Number) and any(y.startswith("#") for key in _form(x).terms for y in key)
+
+
+def _name_of(x: Number | None) -> str:
+    """Return the name that a value is, or ``""``."""
+    terms = _form(x).terms if x is not None else {}
+    ((key, v),) = terms.items() if len(terms) == 1 else (((), 0),)
+    return key[0] if len(key) == 1 and v == 1 else ""
+
+
+def _row(x: Number, state: str, step: tuple[str, ...], names: list[str]) -> list[Number] | None:
+    """Return the coefficients of the slopes in a value that holds the state once."""
+    terms = _form(x).terms
+    row = [ZERO] * len(names)
+    once = terms.get((state,))
+    if once is None or abs(complex(once) - 1) > 1e-9:
+        return None
+    for key, v in terms.items():
+        if key == (state,):
+            continue
+        rest = [y for y in key if y in names]
+        if len(rest) != 1 or tuple(y for y in key if y not in names) != step:
+            return None
+        row[names.index(rest[0])] = number = x.of(v)
+        number.place = x.place
+    return row
+
+
+def _drop(table: Table) -> None:
+    """Leave out stages that nothing uses."""
+    A, b, c = table.A[0], table.b[0], table.c[0]
+    rows = [*A, b, *table.errors, *(r for _, r, _ in table.rows)]
+    keep = [j for j in range(len(b)) if any(r[j].value != 0 for r in rows)] or [0]
+    table.A = [[[A[i][j] for j in keep] for i in keep]]
+    table.b = [[b[j] for j in keep]]
+    table.c = [[c[j] for j in keep] if c is not None else None]
+    table.errors = [[r[j] for j in keep] for r in table.errors]
+    table.rows = [(n, [r[j] for j in keep], p) for n, r, p in table.rows]
+
+
+def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Iterator[Table]:
+    """Yield the steps that a function makes, one for each right-hand side that it calls."""
+    language = collector.language
+    row = _flat(tokens, language)
+    calls = list(_calls(row))
+    groups: dict[tuple[str, int], list[_Call]] = {}
+    for x in calls:
+        groups.setdefault((x.name, len(x.arguments)), []).append(x)
+    wanted = [x for x in groups.items() if 1 <= x[0][1] <= 8 and len(x[1]) > 1]
+    if EULER.search(block.name):
+        wanted += [x for x in groups.items() if x[0][1] < 5 and len(x[1]) == 1]
+    if not wanted:
+        return
+    said = list(_statements(row, language))
+    targets = Counter(s[e - 1].text for s in said if (e := _equal(s)) and s[e].text in ("=", ":="))
+    rights = Counter(y.text for s in said for y in s[(_equal(s) or -1) + 1 :] if y.kind == "name")
+    for (name, count), made in sorted(wanted, key=lambda x: -len(x[1]))[:4]:
+        output = -1
+        if not all(x.valued for x in made):
+            places = []
+            for k in range(count):
+                outs = [_lone(x.arguments[k]) for x in made]
+                used = sum(rights[y] > outs.count(y) for y in outs)  # the last may be for later
+                if used and used >= len(outs) - 1 and all(y and not targets[y] for y in outs):
+                    places.append((len(set(outs)), k))
+            if not places:
+                continue
+            output = max(places)[1]
+        first, last = made[0].at, made[-1].at
+        if any(x.text in _BRANCHES for x in row[first:last]):
+            continue
+        step = _Step(block, collector, name, count, output,
+                     {x for x, n in targets.items() if n > 1})  # fmt: skip
+        step.out = {_lone(x.arguments[output]) for x in calls
+                    if output >= 0 and len(x.arguments) == count}  # fmt: skip
+        for statement in said:
+            try:
+                step.take(statement)
+            except (GlmrefError, Unread, *_ACCIDENTS):
+                break
+        found = step.finished()
+        if found is not None:
+            found.line, found.last = row[first].line, row[last].line
+            yield found
