@@ -467,7 +467,7 @@ class Folder:
             ):
                 found = found[0]  # {{{..}, {..}}}
             return bounded(found)
-        if all(re.fullmatch(r"\d+(?:,\d+)*", x) for x in record.fields):
+        if _is_numbered(record.fields):
             return _numbered(record.fields)
         record.values = [("", x) for x in found]
         return record
@@ -844,6 +844,17 @@ class Folder:
 
 
 _NOT_KNOWN = object()
+
+
+def _is_numbered(fields: Mapping[str, Any]) -> bool:
+    """Return whether keys are places of entries, or of rows that follow one another and grow."""
+    if not all(re.fullmatch(r"\d+(?:,\d+)*", x) for x in fields):
+        return False
+    if not any(isinstance(x, list) for x in fields.values()):
+        return True
+    sizes = [len(x) if isinstance(x, list) else 1 for x in fields.values()]
+    rows = range(sizes[0], sizes[0] + len(sizes))
+    return sizes == list(rows) or (len(set(sizes)) == 1 and sizes[0] == len(sizes))
 
 
 def _numbered(fields: Mapping[str, Any]) -> Entries:

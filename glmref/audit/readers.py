@@ -727,7 +727,7 @@ def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
     words = _keywords(call)
     title = re.sub(r"^\w+\[['\"](.*)['\"]\]$", r"\1", name)
     if "alpha" in words:
-        A, b = _shu_osher(_need(run.value(words["alpha"])), _need(run.value(words["beta"])))
+        A, b = of_shu_osher(_need(run.value(words["alpha"])), _need(run.value(words["beta"])))
     else:
         given = [*call.args[:2], *(words[x] for x in ("A", "b") if x in words)]
         if len(given) < 2:
@@ -750,11 +750,13 @@ def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
         return None
     if len(digits[1]) > 1 and digits[1][:-1] == str(len(b)):
         return int(digits[1][-1]) or None
+    if digits[1] in ("10", "12", "14") and len(b) > int(digits[1]):  # with as many stages at least
+        return int(digits[1])
     alone = pair or re.fullmatch(r"(?i)(?:runge_?kutta|e?rk)_?\d", name)
     return int(digits[1]) or None if alone and len(digits[1]) == 1 else None
 
 
-def _shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:
+def of_shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:
     """Return a and b of ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)``: Shu, Osher (1988)."""
     s = len(alpha) - 1
     rows: list[list[Number]] = []

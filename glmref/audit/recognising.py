@@ -552,6 +552,7 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
     for table in found:
         if table.unread:
             continue
+        keys = {table.key, *map(key_of, table.A)} - {()}
         again = min((x.line for x in found if x.source == table.source and x.line > table.last),
                     default=table.last + 26)  # fmt: skip
         for call in calls:
@@ -560,7 +561,7 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             if not (call.called and near):
                 continue
             takes = any(name == table.source for name, _ in call.arguments if name) or any(
-                isinstance(x.value, list) and key_of(x.value) == table.key for x in call.items
+                isinstance(x.value, list) and key_of(x.value) in keys for x in call.items
             )
             if takes or call is table.block:
                 word = not call.label.isupper() or takes
