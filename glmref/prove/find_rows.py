@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
-from ..exact.linalg import Vector
 from ..findings import Proof
-from ..theory.trees import Tree, trees
+from ..theory.starting_series import stage_slopes
+from ..theory.trees import trees
 from .algebra import all_of, consistent_values, constants, first_value, is_exact
 from .ranges import MAX_ORDER, Known, Range
 
@@ -34,28 +34,6 @@ def _all_zero(gaps: Sequence[tuple[Scalar, str]], *, exact: bool) -> Known:
     gap, text = gaps[answers.index(truth)]
     shown = f"{complex(gap):.6g}".replace("+0j", "")
     return Known(truth, exact, f"{text} {shown}", gap.magnitude())
-
-
-def stage_weights(A: Sequence[Vector], known: dict[Tree, Vector], t: Tree) -> Vector:
-    """Return weights of the stages at a tree: the product over its children of A times theirs.
-
-    Parameters
-    ----------
-    A : matrix (s, s)
-    known : dict
-        What was found before, by tree; kept up to date.
-    t : Tree
-        Of one colour.
-
-    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
-    """
-    if t not in known:
-        value: Vector = (_ONE,) * len(A)
-        for child in t.children:
-            below = linalg.matvec(tuple(A), stage_weights(A, known, child))
-            value = tuple(x * y for x, y in zip(value, below, strict=True))
-        known[t] = value
-    return known[t]
 
 
 def nystrom_gaps(pair: Any) -> list[tuple[Scalar, str]] | None:
@@ -227,11 +205,11 @@ class RowRules:
             raise ExactnessError("dense output is judged where c = A 1 and one value is carried")
         columns = linalg.transpose(m.dense)
         exact = self.exact and is_exact(m.dense)
-        phi: dict[Tree, Vector] = {}
+        slopes = stage_slopes(m.A)
         lower, proved, sizes = 0, True, [0.0]
         for n in range(1, MAX_ORDER[0] + 1):
             for t in trees(n):
-                weights = stage_weights(m.A, phi, t)
+                weights = slopes(t)
                 for power in range(1, max(n, len(columns)) + 1):
                     value: Scalar = _ZERO
                     if power <= len(columns):

@@ -71,7 +71,7 @@ from ..method.preconsistency import first_functional
 from ..method.stage_order import is_shared
 from ..system.budget import spend
 from .coefficients import difference, is_zero
-from .trees import Tree, paths, single, trees
+from .trees import Tree, as_judged, paths, single, trees
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -293,7 +293,7 @@ class StartingSeries:
 
     def value(self, t: Tree) -> Vector:
         """Return eta(t)."""
-        return _scalars(self._solved.cut_value(_judged(t)))
+        return _scalars(self._solved.cut_value(as_judged(t)))
 
     @property
     def eta(self) -> Mapping[Tree, Vector]:
@@ -303,15 +303,15 @@ class StartingSeries:
 
     def plain(self, t: Tree) -> Vector:
         """Return eta(t) with its principal part zero; the conditions of its order are known."""
-        return _scalars(self._solved.lifted(_judged(t)))
+        return _scalars(self._solved.lifted(as_judged(t)))
 
     def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
         """Return xi(t) from its definition, with eta(t) = value."""
-        return _scalars(self._solved.stage(_judged(t), list(map(as_number, value))))
+        return _scalars(self._solved.stage(as_judged(t), list(map(as_number, value))))
 
     def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
-        return _scalars(self._solved.value(_judged(t)))
+        return _scalars(self._solved.value(as_judged(t)))
 
     def abscissae(self, colour: str) -> Vector:
         """Return c = xi of the single node: a stage stands at ``t + c_i h``; of order 2 or more."""
@@ -327,7 +327,7 @@ class StartingSeries:
         """Return (eta E^sigma)(t), of one method: the start after the flow through sigma h."""
         if is_zero(sigma) is True:
             return self.value(t)
-        gain = _scalars(self._solved.shift(_judged(t), as_number(sigma)))
+        gain = _scalars(self._solved.shift(as_judged(t), as_number(sigma)))
         return tuple(x + y for x, y in zip(self.value(t), gain, strict=True))
 
     def right_along_paths(self, colours: str) -> bool:
@@ -389,7 +389,7 @@ class StartingSeries:
         if t in self.determined:
             return (_ZERO,) * len(self.components[t.colour].N)
         spend()
-        return _scalars(self._solved.condition(_judged(t)))
+        return _scalars(self._solved.condition(as_judged(t)))
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
@@ -398,12 +398,6 @@ class StartingSeries:
 
 def _scalars(values: list) -> Vector:
     return tuple(map(as_scalar, values))
-
-
-@cache
-def _judged(t: Tree) -> Any:
-    """Return a tree as the judge has it."""
-    return t.colour, tuple(sorted(map(_judged, t.children)))
 
 
 @cache
@@ -435,13 +429,13 @@ def _solver() -> Any:
             self.share_stages()
 
         def pool(self, order: int) -> list:
-            return list(map(_judged, self.of.level(order)))
+            return list(map(as_judged, self.of.level(order)))
 
         def cut_value(self, s: Any) -> list:
             return self.eta.get(s) or [Fraction(0)] * len(self.u[s[0]])
 
         def give(self, t: Tree, value: Sequence[Any]) -> None:
-            self.eta[_judged(t)] = list(map(as_number, value))
+            self.eta[as_judged(t)] = list(map(as_number, value))
 
         def lifted(self, t: Any) -> list:
             return series.apply(self.lift[t[0]], self.right(t))
@@ -482,6 +476,15 @@ def _tableau(table: Mapping[str, Any]) -> Any:
     return fast_judge().series.Series.of_tables(tables)
 
 
+def stage_slopes(A: Matrix) -> Callable[[Tree], Vector]:
+    """Return the function t -> xiD(t) of the stages ``Y = y + h A F``: the weights Phi of t.
+
+    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
+    """
+    series = _tableau({"o": (A, ())})
+    return lambda t: _scalars(series.derivative(as_judged(t)))
+
+
 def tableau_series(
     level: Callable[[int], Sequence[Tree]], table: Mapping[str, Any], p: int
 ) -> dict[Any, tuple[Any, ...]]:
@@ -499,5 +502,5 @@ def tableau_series(
     series = _tableau(table)
     found: dict[Any, tuple[Any, ...]] = {c: tuple(u) for c, (_, _, u) in table.items()}
     for n in range(1, p + 1):
-        found |= {t: _scalars(series.value(_judged(t))) for t in level(n)}
+        found |= {t: _scalars(series.value(as_judged(t))) for t in level(n)}
     return found

@@ -27,6 +27,7 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from ..errors import UsageError
+from ..judge import trees as judged
 from ..method.component import ROOTED, Palette
 
 #: Largest order for which all trees are listed (32973 one-coloured trees have order 14).
@@ -317,6 +318,17 @@ def trees_up_to(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
 
 
 @cache
+def as_judged(t: Tree) -> judged.Tree:
+    """Return a tree as the judge has it: the colour of the root, and the children in order."""
+    return t.colour, tuple(sorted(map(as_judged, t.children)))
+
+
+def from_judged(t: judged.Tree) -> Tree:
+    """Return a tree of the judge as one of the package."""
+    return tree(map(from_judged, t[1]), t[0])
+
+
+@cache
 def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
     """Return the trees of an order without branches: for each colour of the root one or none.
 
@@ -329,33 +341,12 @@ def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
     colours : tuple of (str, str)
         The items of a palette.
     """
-    if order == 1:
-        return tuple(_SINGLE[colour] for colour, _ in colours)
-    below = paths(order - 1, colours)
-    return tuple(
-        _graft(_SINGLE[colour], t) for colour, allowed in colours for t in below
-        if t.colour in allowed and (t.colour != colour or len(allowed) == 1)
-    )  # fmt: skip
+    return tuple(map(from_judged, judged.paths(colours, order)))
 
 
-#: By the systems of a method, whether a vertex can stand in a tree: the others vanish. A test of
-#: its colour, the number of its children and their colours.
-_VERTICES: dict[str, Callable[[str, int, str], bool]] = {
-    "": lambda colour, n, below: True,
-    # q' = M^-1 p is linear in p and does not see q (HLW 2006, II.2.3)
-    "nystrom": lambda colour, n, below: colour != "f" or (n < 2 and "f" not in below),
-    # y' = f(t, y) with t' = 1, which has no arguments: a vertex k is a leaf
-    "time": lambda colour, n, below: colour != "k" or n == 0,
-    # the sum of f(y) - J y and J y, J linear (Hairer, Wanner 1996, IV.7)
-    "w": lambda colour, n, below: colour != "2" or n < 2,
-    # the same with J = f'(y), where the derivative of the first part vanishes
-    "rosenbrock": lambda colour, n, below: n < 2 if colour == "2" else n != 1,
-}
-
-
-def stands(system: str, colour: str, count: int, below: str = "") -> bool:
-    """Return whether a vertex of a colour with so many children can stand in a tree of a system."""
-    return _VERTICES[system](colour, count, below)
+def is_nystrom(t: Tree) -> bool:
+    """Tell whether a tree counts on second-order systems: see :func:`counted`."""
+    return judged.is_nystrom(as_judged(t))
 
 
 @cache
@@ -366,26 +357,16 @@ def counted(system: str) -> Callable[[Tree], bool]:
     ----------
     system : str
         That of a method (:attr:`glmref.method.Method.system`), or ``"nystrom"`` for second-order
-        systems. There f is linear: its second derivative is zero, and with it the elementary
-        differential of every tree in which a vertex f has two children or more.
+        systems, q' = M^-1 p. There f is linear and does not see q (HLW 2006, II.2.3): its second
+        derivative is zero, and with it the elementary differential of every tree in which a vertex
+        f has two children or more.
 
     The trees left contain, with a tree, all its subtrees and all trees left when branches are cut
     off: their conditions are a system in which the others do not occur.
     """
-    good = _VERTICES[system]
-    if not system:
-        return lambda t: True
-
-    @cache
-    def counts(t: Tree) -> bool:
-        below = t.children
-        colours = "".join([x.colour for x in below])
-        return good(t.colour, len(below), colours) and all(map(counts, below))
-
-    return counts
-
-
-is_nystrom = counted("nystrom")
+    if system == "nystrom":
+        return is_nystrom
+    return lambda t: judged.stands(as_judged(t), system) if system else True
 
 
 @cache
