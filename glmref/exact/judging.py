@@ -353,6 +353,11 @@ def as_number(x: Exact | Ball | Jet | int):
     return Fraction(0) if x.is_zero() else Algebraic(x)
 
 
+def as_numbers(M: Iterable[Iterable]) -> list:
+    """Return a matrix of numbers of the package as one of :func:`fast_judge`."""
+    return [list(map(as_number, row)) for row in M]
+
+
 def as_scalar(x: Any) -> Exact | Ball:
     """Return a number of :func:`fast_judge` as one of the package."""
     if isinstance(x, Interval):

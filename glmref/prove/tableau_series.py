@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from operator import add, sub
 from typing import Any
 
-from ..exact import Exact, linalg, sum_of_products
+from ..exact import Exact, sum_of_products
+from ..exact.judging import as_numbers, fast_judge
 from ..exact.linalg import Matrix
 from ..theory.trees import Tree
 from .classes import classes, reduce_tree
@@ -138,14 +139,4 @@ def weights(
 
 def stage_order(A: Matrix, *, most: int) -> int:
     """Return largest q <= ``most`` with ``A c^(k-1) = c^k / k`` exactly for k = 2..q, c = A 1."""
-    ones = (Exact(1),) * len(A)
-    c = linalg.matvec(A, ones)
-    power, q = c, 1
-    while q < most:
-        below = linalg.matvec(A, power)
-        power = tuple(x * y for x, y in zip(power, c, strict=True))
-        gaps = (x * (q + 1) - y for x, y in zip(below, power, strict=True))
-        if any(x.is_zero() is not True for x in gaps):
-            break
-        q += 1
-    return q
+    return int(fast_judge().parity.simplifies(as_numbers(A), most))

@@ -62,7 +62,7 @@ from typing import Any, Self
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
-from ..exact.judging import Fraction, as_number, as_scalar, fast_judge
+from ..exact.judging import Fraction, as_number, as_numbers, as_scalar, fast_judge
 from ..exact.linalg import Matrix, Vector
 from ..judge.refusals import Refused
 from ..method.component import Palette
@@ -414,9 +414,9 @@ def _solver() -> Any:
             self.eta, self.gaps, self.rights, parts = {}, {}, {}, {}
             self.u, self.w, self.W, self.N, self.lift = {}, {}, {}, {}, {}
             for colour, c in of.components.items():
-                self.u[colour], self.w[colour], *self.N[colour] = _numbers((c.u, c.output, *c.N))
+                self.u[colour], self.w[colour], *self.N[colour] = as_numbers((c.u, c.output, *c.N))
                 self.W[colour], self.lift[colour], A, U, B = map(
-                    _numbers, (c.W, c.lift, c.A, c.U, c.B)
+                    as_numbers, (c.W, c.lift, c.A, c.U, c.B)
                 )
                 self.k[colour] = None
                 parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
@@ -465,14 +465,9 @@ def _solver() -> Any:
     return Made
 
 
-def _numbers(M: Sequence[Sequence[Any]]) -> list:
-    """Return a matrix as the judge has it."""
-    return [list(map(as_number, row)) for row in M]
-
-
 def _tableau(table: Mapping[str, Any]) -> Any:
     """Return the series of stages and values (A, B) by colour, as the judge has it."""
-    tables = {c: (_numbers(A), _numbers(B)) for c, (A, B, *_) in table.items()}
+    tables = {c: (as_numbers(A), as_numbers(B)) for c, (A, B, *_) in table.items()}
     return fast_judge().series.Series.of_tables(tables)
 
 

@@ -169,7 +169,7 @@ def test_what_is_proved_of_no_dense_output_is_nothing() -> None:
     kernel = Kernel(load("rk4"))
     found = kernel._dense_order
     assert (found.lower, found.upper, found.reason) == (0, 0, "the file gives no dense output")
-    assert kernel._dense_end({}).truth is False
+    assert kernel._dense_end().truth is False
     found = Kernel(load("euler"))._dense_order
     assert found.upper == 0
 
