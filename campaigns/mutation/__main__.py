@@ -22,9 +22,8 @@ SUBPACKAGES: dict[str, str] = {
     "exact": "exact/*",
     "readers": "catalogue/reader catalogue/strict_json catalogue/strict_toml catalogue/entries "
     "catalogue/keys scenes/reading",
-    "prove": "prove/* -prove/kernel -prove/find_growth "
-    "-prove/implications -prove/find_rows -prove/ranges",
-    "kernel": "prove/kernel prove/find_growth prove/implications prove/find_rows prove/ranges",
+    "prove": "prove/* -prove/kernel -prove/implications -prove/find_rows -prove/ranges",
+    "kernel": "prove/kernel prove/implications prove/find_rows prove/ranges",
     "theory": "theory/*",
     "engine": "engine/*",
 }

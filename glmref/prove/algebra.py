@@ -10,10 +10,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..exact import Exact, Scalar, linalg
-from ..exact.expression import shown_number
 from ..exact.linalg import Matrix, Vector
 from ..method.stage_order import dependency_blocks
-from .ranges import Known
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -21,21 +19,6 @@ _ZERO, _ONE = Exact(0), Exact(1)
 def all_of(answers: Sequence[bool | None]) -> bool | None:
     """Return conjunction in three values."""
     return False if False in answers else None if None in answers else True
-
-
-def compared(
-    found: Sequence[Scalar], declared: Sequence[Scalar], *, exact: bool, offset: int = 0
-) -> Known:
-    """Compare entry by entry: the first nonzero difference decides, or else one that is open."""
-    differences = [x - y for x, y in zip(found, declared, strict=True)]
-    answers = [d.is_zero() for d in differences]
-    truth = all_of(answers)
-    if truth is True:
-        return Known(True, exact)
-    at = answers.index(truth)
-    size = max(d.magnitude() for d, a in zip(differences, answers, strict=True) if a is not True)
-    exact = exact and all(isinstance(d, Exact) for d in differences)
-    return Known(truth, exact, shown_number(found[at]), size, offset + at)
 
 
 def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:

@@ -44,7 +44,7 @@ from ..catalogue.claims import (
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, linalg
-from ..exact.expression import parse, to_text
+from ..exact.expression import to_text
 from ..exact.judging import proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
@@ -53,6 +53,7 @@ from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import scalars
 from ..theory.forms import choose_form
+from ..theory.residues import residues
 from ..theory.stability import SAMPLES
 from ..theory.starting_series import StartingSeries
 from ..theory.symplectic import find_forms, form_identities
@@ -186,7 +187,7 @@ def _certificates(facts: Any, claim: str, declared: Any, judged: Found) -> Itera
         }
         if document.get("class") == "composition":
             found["base"] = dict(shipped_document(document["base"]))
-        if enclosed and CLAIMS[claim].type is bool:
+        if enclosed and CLAIMS[claim].type not in (int, dict):
             found["statement"]["proof"] = proof_of(json.loads(json.dumps(found)))
         yield found
 
@@ -601,19 +602,13 @@ class _Writer:
         return self._simple("explicit", "implicit")
 
     def _abscissae(self) -> list[Part]:
-        exact = all(is_exact(*block[1:]) for block in self.kernel.blocks.values())
-        if self.holds and not exact:
+        if not all(is_exact(*block[1:]) for block in self.kernel.blocks.values()):
             raise ExactnessError("the abscissae of decimals are enclosed, not proved")
-        if self.holds:
-            return [{"rule": "abscissae", "witness": {}}]
-        if "no abscissae" in self.judged.reason or (exact and not self._has_vectors()):
-            return [self._no_order()]
-        return [{"rule": "other-abscissae", "witness": {}}]
+        return [{"rule": "abscissae", "witness": {}}]
 
-    def _has_vectors(self) -> bool:
-        """Return whether every component is consistent."""
-        components = self.kernel.method.components
-        return all(consistency_vector(c) is not None for c in components)
+    def _other_abscissae(self) -> Iterator[list[Part]]:
+        yield [{"rule": "other-abscissae", "witness": {}}]
+        yield [self._no_order()]
 
     def _error_constant(self) -> list[Part]:
         rule = "error-constant" if self.holds else "other-error-constant"
@@ -681,79 +676,46 @@ class _Writer:
 
     def _halves(self) -> list[Part]:
         """Return parts of a pair that shares stages and the eigenvalue 1, else nothing."""
-        if (found := self.kernel._residues) is None:
+        if (found := residues(self.kernel.method)) is None:
             return []
         cosines = {c: [str(x.cosine) for x in half] for c, half in found.items()}
         return [{"rule": "residues", "witness": {"cosines": cosines}}]
 
     def _growth(self) -> list[Part]:
-        if halves := self._halves():
-            return halves
-        if unshared := self._unshared():
-            return unshared
-        parts, proposed = self._eigen()
-        declared = self.declared if isinstance(self.declared, list) else []
-        if self.holds:
-            self._real_growth(proposed)
-            return [*parts, {"rule": "growth", "witness": {}}]
-        return [*parts, {"rule": "grows", "witness": {"part": self._growing(declared)}}]
-
-    def _second_order_growth(self) -> list[Part]:
-        rule = "second-order" if self.holds else "other-second-order"
-        return [*self._eigen()[0], {"rule": rule, "witness": {}}]
-
-    def _growing(self, declared: list[Any]) -> int:
-        """Return the part whose parameters are not those declared; -1 if their number differs."""
-        groups = self.kernel._growth_matrices(self._witness())
-        if self.kernel.is_pair:  # the claim is about what the halves feed each other
-            groups = [(zeta, found[:2]) for zeta, found in groups]
-        first = [not self.kernel.is_pair and bool((zeta - 1).is_zero()) for zeta, _ in groups]
-        sizes = [
-            sum(len(m) - one for m in found) for one, (_, found) in zip(first, groups, strict=True)
-        ]
-        if sum(sizes) != len(declared):
-            return -1
-        self._real_growth(self._witness())
-        numbers = [parse(str(x)) for x in declared]
-        for k, (one, (_, found)) in enumerate(zip(first, groups, strict=True)):
-            mine, numbers = numbers[: sizes[k]], numbers[sizes[k] :]
-            if self.kernel.is_pair:
-                if any(x.is_zero() is False for m in found for row in m for x in row):
-                    return k
-            elif len(found[0]) > one or mine:
-                wanted = [Exact(1), *mine] if one else mine
-                if self.kernel._same_spectrum(found[0], wanted).truth is False:
-                    return k
-        raise ExactnessError("no growth parameter is another one than declared")
-
-    def _parasitism_free(self) -> list[Part]:
         if found := self._halves() or self._unshared():
             return found
         parts, proposed = self._eigen()
         self._real_growth(proposed)
         return [*parts, {"rule": "growth", "witness": {}}]
 
-    def _growing_parts(self) -> Iterator[list[Part]]:
-        """Yield the eigenvalues at which something may grow; of an unstable V all does."""
-        yield from self._unbounded()
-        if halves := self._halves():
-            yield halves
-            return
-        parts, proposed = self._eigen()
-        self._real_growth(proposed)
-        for k in range(min(len(found) for found, _ in proposed.values())):
-            yield [*parts, {"rule": "grows", "witness": {"part": k}}]
+    def _parasitism_free(self) -> list[Part]:
+        return self._growth()
 
     def _other_growth(self) -> Iterator[list[Part]]:
-        yield from self._unbounded() if self._witness().get("unstable") else [self.parts()]
+        """Yield the eigenvalues at which something may grow; of an unstable V all does."""
+        yield from self._unbounded()
+        free = self.claim == PARASITISM_FREE.key
+        if found := self._halves() or ([] if free else self._unshared()):
+            yield found
+            return
+        parts, proposed = self._eigen()
+        for k in range(0 if free else -1, min(len(found) for found, _ in proposed.values())):
+            if k >= 0:
+                self._real_growth(proposed)
+            yield [*parts, {"rule": "grows", "witness": {"part": k}}]
+
+    def _second_order_growth(self) -> list[Part]:
+        rule = "second-order" if self.holds else "other-second-order"
+        return [*self._eigen()[0], {"rule": rule, "witness": {}}]
 
     #: What may refute claims that are false, for the judge to search.
     _several: ClassVar[Mapping[str, Callable[[Any], Iterator[list[Part]]]]] = {
         ZERO_STABLE.key: _unbounded,
         A_STABLE.key: _not_a_stable,
         L_STABLE.key: _not_l_stable,
-        PARASITISM_FREE.key: _growing_parts,
+        PARASITISM_FREE.key: _other_growth,
         GROWTH.key: _other_growth,
+        ABSCISSAE.key: _other_abscissae,
     }
 
 

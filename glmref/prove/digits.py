@@ -28,7 +28,7 @@ from ..system.budget import spend
 from ..theory.trees import parse_tree
 
 if TYPE_CHECKING:
-    from .kernel import Found, Proposal
+    from .kernel import Found
 
 #: A tree as the judge writes it: the colour, and the trees of the children in order.
 Plain = tuple[str, tuple[Any, ...]]
@@ -304,7 +304,7 @@ class DigitRules:
         if not kernels or not all(_carries_on(*b) for x in kernels for b in x.blocks.values()):
             raise ExactnessError("only methods that carry one value are judged to digits")
 
-    def _order_to_digits(self, declared: Mapping[str, Any], proposal: Proposal) -> Found:
+    def _order_to_digits(self, declared: Mapping[str, Any]) -> Found:
         """Judge the orders that rounded coefficients have to a size of their residuals."""
         names = [SOLUTION, *(row.name for row in self.method.embedded)]
         if set(declared) != set(names):

@@ -79,27 +79,29 @@ class Facts:
         return Proof.MEASURED if self.implied is None else Proof.ENCLOSED
 
     def find(self, claim: str, declared: object) -> Found:
-        """Find whether a claim that has a value is true: a proposal to the judge."""
-        return self.kernel.find(claim, declared, proposal_for(self, claim))
+        """Find whether an order is the one declared: a proposal to the judge."""
+        return self.kernel.find(claim, declared)
 
     def judge(self, claim: str, declared: object) -> Judgement:
         """Judge one claim: certificates are proposed, and the judge decides."""
-        if CLAIMS[claim].type is bool:
-            answer = self._either_way(claim, declared=bool(declared))
-            if answer.verdict is Verdict.OPEN:
-                return answer
-            truth = bool(answer.value)
-            return explained(answer, *proposal_for(self, claim).explain(truth, answer.certificate))
-        found = self.find(claim, declared)
-        if found.truth is None:
-            return judged(found, [""])
-        return judged(found, certificates_of(self, claim, declared, found))
+        if CLAIMS[claim].type in (int, dict):
+            found = self.find(claim, declared)
+            if found.truth is None:
+                return judged(found, [""])
+            return judged(found, certificates_of(self, claim, declared, found))
+        answer = self._either_way(claim, declared)
+        if answer.verdict is Verdict.OPEN:
+            return answer
+        truth = (answer.verdict is Verdict.HOLDS) == (declared is not False)
+        return explained(answer, *proposal_for(self, claim).explain(truth, answer.certificate))
 
-    def _either_way(self, claim: str, *, declared: bool) -> Judgement:
-        """Ask the judge whether what is declared holds, and else whether the opposite does."""
-        proof, answers = Proof.EXACT if self._is_exact(claim) else Proof.ENCLOSED, []
-        for truth in (declared, not declared):
-            found = Found(truth == declared, proof, truth, 0.0, "")
+    def _either_way(self, claim: str, declared: object) -> Judgement:
+        """Ask the judge whether what is declared holds, and else whether it fails."""
+        proof = Proof.EXACT if self._is_exact(claim) else Proof.ENCLOSED
+        numbers, answers = proposal_for(self, claim).value, []
+        for holds in (True, False):
+            value = declared == holds if isinstance(declared, bool) else numbers
+            found = Found(holds, proof, value, 0.0, "")
             answers.append(judged(found, certificates_of(self, claim, declared, found)))
             if answers[-1].verdict is not Verdict.OPEN:
                 return answers[-1]
@@ -125,7 +127,7 @@ class Facts:
         """
         if self.method.rosenbrock and not CLAIMS[claim].rosenbrock:
             return facts_of(self.linear).known(claim)
-        answer = self._either_way(claim, declared=True)
+        answer = self._either_way(claim, True)
         truth = {Verdict.HOLDS: True, Verdict.FAILS: False}.get(answer.verdict)
         return Known(truth, answer.proof is Proof.EXACT, answer.reason)
 

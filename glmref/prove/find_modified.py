@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +22,7 @@ from ..theory.series import Series
 from ..theory.starting_series import NotPreconsistent
 from ..theory.trees import single
 from ..theory.underlying import UnderlyingMethod
-from .algebra import compared
-from .ranges import Known, Range
+from .ranges import Range
 
 #: Orders through which trees are taken, one after another until a condition fails.
 _THROUGH = (3, 5, 6, LARGEST_CONJUGATE)
@@ -78,10 +77,3 @@ class ModifiedRules:
         """I1 and I3 at one eigenvalue of V of modulus 1 other than 1 after the other."""
         found = second_order(self.method, self._underlying)
         return tuple(y for x in found for y in (x.I1, x.I3))
-
-    def _second_order_growth(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """Judge whether the declared numbers are the invariants of second order."""
-        found = self.invariants
-        if len(found) != len(declared):
-            return Known(False, True, f"{len(found)} invariants found, {len(declared)} declared")
-        return compared(found, declared, exact=True)

@@ -16,7 +16,7 @@ from .algebra import all_of, consistent_values, constants, first_value, is_exact
 from .ranges import MAX_ORDER, Known, Range
 
 if TYPE_CHECKING:
-    from .kernel import Found, Kernel, Proposal
+    from .kernel import Found, Kernel
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -90,15 +90,13 @@ class RowRules:
             return NYSTROM_ORDER.key
         return ORDER.key if self.method.is_one_step else ORDER_IDENTITY.key
 
-    def _embedded_order(self, declared: Mapping[str, int], proposal: Proposal) -> Found:
+    def _embedded_order(self, declared: Mapping[str, int]) -> Found:
         """Judge the order of every embedded row; the first that is not as declared decides."""
         kernels, made = dict(self.row_kernels), self._made
         if not kernels or declared.keys() != kernels.keys():
             reason = f"the rows of `embedded` are {', '.join(kernels) or 'none'}"
             return made(False, exact=True, value=None, residual=0.0, reason=reason)
-        found = {
-            name: x.find(self.row_claim, declared[name], proposal) for name, x in kernels.items()
-        }
+        found = {name: x.find(self.row_claim, declared[name]) for name, x in kernels.items()}
         by_truth = {x.truth: (name, x) for name, x in reversed(found.items())}
         truth = False if False in by_truth else None if None in by_truth else True
         name, decides = by_truth.get(False) or by_truth.get(None) or (

@@ -31,7 +31,7 @@ from ..catalogue.claims import (
 )
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
-from ..exact.expression import shown_number
+from ..exact.expression import parse, shown_number
 from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
 from ..theory.equivalence import reduce
@@ -189,10 +189,38 @@ def _parasitism(facts: Facts) -> Proposal:
     return Proposal(lambda: facts.eigen, explain=_told(lambda: facts.parasitism))
 
 
+def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None) -> Explain:
+    """Return how numbers that were found differ from those declared."""
+
+    def explain(truth: bool, certificate: Mapping[str, Any]) -> tuple[str, float]:
+        if truth:
+            return "", 0.0
+        if certificate["parts"][0]["rule"] == "unbounded":
+            return f"V is not power-bounded: {what} are not defined", 0.0
+        declared, found = certificate["statement"]["declared"], values()
+        texts = declared if isinstance(declared, list) else [declared]
+        if found is None:
+            return f"the method has no {what}", 0.0
+        count = len(found) if shown is None else len(shown)
+        if count != len(texts):
+            return f"{count} {what} found, {len(texts)} declared", 0.0
+        if count != len(found):
+            return f"the growth matrix has the eigenvalues {', '.join(shown or ())}", 0.0
+        gaps = [x - parse(text) for x, text in zip(found, texts, strict=True)]
+        at = next((k for k, x in enumerate(gaps) if x.is_zero() is False), None)
+        if at is None:
+            return "", 0.0
+        size = max(x.magnitude() for x in gaps if x.is_zero() is not True)
+        number = shown_number(found[at])
+        return f"number {at + 1} of the {what} is {number}, declared is {texts[at]}", size
+
+    return explain
+
+
 def _growth(facts: Facts) -> Proposal:
-    unstable = facts.truth(ZERO_STABLE.key) is False
-    witness = {"unstable": True} if unstable else facts.eigen
-    return Proposal(lambda: witness, _shown_growth(facts, facts.eigen))
+    shown = _shown_growth(facts, facts.eigen)
+    explain = _listed("growth parameters", lambda: facts.growth_parameters, shown)
+    return Proposal(lambda: facts.eigen, shown, explain)
 
 
 def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
@@ -218,17 +246,22 @@ def _second_order_growth(facts: Facts) -> Proposal:
     shown = None
     with suppress(ExactnessError):  # the kernel says why
         shown = [shown_number(x) for x in facts.kernel.invariants]
-    return Proposal(lambda: facts.eigen, shown)
+    explain = _listed("invariants of second order", lambda: facts.kernel.invariants)
+    return Proposal(lambda: facts.eigen, shown, explain)
 
 
 def _abscissae(facts: Facts) -> Proposal:
     c = facts.abscissae
-    return Proposal(value=None if c is None else [shown_number(x) for x in c])
+    shown = None if c is None else [shown_number(x) for x in c]
+    return Proposal(value=shown, explain=_listed("abscissae", lambda: c))
 
 
 def _error_constant(facts: Facts) -> Proposal:
-    found = facts.quadrature_error
-    return Proposal(value=None if found is None else [shown_number(x) for x in found])
+    found, multistep = facts.quadrature_error, getattr(facts.method, "multistep", None)
+    if multistep is not None and sum(multistep[1], Exact(0)).is_zero() is not False:
+        found = None
+    shown = None if found is None else [shown_number(x) for x in found]
+    return Proposal(value=shown, explain=_listed("error constant", lambda: found))
 
 
 def _reducible(facts: Facts) -> Proposal:

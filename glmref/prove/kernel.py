@@ -30,27 +30,21 @@ from math import factorial
 from typing import Any
 
 from ..catalogue.claims import (
-    ABSCISSAE,
     CLAIMS,
     DENSE_END,
     EMBEDDED_DIFFERENCE,
-    ERROR_CONSTANT,
-    GROWTH,
     NYSTROM_ORDER,
     ORDER,
     ORDER_IDENTITY,
     ROW_SUMS,
-    SECOND_ORDER_GROWTH,
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
-from ..exact.expression import Text, parse
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method import Method
 from ..method.component import Palette
 from ..method.preconsistency import (
-    abscissae,
     output,
     outputs,
 )
@@ -72,24 +66,15 @@ from ..theory.starting_series import (
 )
 from ..theory.trees import Tree, counted, single, trees
 from .algebra import (
-    compared,
     is_exact,
 )
 from .digits import DigitRules, Sized, rounded_up
-from .find_growth import GrowthRules
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Known, Range
 
 _ZERO, _ONE = Exact(0), Exact(1)
-#: What the numbers of a claim are called in a sentence.
-_CALLED: Mapping[str, str] = {
-    GROWTH.key: "growth parameters",
-    SECOND_ORDER_GROWTH.key: "invariants of second order",
-    ABSCISSAE.key: "abscissae",
-    ERROR_CONSTANT.key: "error constant",
-}
 #: Claims of truth about what stands beside a tableau.
 BESIDE = frozenset({EMBEDDED_DIFFERENCE.key, ROW_SUMS.key, DENSE_END.key})
 #: Largest order to which trees of one method that carries one value are compared.
@@ -148,25 +133,7 @@ class Proposal:
     explain: Explain = lambda truth, certificate: ("", 0.0)
 
 
-def _number(text: object) -> Scalar:
-    return text.value if isinstance(text, Text) else parse(str(text))
-
-
-def _is_only_one(U: Matrix, gap: Matrix, w: Vector) -> bool:
-    """Tell whether c = A 1 + U v is the same for all v with w v = 0, where gap = V - I.
-
-    1 must be semisimple, so that u is the only one, and U n = 0 for all n with gap n = 0, w n = 0.
-    """
-    N, W = linalg.nullspace(gap), linalg.nullspace(linalg.transpose(gap))
-    if len(N) == 1:
-        return True
-    if linalg.rank(tuple(tuple(linalg.dot(row, n) for n in N) for row in W)) < len(N):
-        return False
-    free = linalg.nullspace((*gap, w))
-    return all(x.is_zero() for n in free for x in linalg.matvec(U, n))
-
-
-class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
+class Kernel(RowRules, DigitRules, ModifiedRules):
     """The rules, for one method.
 
     Parameters
@@ -202,15 +169,12 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
 
     # -- claims ----------------------------------------------------------------------------------
 
-    def find(self, claim: str, declared: object, proposal: Proposal) -> Found:
-        """Find whether one claim that has a value is true."""
+    def find(self, claim: str, declared: object) -> Found:
+        """Find whether an order, or the orders of rows, are those declared."""
         try:
-            kind = CLAIMS[claim].type
-            if kind is int:
-                return self._find_range(claim, declared, proposal)
-            if kind is dict:
-                return self._rule(claim)(declared, proposal)
-            return self._find_list(claim, declared, proposal)
+            if CLAIMS[claim].type is dict:
+                return self._rule(claim)(declared)
+            return self._find_range(claim, declared)
         except ExactnessError as error:
             return self._made(None, exact=self.exact, value=None, residual=0.0, reason=str(error))
 
@@ -233,12 +197,11 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
     def _rule(self, claim: str) -> Any:
         """Return the rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
 
-        Of an order it is a property, a :class:`Range`; of numbers a method of those declared and of
-        what was proposed.
+        Of an order it is a property, a :class:`Range`.
         """
         return getattr(self, f"_{CLAIMS[claim].rule}")
 
-    def _find_range(self, claim: str, declared: object, proposal: Proposal) -> Found:
+    def _find_range(self, claim: str, declared: object) -> Found:
         found = self.range(claim)
         wanted = int(declared)  # type: ignore[call-overload]
         truth = None
@@ -260,21 +223,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
             value=found.value,
             residual=residual,
             reason=reason,
-        )
-
-    def _find_list(self, claim: str, declared: object, proposal: Proposal) -> Found:
-        texts = list(declared) if isinstance(declared, list) else [declared]
-        known = self._rule(claim)([_number(x) for x in texts], proposal.witness())
-        reason = known.reason
-        if known.entry is not None:
-            what, entry = _CALLED[claim], known.entry
-            reason = f"number {entry + 1} of the {what} is {reason}, declared is {texts[entry]}"
-        return self._made(
-            known.truth,
-            exact=known.exact,
-            value=proposal.value,
-            residual=known.residual,
-            reason=reason if known.truth is not True else "",
         )
 
     # -- orders ----------------------------------------------------------------------------------
@@ -844,72 +792,6 @@ class Kernel(RowRules, DigitRules, GrowthRules, ModifiedRules):
             lower = q if proved else lower
         reason = f"agrees on all trees of order {p} or less"
         return Range(min(lower, known.lower), known.upper, exact=exact, value=p, reason=reason)
-
-    # -- numbers -----------------------------------------------------------------------------------
-
-    def _abscissae(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """Decide c = A 1 + U v, w v = 0 for the output w; unique where 1 is a simple eigenvalue.
-
-        Those of an additive method are the c of each part, one part after another. Over balls every
-        pair (u, v) of a method in them lies in the (u, v) used here; that there is one, order 1
-        says.
-        """
-        if self.implied is not None and self.implied.abscissae is not None:
-            found: list[Scalar] = [Exact(x) for x in self.implied.abscissae]
-            exact, unique, consistent = False, True, True
-        else:
-            exact = consistent = all(is_exact(*block) for block in self.blocks.values())
-            if exact:
-                found, unique = [], True
-                for part in self.method.components:
-                    c = abscissae(part)
-                    if c is None:
-                        return Known(False, True, "the method has no abscissae")
-                    found += c
-                    gap = linalg.sub(part.V, linalg.identity(len(part.V)))
-                    unique = unique and _is_only_one(part.U, gap, output(part))
-            elif self.method.additive:
-                raise ExactnessError("abscissae of additive methods are judged of exact numbers")
-            else:
-                order = self.order_range(free=False)
-                if order.upper == 0:
-                    return Known(False, False, "the method has no abscissae")
-                consistent = order.lower > 0
-                series = self.series.get((False, False))
-                if series is None or not series.simple:
-                    raise ExactnessError("the abscissae are not decided within the digits")
-                found, unique = list(series.abscissae("o")), True
-        if len(found) != len(declared):
-            return Known(False, exact, f"{len(found)} abscissae found, {len(declared)} declared")
-        known = compared(found, declared, exact=exact)
-        if known.truth and not consistent:
-            return Known(None, exact, "within the digits the method may not be consistent")
-        reason = known.reason or "the abscissae are not unique"
-        return known if unique else Known(None, exact, reason)
-
-    def _error_constant(self, declared: list[Scalar], witness: Mapping[str, Any]) -> Known:
-        """Decide C_(p+1) / sigma(1) from alpha and beta of the file: independent of values carried.
-
-        Hairer, Norsett, Wanner (1993), III.2, (2.6) and (2.13). For methods of other classes the
-        constant depends on which value is called the solution: open.
-        """
-        multistep = getattr(self.method, "multistep", None)
-        if multistep is None:
-            raise ExactnessError("an error constant is defined for multistep methods only")
-        if not is_exact(multistep):
-            raise ExactnessError("alpha and beta are not exact")
-        alpha, beta = multistep
-        sigma = sum(beta, _ZERO)
-        if sigma.is_zero() is not False:
-            return Known(False, True, "the method has no error constant")
-        for q in range(2 * len(alpha) + 2):
-            defect: Scalar = _ZERO
-            for m, (a, b) in enumerate(zip(alpha, beta, strict=True)):
-                defect = defect + a * m**q - (b * (q * m ** (q - 1)) if q else _ZERO)
-            if defect.is_zero() is False:
-                found = defect / sigma * Fraction(1, factorial(q))
-                return compared([found], declared[:1], exact=True)
-        raise ExactnessError("no term of the local error was found")
 
 
 def _as_balls(matrix: Matrix) -> Matrix:

@@ -15,10 +15,8 @@ from typing import Any
 import pytest
 
 from glmref.catalogue.reader import load_document
-from glmref.errors import ExactnessError, GlmrefError
-from glmref.exact import Exact
+from glmref.errors import GlmrefError
 from glmref.prove.analysis import analyze
-from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import _refute, verify
 
 from .test_verdicts_have_certificates import without_a_certificate
@@ -66,13 +64,3 @@ def test_analysis_and_certificates_say_the_same(name: str, tmp_path: Path) -> No
             within = claim == "order" and f"order {value} exactly" in str(shown.order_witness)
             assert getattr(shown, SHOWN[claim]) == value or within, claim
     assert without_a_certificate(document, tmp_path) == []
-
-
-def test_what_is_proposed_as_an_eigenvector_must_be_one() -> None:
-    """(0, 1, 1) for V = diag(1, -1, 0): it is read rightly by W, and V does not keep it."""
-    one, zero = Exact(1), Exact(0)
-    parts = ((one, ((one, zero, zero),), ((one, zero, zero),)),
-             (-one, ((zero, one, zero),), ((zero, one, one),)))  # fmt: skip
-    kernel = Kernel(load_document(DECEIVERS["inner zero"]["document"]))
-    with pytest.raises(ExactnessError, match="an eigenvector of V that was proposed is none"):
-        kernel._eigen("o", {"o": (parts, (zero, one))})

@@ -209,19 +209,6 @@ def test_a_verdict_that_is_open_always_has_a_reason():
     assert reason(False, True, "why") == "why"
 
 
-def test_numbers_are_compared_entry_by_entry_and_are_exact_where_both_are():
-    from glmref.prove.algebra import compared
-
-    one, two, about = Exact(1), Exact(2), ball(Fraction(3, 2))
-    same = compared([one, two], [one, two], exact=True)
-    assert (same.truth, same.exact, same.residual) == (True, True, 0.0)
-    other = compared([one, two], [one, one], exact=True)
-    assert (other.truth, other.exact, other.entry, other.residual) == (False, True, 1, 1.0)
-    apart = compared([one, about], [one, one], exact=True)
-    assert (apart.truth, apart.exact, apart.entry) == (False, False, 1)
-    assert not compared([one, two], [one, one], exact=False).exact
-
-
 def test_an_order_beyond_those_of_all_trees_is_decided_along_paths():
     found = Kernel(load("multistep-10")).order_range(free=False)
     assert (found.lower, found.upper, found.exact) == (10, 10, True)
@@ -303,10 +290,9 @@ def test_a_scheme_of_two_colours_is_exact_where_both_are():
 
 def test_an_error_constant_needs_a_multistep_method():
     method = single([["0"]], [["1"]], [["1"]], [["1"]])
-    found = facts_of(method).find("error-constant", "1/2")
-    assert (found.truth, found.reason) == (
-        None, "an error constant is defined for multistep methods only"
-    )  # fmt: skip
+    found = facts_of(method).judge("error-constant", "1/2")
+    assert found.verdict is Verdict.OPEN
+    assert found.reason.endswith("error-constant needs: The file is of class `lmm` or `one-leg`")
 
 
 def test_paths_alone_do_not_tell_the_stage_order():
@@ -382,58 +368,6 @@ def test_a_stage_is_the_solution_as_far_as_every_path_says_so():
 
 def test_an_order_that_needs_other_principal_parts_is_not_nearly_one_of_a_single_value():
     assert len(Kernel(load("butcher-effective-5")).nearly()) == 5  # order 4, effectively 5
-
-
-def parts_of(*found, h=("1",)):
-    """A proposal: eigenvalues with rows of W and columns of N, and the polynomial of the rest."""
-    number = lambda x: Exact(Fraction(x))  # noqa: E731
-    parts = [(number(z), (tuple(map(number, W)),), (tuple(map(number, N)),)) for z, W, N in found]
-    return {"o": (parts, tuple(map(number, h)))}
-
-
-ONE, TWO = ("1", [1, 0], [1, 0]), ("-1", [0, 1], [0, 1])
-
-
-@pytest.mark.parametrize(
-    ("second", "proposed", "truth"),
-    [
-        ("-1", parts_of(ONE, TWO), True),
-        ("-1", parts_of(ONE, h=("1", "1")), None),  # the other one lies on the circle
-        ("2", parts_of(ONE, h=("-2", "1")), None),  # or outside
-        ("1/2", parts_of(ONE, h=("-1/2", "1")), True),
-        ("1/2", parts_of(ONE, h=("0", "1")), None),  # that is not its root
-        ("1/2", parts_of(ONE, ("1/2", [0, 1], [0, 1])), None),  # not on the circle
-        ("1", parts_of(ONE, ("1", [0, 1], [0, 1])), None),  # one eigenvalue twice
-        ("-1", parts_of(ONE, ("-1", [0, 1], [1, 1])), None),  # no column of V
-        ("-1", parts_of(ONE, ("-1", [1, 1], [0, 1])), None),  # no row of V
-        ("-1", parts_of(ONE, ("-1", [0, 2], [0, 1])), None),  # W N is 2
-        ("1/2", parts_of(ONE, ("-1", [0, 0], [0, 0]), h=("-1/2", "1")), None),  # no vectors
-        ("-1", {}, None),
-    ],
-)  # fmt: skip
-def test_eigenvalues_that_are_proposed_are_checked(second, proposed, truth):
-    from glmref.errors import ExactnessError
-
-    kernel = Kernel(single([["0"]], [["1", "0"]], [["1"], ["0"]], [["1", "0"], ["0", second]]))
-    try:
-        kernel._eigen("o", proposed)
-        found = True
-    except ExactnessError:
-        found = None
-    assert found is truth
-
-
-def test_growth_that_no_equation_gives_is_that_of_the_matrices():
-    from glmref.prove.finders import eigen_witness
-    from glmref.prove.implications import Implied
-
-    method = load("milne-simpson")
-    kernel = Kernel(method, Implied())
-    (c,) = method.components
-    witness = {"o": eigen_witness(c.V)}
-    known = kernel._growth([Exact(Fraction(-1, 3))], witness)
-    assert (known.truth, known.exact) == (True, True)
-    assert Kernel(method, Implied(growth_zeros=1))._growth([Exact(0)], {}).truth is True
 
 
 def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them():
