@@ -18,7 +18,7 @@ Two orders are measured apart:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -27,9 +27,8 @@ from typing import Any
 from ..compute.records import in_json
 from ..engine.reference import stepper
 from ..method import Method
-from ..problems.formula import Formula
 from ..problems.model import Problem
-from ..problems.precision import Flow
+from ..problems.named import builder
 from .underlying import Underlying
 
 #: Extrapolated orders that agree to this count as settled.
@@ -230,82 +229,7 @@ def _run(
     return run
 
 
-def isochronous() -> Problem:
-    """Return harmonic motion seen through a polynomial change of variables: every period is 2 pi.
-
-    With z1' = z2, z2' = -z1: y1 = z1 + a z2^2, y2 = z2 + b y1^2. The equations are not Hamiltonian,
-    and no elementary differential of them vanishes for a reason of structure.
-    """
-    parameters = {"a": Fraction(1, 4), "b": Fraction(1, 3)}
-    return Problem(
-        name="isochronous",
-        source="Harmonic oscillator in the coordinates y1 = z1 + a z2^2, y2 = z2 + b y1^2",
-        parameters=parameters,
-        f=Formula(
-            common=(
-                ("z2", "y[1] - b*y[0]*y[0]"),
-                ("z1", "y[0] - a*z2*z2"),
-                ("f0", "z2 - 2*a*z1*z2"),
-            ),
-            outputs=("f0", "2*b*y[0]*f0 - z1"),
-            parameters=parameters,
-        ),
-        y0=("1/2", "3/10"),
-        t_span=(0.0, 2 * math.pi),
-        exact=Flow(_isochronous_flow, parameters),
-        scales={"period": 2 * math.pi, "time": 1.0},
-    )
-
-
-def _isochronous_flow(
-    t: Any, y0: Sequence[Any], parameters: Mapping[str, Any], ctx: Any
-) -> list[Any]:
-    a, b = parameters["a"], parameters["b"]
-    z2 = y0[1] - b * y0[0] * y0[0]
-    z1 = y0[0] - a * z2 * z2
-    c, s = ctx.cos(t), ctx.sin(t)
-    z1, z2 = z1 * c + z2 * s, z2 * c - z1 * s
-    first = z1 + a * z2 * z2
-    return [first, z2 + b * first * first]
-
-
-def isochronous_threefold() -> Problem:
-    """Make z' = i z seen through z = w + a conj(w)^2, which commutes with a third turn.
-
-    In complex notation ``w' = i (z + b conj(z))/(1 - |b|^2)``, ``b = 2 a conj(w)``. Every period is
-    2 pi, and after a third of it a solution is its start, turned by a third.
-    """
-    parameters = {"a": Fraction(1, 8)}
-    return Problem(
-        name="isochronous-threefold",
-        source="Harmonic oscillator in the coordinate w with z = w + a conj(w)^2",
-        parameters=parameters,
-        f=Formula(
-            common=(
-                ("b1", "2*a*y[0]"),
-                ("b2", "-2*a*y[1]"),
-                ("z1", "y[0] + a*(y[0]*y[0] - y[1]*y[1])"),
-                ("z2", "y[1] - 2*a*y[0]*y[1]"),
-                ("weight", "1 - b1*b1 - b2*b2"),
-            ),
-            outputs=("(b1*z2 - b2*z1 - z2)/weight", "(z1 + b1*z1 + b2*z2)/weight"),
-            parameters=parameters,
-        ),
-        y0=("1/2", "3/10"),
-        t_span=(0.0, 2 * math.pi),
-        scales={"period": 2 * math.pi, "time": 1.0},
-    )
-
-
-def isochronous_separable() -> Problem:
-    """Make Pinney's oscillator q'' = -(q - 1/q^3)/4: canonical, every period is 2 pi."""
-    return Problem(
-        name="isochronous-separable",
-        source="Pinney, Proc. Amer. Math. Soc. 1 (1950) 681",
-        force=("-(q[0] - 1/(q[0]*q[0]*q[0]))/4",),
-        y0=("5/4", "1/5"),
-        t_span=(0.0, 2 * math.pi),
-        hamiltonian="y[1]*y[1]/2 + (y[0]*y[0] + 1/(y[0]*y[0]))/8",
-        canonical=True,
-        scales={"period": 2 * math.pi, "time": 1.0},
-    )
+#: Problems of ``named.toml`` whose solutions have one period, 2 pi; they are in no list.
+isochronous = builder("isochronous")
+isochronous_threefold = builder("isochronous-threefold")
+isochronous_separable = builder("isochronous-separable")

@@ -152,6 +152,17 @@ def kaps(t: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[Any]
     return [c * c * ctx.exp(-2 * t), c * ctx.exp(-t)]
 
 
+def isochronous(t: Any, y0: Sequence[Any], parameters: Mapping[str, Any], ctx: Any) -> list[Any]:
+    """Turn (z1, z2), of which y1 = z1 + a z2^2, y2 = z2 + b y1^2."""
+    a, b = parameters["a"], parameters["b"]
+    z2 = y0[1] - b * y0[0] * y0[0]
+    z1 = y0[0] - a * z2 * z2
+    c, s = ctx.cos(t), ctx.sin(t)
+    z1, z2 = z1 * c + z2 * s, z2 * c - z1 * s
+    first = z1 + a * z2 * z2
+    return [first, z2 + b * first * first]
+
+
 def blow_up(t: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[Any]:
     """Return the solution y0/(1 - t y0) of y' = y**2."""
     return [y0[0] / (1 - t * y0[0])]
@@ -161,6 +172,7 @@ def blow_up(t: Any, y0: Sequence[Any], _: Mapping[str, Any], ctx: Any) -> list[A
 FLOWS: Mapping[str, Callable[..., list[Any]]] = {
     flow.__name__: flow
     for flow in (
-        blow_up, harmonic, kaps, kepler, pendulum, prothero_robinson, scaled_kepler, sundman,
+        blow_up, harmonic, isochronous, kaps, kepler, pendulum, prothero_robinson, scaled_kepler,
+        sundman,
     )
 }  # fmt: skip

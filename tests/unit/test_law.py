@@ -1,4 +1,4 @@
-"""Laws of error growth, on made-up deviations and on runs whose cause is known."""
+"""Laws of error growth, on made-up deviations and on known runs."""
 
 import math
 
@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from glmref.catalogue.lookup import load
+from glmref.engine.solve import solve
 from glmref.errors import UsageError
-from glmref.measure.law import diagnose, fit_law, samples_of
+from glmref.measure.law import fit_law, samples_of
 from glmref.problems import problem
 
 T = np.arange(0, 4097.0)
@@ -49,8 +50,6 @@ def test_nothing_is_bounded():
 
 
 def test_unknown_quantities_are_refused():
-    from glmref.engine.solve import solve
-
     kepler, method = problem("kepler"), load("rk4")
     run = solve(kepler, method, h=0.1, steps=2, every=1)
     with pytest.raises(UsageError, match="conserves no 'heat'; it has energy, angular momentum"):
@@ -59,56 +58,19 @@ def test_unknown_quantities_are_refused():
         samples_of(kepler, method, run, "form of angular momentum")
 
 
-# problem, its parameters, method, h, steps, quantity, arithmetic, law, cause
-KNOWN = [
-    ("pendulum", {"q0": "23/10"}, "gsymplectic-p", 0.1, 400, "energy", "strict", "blow-up",
-     "parasitism"),
-    ("pendulum", {"q0": "23/10"}, "rk4", 0.1, 4096, "energy", "strict", "linear", "drift"),
-    ("pendulum", {"q0": "23/10"}, "g6245", 0.1, 2048, "energy", "strict", "bounded",
-     "bounded truncation"),
-    ("pendulum", {"q0": "23/10"}, "gauss-2", 0.1, 4096, "energy", "strict", "bounded",
-     "bounded truncation"),
-    ("harmonic-oscillator", {}, "ab-2", 0.05, 2048, "energy", "strict", "linear", "drift"),
-]  # fmt: skip
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("case", KNOWN, ids=lambda case: f"{case[2]}-{case[0]}")
-def test_laws_and_causes_of_known_runs(case):
-    name, parameters, method, h, steps, quantity, arithmetic, kind, cause = case
-    found = diagnose(
-        problem(name, **parameters), load(method), h=h, steps=steps, quantity=quantity,
-        precise_steps=100, arithmetic=arithmetic,
-    )  # fmt: skip
-    assert (found.law.kind, found.cause) == (kind, cause)
-    if cause in ("drift", "bounded truncation"):
-        # what is of order p in h; of rk4 on the pendulum and of ab-2 on the oscillator the secular
-        # part of the energy error is one order smaller
-        order = {"rk4": 5, "ab-2": 3, "gauss-2": 4, "g6245": 6}[method]
-        assert found.order == pytest.approx(order, abs=0.2)
-
-
-@pytest.mark.slow
-def test_what_a_higher_precision_removes_is_round_off():
-    """Gauss-2 keeps the energy of the rigid body exactly: what is seen of it is round-off.
-
-    The near miss is the same run of rk4, whose drift stays at any precision.
-    """
-    body = problem("rigid-body")
-    walk = diagnose(
-        body, load("gauss-2"), h=0.1, steps=4096, quantity="energy", precise_steps=64,
-        arithmetic="naive", digits=25,
-    )  # fmt: skip
-    assert walk.cause == "round-off"
-    assert walk.law.largest < 1e-13
-    drift = diagnose(body, load("rk4"), h=0.1, steps=32768, precise_steps=200)
-    assert (drift.cause, drift.law.kind) == ("drift", "linear")
-
-
-def test_records_are_plain_json():
-    import json
-
-    found = diagnose(
-        problem("harmonic-oscillator"), load("rk4"), h=0.1, steps=64, precise_steps=8
-    ).as_json()
-    assert json.loads(json.dumps(found, allow_nan=False))["law"]["kind"]
+@pytest.mark.parametrize(
+    ("name", "parameters", "method", "h", "steps", "kind"),
+    [
+        ("pendulum", {"q0": "23/10"}, "gsymplectic-p", 0.1, 400, "blow-up"),
+        ("pendulum", {"q0": "23/10"}, "rk4", 0.1, 4096, "linear"),
+        ("pendulum", {"q0": "23/10"}, "gauss-2", 0.1, 4096, "bounded"),
+        ("harmonic-oscillator", {}, "ab-2", 0.05, 2048, "linear"),
+        ("rigid-body", {}, "rk4", 0.1, 32768, "linear"),
+    ],
+)
+def test_laws_of_known_runs(name, parameters, method, h, steps, kind):
+    subject, one = problem(name, **parameters), load(method)
+    run = solve(subject, one, h=h, steps=steps, every=max(1, steps // 2048))
+    deviation = samples_of(subject, one, run, "energy")
+    assert fit_law(run.t, deviation, ended=not run.completed).kind == kind

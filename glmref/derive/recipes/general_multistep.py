@@ -22,7 +22,15 @@ from ...errors import ExactnessError, UsageError
 from ...findings import Proof
 from ...theory.residues import in_order, residues
 from ..general_multistep import EndedHalf, GeneralHalf, general_document, matching_cosine
-from .record import Derivation, Progress, Statement, in_turn, prove_claims, shipped_names
+from .record import (
+    Derivation,
+    Progress,
+    Statement,
+    completed,
+    derived_source,
+    in_turn,
+    shipped_names,
+)
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": "", "kind": ""}
 
@@ -104,7 +112,7 @@ def half_of(text: str, key: str, *, semi: bool = False) -> GeneralHalf:
 
 def _complete(
     name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]
-) -> tuple[dict[str, Any], Statement]:
+) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Build a document and prove its claims.
 
     Raises
@@ -120,16 +128,10 @@ def _complete(
         f"{order} with one evaluation, for {systems}"
     )
     document = general_document(name, q, p, title=title)
-    document["source"] = {
-        "citation": "glmref, derived by `glmref derive general-multistep` from the conditions of "
-        f"{_PAGES[semi]}",
-        "where": where,
-        "status": "derived",
-    }
     found = residues(load_document(document))
     if found is None:
         raise ExactnessError(f"{name}: the residues are not found")
-    document["claims"] = {
+    claims = {
         "order": order,
         "order-identity": order,
         "starting-order": order,
@@ -137,9 +139,7 @@ def _complete(
         "explicit": not semi,
         "growth": [str(x.as_fraction()) for x in in_order(found)],
     }
-    if notes:
-        document["notes"] = list(notes)
-    prove_claims(name, document)
+    completed(document, claims, derived_source(where, "general-multistep", _PAGES[semi]), notes)
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
         f"{name}: order {order} on all systems, symmetric, one evaluation a step"
@@ -147,7 +147,7 @@ def _complete(
         f"residue is {largest:.4g}, the error constants are {float(q.error_constant):.4g} and "
         f"{float(p.error_constant):.4g}"
     )
-    return document, Statement(text, Proof.EXACT)
+    return document, [Statement(text, Proof.EXACT)]
 
 
 def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
@@ -173,7 +173,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         given = {name: SHIPPED[name] for name in shipped_names(options["name"], SHIPPED)}
         where, matched = "", True
 
-    def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Statement]:
+    def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
         q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
         if matched and not roots.semi:
             cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)

@@ -24,8 +24,9 @@ from .record import (
     Derivation,
     Progress,
     Statement,
+    completed,
+    derived_source,
     in_turn,
-    prove_claims,
     shipped_names,
     survey_notes,
 )
@@ -156,7 +157,7 @@ def claims_of(order: int, *, second: bool) -> dict[str, Any]:
 
 def _complete(
     name: str, numbers: _Numbers, notes: Sequence[str], where: str
-) -> tuple[dict[str, Any], Statement]:
+) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Build a document and prove its claims.
 
     Raises
@@ -166,22 +167,14 @@ def _complete(
     """
     second, order = not numbers.q, 2 * len(numbers.p) + 2
     document = numbers.document(name, order)
-    document["claims"] = claims_of(order, second=second)
-    document["source"] = {
-        "citation": "glmref, derived by `glmref derive multistep` from the conditions of "
-        "docs/multivalue.md",
-        "where": where,
-        "status": "derived",
-    }
-    if notes:
-        document["notes"] = list(notes)
-    prove_claims(name, document)
+    source = derived_source(where, "multistep", "docs/multivalue.md")
+    completed(document, claims_of(order, second=second), source, notes)
     systems = "second-order" if second else "separable"
     text = (
         f"{name}: order {order} on {systems} systems, start of the same order, symmetric, "
         f"parasitism-free"
     )
-    return document, Statement(text, Proof.EXACT)
+    return document, [Statement(text, Proof.EXACT)]
 
 
 def derive(options: Mapping[str, str], progress: Progress) -> Derivation:

@@ -19,21 +19,20 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from ...catalogue.reader import load_document
 from ...catalogue.writer import fill
-from ...errors import ExactnessError, UsageError
+from ...errors import UsageError
 from ...exact import Exact, ball
 from ...findings import Proof
 from ...prove.enclosure import prove
 from ...prove.newton import polish
 from ...prove.system import SweepSystem
-from ...prove.verifier import verify
 from ..recognise import exact_text, surds
 from .record import (
     Derivation,
     Progress,
     Statement,
     derived_source,
+    proved_exactly,
     rational_option,
     thesis_source,
 )
@@ -104,22 +103,6 @@ def _claims(*, symmetric: bool) -> dict[str, Any]:
     }
 
 
-def _verified(document: Mapping[str, Any], recipe: str) -> Derivation:
-    """Check all claims exactly.
-
-    Raises
-    ------
-    ExactnessError
-        Naming the claims that fail.
-    """
-    findings = verify(load_document(document, where=document["name"]))
-    failing = [x.claim for x in findings if str(x.verdict) != "holds"]
-    if failing or any(x.proof is not Proof.EXACT for x in findings):
-        raise ExactnessError(f"{document['name']}: not proved: {', '.join(failing)}")
-    text = f"{document['name']}: {', '.join(x.claim for x in findings)}"
-    return Derivation(recipe, [document], [Statement(text, Proof.EXACT)])
-
-
 def _thesis(b1: Fraction) -> Derivation:
     b2 = Fraction(1, 2) - b1
     square = 1 - Fraction(1, 3) / b2
@@ -149,7 +132,7 @@ def _thesis(b1: Fraction) -> Derivation:
     )
     errata = ("a21 is printed as -11/72; it is -11/172.",) if fixed else ()
     document["source"] = thesis_source(where, "corrected" if fixed else "derived", errata)
-    return _verified(document, "order4")
+    return Derivation("order4", [document], [proved_exactly(document)])
 
 
 def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
@@ -175,7 +158,7 @@ def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
         exactly["constants"] = {**document["constants"], **closed}
         exactly["claims"] = _claims(symmetric=True)
         exactly["source"] = derived_source(where)
-        return _verified(exactly, "order4")
+        return Derivation("order4", [exactly], [proved_exactly(exactly)])
     claims = _claims(symmetric=True)
     document["claims"] = {k: v for k, v in claims.items() if k != "order-identity"}
     document["source"] = derived_source(where)

@@ -15,12 +15,11 @@ from typing import Any
 from ...catalogue.claims import SECOND_ORDER_GROWTH
 from ...catalogue.reader import load_document
 from ...catalogue.writer import SYMMETRIC
-from ...errors import ExactnessError, UsageError
+from ...errors import UsageError
 from ...exact import Exact
 from ...exact.expression import parse, to_text
 from ...findings import Proof
 from ...prove.starting import target_of
-from ...prove.verifier import verify
 from ...theory.second_order import second_order
 from ..recognise import exact_text
 from .order6_family import Family, Forms, family, least_growth, solve_forms
@@ -31,6 +30,7 @@ from .record import (
     Statement,
     derived_source,
     kepler_notes,
+    proved_exactly,
     rational_option,
     survey_notes,
     thesis_source,
@@ -66,7 +66,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     found = [to_text(y) for x in invariants for y in (x.I1, x.I3)]
     document["claims"][SECOND_ORDER_GROWTH.key] = found
     progress("proof", 2, 3)
-    statements = [_prove(document)]
+    statements = [proved_exactly(document)]
     on_record = document["name"] in rough_starts()
     if options["start"] == "yes" and not on_record:
         raise UsageError(f"no start is on record for {document['name']}: derive without `start`")
@@ -262,19 +262,3 @@ def _source(c2: Fraction, z_text: str) -> dict[str, Any]:
         f"the construction of Khan (2018), section 3.4, with c2 = {c2}, its equations solved "
         "exactly"
     )
-
-
-def _prove(document: Mapping[str, Any]) -> Statement:
-    """Check the claims of the document exactly.
-
-    Raises
-    ------
-    ExactnessError
-        When one of them fails, which would be an error of this module.
-    """
-    findings = verify(load_document(document, where=document["name"]))
-    failing = [x.claim for x in findings if str(x.verdict) != "holds"]
-    if failing or any(x.proof is not Proof.EXACT for x in findings):
-        raise ExactnessError(f"{document['name']}: not proved exactly: {', '.join(failing)}")
-    claims = ", ".join(x.claim for x in findings)
-    return Statement(f"{document['name']}: {claims}", Proof.EXACT)

@@ -13,18 +13,31 @@ proves what their files claim. Likewise the starts, ``partitioned_starts.json``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from ...catalogue.reader import load_document
-from ...errors import GlmrefError, UsageError
+from ...errors import UsageError
 from ...findings import Proof
 from ...prove.enclosure import Enclosure
 from ...theory.stability import parasitic_curvature
 from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
-from .record import Derivation, Progress, Statement, kepler_notes, stored, survey_notes
+from ..search import Found
+from .record import (
+    Derivation,
+    Progress,
+    Statement,
+    derived_source,
+    in_turn,
+    kepler_notes,
+    searched,
+    shipped_names,
+    stored,
+    survey_notes,
+)
 from .shipped_pairs import SHIPPED, Shipped
 
 OPTIONS: Mapping[str, str] = {
@@ -39,20 +52,11 @@ OPTIONS: Mapping[str, str] = {
     "wanted": "1",
 }
 
-#: Largest residual in double precision of an end that is taken for a solution.
-SOLVED = 1e-10
 #: Larger coefficients lose digits: such a solution is passed over.
 LARGEST = 10.0
 
 
-def source(where: str) -> dict[str, Any]:
-    """Return the source record of a pair that this recipe found."""
-    return {
-        "citation": "glmref, derived by `glmref derive pairs` from the conditions of "
-        "docs/pairs-order.md",
-        "where": where,
-        "status": "derived",
-    }
+_PAGE = "docs/pairs-order.md"
 
 
 def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
@@ -65,32 +69,23 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     """
     if options["n"]:
         return _search(options, progress)
-    if options["name"] and options["name"] not in SHIPPED:
-        raise UsageError(f"`name` must be one of {', '.join(SHIPPED)}, got {options['name']!r}")
-    names = [options["name"]] if options["name"] else list(SHIPPED)
-    documents, statements = [], []
-    for k, name in enumerate(names):
-        progress(name, k, len(names))
-        document, enclosure = complete(SHIPPED[name])
-        documents.append(document)
-        statements.append(_statement(document, enclosure))
-    progress("done", len(names), len(names))
-    return Derivation("pairs", documents, statements)
+    names = shipped_names(options["name"], SHIPPED)
+    return in_turn("pairs", {x: partial(_complete, SHIPPED[x]) for x in names}, progress)
 
 
-def complete(shipped: Shipped) -> tuple[dict[str, Any], Enclosure]:
-    """Return document and proof of a shipped pair, with its start where one is on record."""
+def _complete(shipped: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
+    """Return a shipped pair, with its start where one is on record, and what was proved."""
     name = shipped.ansatz.name
     document, enclosure = complete_pair(
         shipped.ansatz,
         shipped.start.split(),
-        source=source(f"recipe pairs, name = {name}"),
+        source=derived_source(f"recipe pairs, name = {name}", "pairs", _PAGE),
         notes=[*shipped.notes, *kepler_notes(name), *survey_notes(name)],
     )
     half = rough_pair_starts().get(name)
     if half is not None:
         document = with_partitioned_start(document, enclosure, half)
-    return document, enclosure
+    return document, [_statement(document, enclosure)]
 
 
 def rough_pair_starts() -> Mapping[str, Any]:
@@ -146,36 +141,26 @@ def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
 
 def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
     ansatz, wanted = _read(options)
-    documents, statements = [], list[Statement]()
-    best, count = float("inf"), 0
-    for found in search_pairs(
+
+    def make(found: Found) -> tuple[dict[str, Any] | None, Sequence[Statement]]:
+        if max(map(abs, found.point)) >= LARGEST:
+            return None, []
+        square, point = fix_parameters(ansatz, found.point)
+        if wanted.wanted > 1:
+            square = replace(square, name=f"{ansatz.name}-{found.number}")
+        where = f"search, seed {wanted.seed}, start {found.number}"
+        document, enclosure = complete_pair(
+            square, [repr(x) for x in point], source=derived_source(where, "pairs", _PAGE)
+        )
+        if wanted.circle and not _stays_on_circle(document):
+            text = f"start {found.number}: its parasitic eigenvalues leave the unit circle"
+            return None, [Statement(text, Proof.ENCLOSED)]
+        return document, [_statement(document, enclosure)]
+
+    ends = search_pairs(
         ansatz,
         seed=wanted.seed,
         starts=wanted.tries,
         progress=lambda done, total: progress("starts", done, total),
-    ):
-        best, count = min(best, found.residual), count + 1
-        usable = found.residual < SOLVED and max(map(abs, found.point)) < LARGEST
-        if not usable or len(documents) >= wanted.wanted:
-            continue
-        try:
-            square, point = fix_parameters(ansatz, found.point)
-            if wanted.wanted > 1:
-                square = replace(square, name=f"{ansatz.name}-{found.number}")
-            document, enclosure = complete_pair(
-                square,
-                [repr(x) for x in point],
-                source=source(f"search, seed {wanted.seed}, start {found.number}"),
-            )
-        except GlmrefError as error:
-            statements.append(Statement(f"start {found.number}: {error}", Proof.MEASURED))
-            continue
-        if wanted.circle and not _stays_on_circle(document):
-            text = f"start {found.number}: its parasitic eigenvalues leave the unit circle"
-            statements.append(Statement(text, Proof.ENCLOSED))
-            continue
-        documents.append(document)
-        statements.append(_statement(document, enclosure))
-    text = f"{count} starts, smallest residual {best:.3g}, {len(documents)} pairs completed"
-    statements.append(Statement(text, Proof.MEASURED))
-    return Derivation("pairs", documents, statements)
+    )
+    return searched("pairs", ends, make, wanted=wanted.wanted, methods="pairs")

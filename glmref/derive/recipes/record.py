@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -12,11 +12,13 @@ from typing import Any
 
 from ...catalogue.lookup import data_root
 from ...catalogue.reader import load_document
-from ...errors import ExactnessError, UsageError
+from ...errors import ExactnessError, GlmrefError, UsageError
 from ...exact import Exact
 from ...exact.expression import parse
 from ...findings import Proof, Verdict
 from ...prove.facts import facts_of
+from ...prove.verifier import verify
+from ..search import Found
 
 #: A note that `campaigns/order6/test_measurements.py` compares with the data it names.
 GROWS = (
@@ -33,6 +35,9 @@ GROWS_LATER_ON_KEPLER = (
     "Over a hundred million steps from its default start its energy error or its carried values "
     "grow on Kepler's problem with eccentricity {}, see data/measurements/kepler-long.json."
 )
+#: Largest residual in double precision of an end that is taken for a solution.
+SOLVED = 1e-10
+
 #: An orbit is lost when the relative error of its energy passes this.
 LOST = 0.1
 
@@ -121,19 +126,48 @@ class Derivation:
 
 
 #: Makes a document with what was proved of it.
-Make = Callable[[], tuple[dict[str, Any], Statement]]
+Make = Callable[[], tuple[dict[str, Any], Sequence[Statement]]]
 
 
 def in_turn(recipe: str, makers: Mapping[str, Make], progress: Progress) -> Derivation:
     """Return the derivation of several methods, one after another, by their names."""
-    documents, statements = [], []
+    documents, statements = [], list[Statement]()
     for k, (name, make) in enumerate(makers.items()):
         progress(name, k, len(makers))
-        document, statement = make()
+        document, proved = make()
         documents.append(document)
-        statements.append(statement)
+        statements += proved
     progress("done", len(makers), len(makers))
     return Derivation(recipe, documents, statements)
+
+
+def searched(
+    recipe: str,
+    ends: Iterable[Found],
+    make: Callable[[Found], tuple[dict[str, Any] | None, Sequence[Statement]]],
+    *,
+    wanted: int,
+    methods: str = "methods",
+) -> Derivation:
+    """Return the derivation of the first methods that are wanted of a search.
+
+    ``make`` completes an end that is a solution, to ``None`` where it is not of the kind requested;
+    ``methods`` is what they are called.
+    """
+    documents, statements = [], list[Statement]()
+    best, count = float("inf"), 0
+    for found in ends:
+        best, count = min(best, found.residual), count + 1
+        if found.residual > SOLVED or len(documents) >= wanted:
+            continue
+        try:
+            document, proved = make(found)
+        except GlmrefError as error:
+            document, proved = None, [Statement(f"start {found.number}: {error}", Proof.MEASURED)]
+        documents += [document] if document else []
+        statements += proved
+    text = f"{count} starts, smallest residual {best:.3g}, {len(documents)} {methods} completed"
+    return Derivation(recipe, documents, [*statements, Statement(text, Proof.MEASURED)])
 
 
 _THESIS = (
@@ -147,18 +181,40 @@ _THESIS_BIBTEX = (
 )
 
 
-def prove_claims(name: str, document: Mapping[str, Any]) -> None:
-    """Prove every claim of a method document.
+def proved_exactly(document: Mapping[str, Any]) -> Statement:
+    """Verify all claims of a method document exactly.
+
+    Raises
+    ------
+    ExactnessError
+        Naming the claims that fail, which would be an error of the recipe.
+    """
+    findings = verify(load_document(document, where=document["name"]))
+    failing = [x.claim for x in findings if str(x.verdict) != "holds"]
+    if failing or any(x.proof is not Proof.EXACT for x in findings):
+        raise ExactnessError(f"{document['name']}: not proved exactly: {', '.join(failing)}")
+    return Statement(f"{document['name']}: {', '.join(x.claim for x in findings)}", Proof.EXACT)
+
+
+def completed(
+    document: dict[str, Any], claims: Mapping[str, Any], source: Mapping[str, Any],
+    notes: Sequence[str],
+) -> dict[str, Any]:  # fmt: skip
+    """Return a document with claims, of which each is proved, source and notes.
 
     Raises
     ------
     ExactnessError
         For the first claim that is not proved.
     """
+    document |= {"claims": dict(claims), "source": dict(source)}
+    if notes:
+        document["notes"] = list(notes)
     facts = facts_of(load_document(document))
-    for claim, declared in document["claims"].items():
+    for claim, declared in claims.items():
         if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
-            raise ExactnessError(f"{name}: the claim {claim} = {declared} is not proved")
+            raise ExactnessError(f"{document['name']}: {claim} = {declared} is not proved")
+    return document
 
 
 def rational_option(name: str, text: str) -> Fraction:
@@ -201,12 +257,20 @@ def thesis_source(
     return {**record, "bibtex": _THESIS_BIBTEX}
 
 
-def derived_source(where: str) -> dict[str, Any]:
-    """Return the source record of a method that was found by a recipe of this package."""
+_CONDITIONS = (
+    "Butcher, J. C. and Imran, G., Order conditions for G-symplectic methods, BIT Numerical "
+    "Mathematics 55 (2015), 927-948"
+)
+
+
+def derived_source(where: str, recipe: str = "", conditions: str = _CONDITIONS) -> dict[str, Any]:
+    """Return the source record of a method that was found by a recipe of this package.
+
+    ``conditions`` says where those stand from which it was derived.
+    """
+    command = f"glmref derive {recipe}".rstrip()
     return {
-        "citation": "glmref, derived by `glmref derive` from the conditions of Butcher, J. C. and "
-        "Imran, G., Order conditions for G-symplectic methods, BIT Numerical Mathematics 55 "
-        "(2015), 927-948",
+        "citation": f"glmref, derived by `{command}` from the conditions of {conditions}",
         "where": where,
         "status": "derived",
     }

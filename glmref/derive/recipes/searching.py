@@ -8,18 +8,18 @@ where starts run, as in ``glmref run --on``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ...compute import Records, executor, measure
-from ...errors import GlmrefError, UsageError
-from ...findings import Proof
+from ...errors import UsageError
 from ..ansatz import Ansatz
 from ..parameters import fix_parameters
 from ..search import Found
 from ..search_tasks import carry_out, ends_of, tasks_of
-from .record import Derivation, Progress, Statement
+from .record import Derivation, Progress, Statement, searched
 from .solved import Rough, finish
 
 OPTIONS: Mapping[str, str] = {
@@ -31,9 +31,6 @@ OPTIONS: Mapping[str, str] = {
     "state": "",
     "on": "",
 }
-
-#: Largest residual in double precision of an end that is taken for a solution.
-SOLVED = 1e-10
 
 
 def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
@@ -57,28 +54,15 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         raise UsageError(
             f"`seed`, `starts`, `wanted` and `scale` must be numbers ({error})"
         ) from None
-    documents, statements = [], list[Statement]()
-    best, count = float("inf"), 0
-    for found in _ends(ansatz, options, seed, starts, scale, progress):
-        best, count = min(best, found.residual), count + 1
-        if found.residual > SOLVED or len(documents) >= wanted:
-            continue
-        try:
-            square, point = fix_parameters(ansatz, found.point)
-            named = replace(
-                square, name=f"{ansatz.name}-{found.number}" if wanted > 1 else ansatz.name
-            )
-            start = " ".join(map(repr, point))
-            rough = Rough(named, start, f"search, seed {seed}, start {found.number}")
-            document, _, proved = finish(rough)
-        except GlmrefError as error:
-            statements.append(Statement(f"start {found.number}: {error}", Proof.MEASURED))
-            continue
-        documents.append(document)
-        statements += proved
-    text = f"{count} starts, smallest residual {best:.3g}, {len(documents)} methods completed"
-    statements.append(Statement(text, Proof.MEASURED))
-    return Derivation("search", documents, statements)
+
+    def make(found: Found) -> tuple[dict[str, Any], Sequence[Statement]]:
+        square, point = fix_parameters(ansatz, found.point)
+        named = replace(square, name=f"{ansatz.name}-{found.number}" if wanted > 1 else ansatz.name)
+        start = " ".join(map(repr, point))
+        return finish(Rough(named, start, f"search, seed {seed}, start {found.number}"))
+
+    ends = _ends(ansatz, options, seed, starts, scale, progress)
+    return searched("search", ends, make, wanted=wanted)
 
 
 def _ends(

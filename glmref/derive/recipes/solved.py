@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
@@ -24,6 +25,7 @@ from .record import (
     Progress,
     Statement,
     derived_source,
+    in_turn,
     kepler_notes,
     stored,
     survey_notes,
@@ -82,9 +84,7 @@ def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict
     return {**document, **blocks, "digits": DIGITS, "claims": claims}
 
 
-def finish(
-    rough: Rough, *, start: bool = True
-) -> tuple[dict[str, Any], Enclosure, list[Statement]]:
+def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[Statement]]:
     """Polish, prove and complete one method, with start and finish where they are on record.
 
     Raises
@@ -122,7 +122,7 @@ def finish(
             f"exact within the digits on all trees of order {enclosure.order} or less"
         )
         statements.append(Statement(text, Proof.ENCLOSED))
-    return document, enclosure, statements
+    return document, statements
 
 
 def deriver(
@@ -138,14 +138,9 @@ def deriver(
         if name != "all" and name not in table:
             raise UsageError(f"`name` must be all or one of {', '.join(table)}, got {name!r}")
         chosen = list(table) if name == "all" else [name]
-        documents, statements = [], list[Statement]()
-        for k, each in enumerate(chosen):
-            progress(each, k, len(chosen))
-            document, _, proved = finish(table[each], start=options["start"] == "yes")
-            documents.append(document)
-            statements += proved
-        progress("done", len(chosen), len(chosen))
-        return Derivation(recipe, documents, statements)
+        start = options["start"] == "yes"
+        makers = {each: partial(finish, table[each], start=start) for each in chosen}
+        return in_turn(recipe, makers, progress)
 
     return derive
 
