@@ -22,7 +22,7 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, fingerprint
 from glmref.catalogue.lookup import document, load, names
-from glmref.measure.stability import amplification, bounded, interval, locus, radius
+from glmref.measure.stability import bounded, interval, locus, moduli, radius
 from glmref.measure.timing import circumstances
 from glmref.method import GLM, PartitionedGLM
 from glmref.theory.stability import oscillator
@@ -38,7 +38,6 @@ NEARNESS = 1 / 400
 MOST = 12.0  # half side of the largest box
 FAR = 64.0  # how far an axis is looked at
 _BISECTIONS = 12
-_SAMPLES = 480
 
 Point = tuple[float, float]
 
@@ -58,7 +57,11 @@ def row(method: Any) -> dict[str, Any]:
         reach = _rounded_up(min(max(1.4 * end, 1.0), MOST))
         return {
             "reach": reach,
-            "moduli": [_text(piece) for piece in _moduli(whole, reach)],
+            "moduli": [
+                _text(simplified(piece, 2 * NEARNESS))
+                for piece in moduli(whole, 1.0, reach)
+                if len(piece) > 1
+            ],
             "oscillation": _short(end),
         }
     reach = _rounded_up(_reach(method))
@@ -223,29 +226,6 @@ def simplified(points: list[Point], near: float) -> list[Point]:
             keep[a + 1 + k] = True
             stack += [(a, a + 1 + k), (a + 1 + k, b)]
     return [(float(x), float(y)) for x, y in line[keep]]
-
-
-# --- curves ---------------------------------------------------------------------------------------
-
-
-def _moduli(whole: GLM, reach: float) -> list[list[Point]]:
-    """Return the moduli up to 2 of the eigenvalues, by size, along h omega."""
-    marks = np.linspace(0, reach, _SAMPLES + 1)
-    matrices = amplification(whole, marks)
-    finite = np.all(np.isfinite(matrices), axis=(1, 2))
-    sizes = np.full((len(marks), whole.r), np.nan)
-    sizes[finite] = np.sort(np.abs(np.linalg.eigvals(matrices[finite])), axis=1)
-    pieces: list[list[Point]] = []
-    for column in sizes.T:
-        piece: list[Point] = []
-        for x, y in zip(marks.tolist(), column.tolist(), strict=True):
-            if y <= 2:
-                piece.append((x, y))
-            elif piece:
-                pieces.append(piece)
-                piece = []
-        pieces.append(piece)
-    return [simplified(piece, 2 * NEARNESS) for piece in pieces if len(piece) > 1]
 
 
 def names_with_region() -> list[str]:

@@ -25,6 +25,7 @@ from ..method.rounding import FloatGLM
 #: Modulus of an eigenvalue, less one, that counts as growth. Where two eigenvalues meet, rounding
 #: moves them by the root of 2^-53 times the condition of M: about 1e-8, a tenth of this.
 GROWTH = 1e-7
+_SAMPLES = 480  # of a curve of moduli
 
 
 @lru_cache(maxsize=8)
@@ -64,6 +65,24 @@ def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
 def radius(method: GLM, z: Any) -> np.ndarray:
     """Return the spectral radius of M(z), shape of z; infinite at a pole."""
     return np.max(np.abs(_eigenvalues(amplification(method, z))), axis=-1)
+
+
+def moduli(method: GLM, direction: complex, reach: float) -> list[list[tuple[float, float]]]:
+    """Return curves of the moduli up to 2 of the eigenvalues of M, by size, at 0 .. reach.
+
+    Points are (x, modulus at ``x direction``); a curve ends where it passes 2.
+    """
+    marks = np.linspace(0, reach, _SAMPLES + 1)
+    sizes = np.sort(np.abs(_eigenvalues(amplification(method, direction * marks))), axis=1)
+    pieces: list[list[tuple[float, float]]] = []
+    for column in sizes.T:
+        pieces.append([])
+        for x, y in zip(marks.tolist(), column.tolist(), strict=True):
+            if y <= 2:
+                pieces[-1].append((x, y))
+            elif pieces[-1]:
+                pieces.append([])
+    return [piece for piece in pieces if piece]
 
 
 def bounded(method: GLM, z: Any) -> np.ndarray:

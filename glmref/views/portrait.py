@@ -8,13 +8,13 @@ oscillator q' = omega p, p' = -omega q alone. Numbers are measured, see
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..errors import UsageError
 from ..exact.linalg import Matrix
-from ..measure.stability import amplification, interval, locus, region
+from ..measure.stability import interval, locus, moduli, region
 from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..theory.stability import oscillator
 from .axes import Axes, document, round_ticks, text
@@ -22,7 +22,6 @@ from .axes import Axes, document, round_ticks, text
 _WIDTH, _HEIGHT = 870, 430
 _FILL, _LINE = "#9ecae9", "#0072b2"
 _REACH = 12.0  # a region that goes on is cut here
-_SAMPLES = 480
 
 
 def _panel(axes: Axes, title: str, labels: tuple[str, str]) -> list[str]:
@@ -96,36 +95,15 @@ def _moduli(
     """Return the moduli of the eigenvalues of M along the axis of oscillations."""
     end = interval(method, direction, most=_REACH)
     reach = min(max(1.4 * end, 1.0), _REACH)
-    marks = np.linspace(0, reach, _SAMPLES + 1)
-    matrices = amplification(method, direction * marks)
-    finite = np.all(np.isfinite(matrices), axis=(1, 2))
-    sizes = np.full((len(marks), method.r), np.nan)
-    sizes[finite] = np.sort(np.abs(np.linalg.eigvals(matrices[finite])), axis=1)
     axes = Axes(*place, (0, reach), (0, 2))
-    parts = []
-    for column in sizes.T:
-        for piece in _pieces(marks, column):
-            parts.append(
-                f'<polyline points="{axes.line(piece)}" fill="none" stroke="{_LINE}" '
-                f'stroke-width="1.4"/>'
-            )
+    parts = [
+        f'<polyline points="{axes.line(piece)}" fill="none" stroke="{_LINE}" stroke-width="1.4"/>'
+        for piece in moduli(method, direction, reach)
+    ]
     kept = "throughout" if end >= _REACH else f"up to {end:.4g}"
     # two lines: beside the digits of a bound, one would leave the picture
     title = f"moduli of eigenvalues against {axis}\ngrowth below 1e-7 {kept}"
     return [*parts, *_panel(axes, title, (axis, "|w|"))]
-
-
-def _pieces(xs: np.ndarray, ys: np.ndarray) -> Iterable[list[tuple[float, float]]]:
-    """Yield parts of a curve that lie inside the panel."""
-    piece: list[tuple[float, float]] = []
-    for x, y in zip(xs, ys, strict=True):
-        if np.isfinite(y) and 0 <= y <= 2:
-            piece.append((float(x), float(y)))
-        elif piece:
-            yield piece
-            piece = []
-    if piece:
-        yield piece
 
 
 def _sparsity(
