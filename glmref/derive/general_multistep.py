@@ -66,12 +66,12 @@ from .multistep import (
     dot,
     even_odd,
     exponential,
-    factorial,
     integrals,
     quotient,
     ring_points,
     solve,
     turning,
+    value_weights,
     written,
 )
 
@@ -279,25 +279,13 @@ def _start(halves: dict[str, GeneralHalf], order: int) -> dict[str, Any]:
         nodes = [0, *range(first, len(points))]
     n = len(points)
     A = [[row.get(j, _ZERO) for j in range(n)] for row in rows]
-    abscissae = [points[i] for i in nodes]
-    moments = [[x**k for x in abscissae] for k in range(len(nodes))]
     found: dict[str, Any] = {
         "name": f"Picard iteration, {order - 1} levels, at most {len(nodes)} points",
         "kind": "runge-kutta",
     }
     for hat, half in (("", halves["q"]), ("_hat", halves["p"])):
-        B: list[list[Fraction]] = []
-        for series in half.values(len(nodes)):
-            solved = solve(moments, [x * factorial(k) for k, x in enumerate(series)])
-            known = dict(zip(nodes, solved, strict=True))
-            B.append([known.get(j, _ZERO) for j in range(n)])
-        # the first value makes the stage of the first step the initial value
-        first_value = [-dot(half.U[1:], column) for column in zip(*B, strict=True)]
-        found |= {
-            f"A{hat}": A,
-            f"B{hat}": [first_value, *B],
-            f"u{hat}": [_ONE, *[_ZERO] * len(B)],
-        }
+        u, B = value_weights(half.values(len(nodes)), half.U, points, nodes)
+        found |= {f"A{hat}": A, f"B{hat}": B, f"u{hat}": u}
     return found
 
 

@@ -349,6 +349,26 @@ def ring_points(n: int, spacing: Fraction) -> list[Fraction]:
     return [s * i * spacing for i in range(1, n + 1) for s in (1, -1)]
 
 
+def value_weights(
+    series: Sequence[Series], functional: Sequence[Fraction], points: Sequence[Fraction],
+    nodes: Sequence[int],
+) -> tuple[list[Fraction], list[list[Fraction]]]:  # fmt: skip
+    """Return u and B of a start whose stages stand at the points, from slopes at some of them.
+
+    ``series`` are those of the values but the first, which makes ``functional`` of the values, the
+    solution, exact.
+    """
+    zero, powers = Fraction(0), range(len(nodes))
+    moments = [[points[i] ** k for i in nodes] for k in powers]
+    lines = []
+    for row in series:
+        solved = solve(moments, [row[k] * factorial(k) for k in powers])
+        known = dict(zip(nodes, solved, strict=True))
+        lines.append([known.get(j, zero) for j in range(len(points))])
+    first = [-dot(functional[1:], column) for column in zip(*lines, strict=True)]
+    return [Fraction(1), *[zero] * len(lines)], [first or [zero] * len(points), *lines]
+
+
 def _start(
     halves: dict[str, Half | TwoKicks], ended: Half | TwoKicks, rounds: int, spacing: Fraction
 ) -> dict[str, Any]:
@@ -381,21 +401,9 @@ def _start(
     def weights(
         half: Half | TwoKicks, nodes: list[int], of: list
     ) -> tuple[list, list[list[Fraction]]]:
-        points = [of[i][0] for i in nodes]
-        powers = range(len(points))
-        moments = [[x**k for x in points] for k in powers]
-        lines = []
-        for row in half.series(ended=half is ended):
-            solved = solve(moments, [row[k] * factorial(k) for k in powers])
-            known = dict(zip(nodes, solved, strict=True))
-            lines.append([known.get(j, zero) for j in range(len(of))])
-        # the first value is what makes the solution exact
         functional = half.stage if isinstance(half, Half) and half is not ended else half.solution
-        first = [
-            -sum((w * x for w, x in zip(functional[1:], column, strict=True)), zero)
-            for column in zip(*lines, strict=True)
-        ] or [zero] * len(of)
-        return [Fraction(1), *[zero] * len(lines)], [first, *lines]
+        points = [c for c, _ in of]
+        return value_weights(half.series(ended=half is ended), functional, points, nodes)
 
     u, B = weights(halves["q"], at_P, P)
     u_hat, B_hat = weights(halves["p"], at_Q, Q)

@@ -182,13 +182,7 @@ def _sum(a: Tree, b: Tree) -> Tree:
 
 
 def _difference(a: Tree, b: Tree) -> Tree:
-    if b is _ZERO:
-        return a
-    if a is _ZERO:
-        return _negative(b)
-    if isinstance(b, ast.UnaryOp):
-        return _binary(a, ast.Add(), b.operand)
-    return _binary(a, ast.Sub(), b)
+    return _sum(a, _negative(b))
 
 
 def _product(a: Tree, b: Tree) -> Tree:

@@ -231,7 +231,7 @@ class _CampaignReader(Reader):
     def _table(self, key: str) -> dict[str, Any]:
         table = self.document.get(key, {})
         if not isinstance(table, dict):
-            raise self.fail((key,), f"`{key}` must be a table, got {shown(table)}")
+            raise self.must((key,), "a table", table)
         return dict(table)
 
     def _complete(self, campaign: Campaign) -> None:

@@ -152,6 +152,10 @@ class Reader:
         )
         return DataError(f"{self.path.name}: line {line}: {sentence}")
 
+    def must(self, where: tuple[str, ...], what: str, value: Any, hint: str = "") -> DataError:
+        """Return the error for a value that is not what it must be."""
+        return self.fail(where, f"`{'.'.join(where)}` must be {what}, got {shown(value)}{hint}")
+
     # --- values -----------------------------------------------------------------------------------
 
     def number(self, where: tuple[str, ...], value: Any, *, positive: bool = True) -> float:
@@ -164,20 +168,13 @@ class Reader:
                 result = float(value)
         if not math.isfinite(result) or (positive and result <= 0):
             kind = "positive number" if positive else "number"
-            raise self.fail(
-                where,
-                f"`{'.'.join(where)}` must be a {kind} or an expression such as '20*pi', "
-                f"got {shown(value)}",
-            )
+            raise self.must(where, f"a {kind} or an expression such as '20*pi'", value)
         return result
 
     def whole(self, where: tuple[str, ...], value: Any, most: int) -> int:
         """Read a positive whole number."""
         if not isinstance(value, int) or isinstance(value, bool) or not 0 < value <= most:
-            raise self.fail(
-                where,
-                f"`{'.'.join(where)}` must be a whole number from 1 to {most}, got {shown(value)}",
-            )
+            raise self.must(where, f"a whole number from 1 to {most}", value)
         return value
 
     def choice(self, where: tuple[str, ...], value: Any, allowed: Any) -> str:
@@ -187,17 +184,13 @@ class Reader:
             hint = f"; did you mean {near[0]!r}?" if near else ""
             some = list(map(repr, allowed))[:MOST_LISTED]
             listed = ", ".join(some) + (", ..." if len(allowed) > MOST_LISTED else "")
-            raise self.fail(
-                where, f"`{'.'.join(where)}` must be one of {listed}, got {shown(value)}{hint}"
-            )
+            raise self.must(where, f"one of {listed}", value, hint)
         return value
 
     def items(self, where: tuple[str, ...], value: Any) -> Iterator[Any]:
         """Read a list without repetitions, of one entry or more."""
         if not isinstance(value, list) or not value:
-            raise self.fail(
-                where, f"`{'.'.join(where)}` must be a list with entries, got {shown(value)}"
-            )
+            raise self.must(where, "a list with entries", value)
         if len(value) > MOST_ENTRIES:
             raise self.fail(
                 where,
@@ -271,15 +264,10 @@ class Reader:
         for key in (*_TEXTS, *(x for x in ("$schema",) if x in given)):
             self.text((key,), given[key])
         if given["format"] != FORMAT:
-            raise self.fail(
-                ("format",), f"`format` must be {FORMAT!r}, got {shown(given['format'])}"
-            )
+            raise self.must(("format",), repr(FORMAT), given["format"])
         if not _NAME.fullmatch(given["name"]) or len(given["name"]) > MAX_NAME:
-            raise self.fail(
-                ("name",),
-                f"`name` must be lower-case words with hyphens, of at most {MAX_NAME} characters, "
-                f"got {shown(given['name'])}",
-            )
+            what = f"lower-case words with hyphens, of at most {MAX_NAME} characters"
+            raise self.must(("name",), what, given["name"])
         overrides = given.get("quick", {})
         if not isinstance(overrides, dict):
             raise self.fail(("quick",), "`quick` must be a table")
@@ -297,7 +285,7 @@ class Reader:
     def text(self, where: tuple[str, ...], value: Any) -> None:
         """Refuse what is not a text with a word in it."""
         if not isinstance(value, str) or not value.strip():
-            raise self.fail(where, f"`{'.'.join(where)}` must be a text, got {shown(value)}")
+            raise self.must(where, "a text", value)
         if len(value) > MAX_TEXT:
             raise self.fail(
                 where, f"`{'.'.join(where)}` has more than {MAX_TEXT} characters; shorten it"
@@ -388,10 +376,7 @@ class Reader:
         parameters = {k: v for k, v in table.items() if k != "name"}
         for key, value in parameters.items():
             if not isinstance(value, int | float | str) or isinstance(value, bool):
-                raise self.fail(
-                    ("problem", key),
-                    f"`problem.{key}` must be a number or a text such as '3/5', got {shown(value)}",
-                )
+                raise self.must(("problem", key), "a number or a text such as '3/5'", value)
         try:
             return build(table["name"], **parameters), parameters, None
         except UsageError as error:
@@ -420,11 +405,8 @@ class Reader:
         try:
             return hashlib.sha256(read_bytes(inside, MAX_BYTES)).hexdigest()
         except (DataError, ValueError):
-            raise self.fail(
-                ("problem", "file"),
-                f"`problem.file` must be like 'mine.py:make' with a file beside the scene, "
-                f"got {shown(where)}",
-            ) from None
+            what = "like 'mine.py:make' with a file beside the scene"
+            raise self.must(("problem", "file"), what, where) from None
 
     def _at_fault(self, error: UsageError, keys: list[str], otherwise: str) -> DataError:
         """Return the complaint about a problem, at the line of the key that it names."""

@@ -209,13 +209,17 @@ def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]
         method,
         h=task["h"],
         steps=task["steps"],
-        ask=[q for q in task["ask"] if q in ("state", "energy")],
-        repeats=task["repeats"],
-        budget=task["budget"],
+        **_asked(task),
         start=task["start"],
         renew=task.get("renew", 0),
     )
     return _spent(work.as_json(), task)
+
+
+def _asked(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is asked of a timed run, as arguments of what measures it."""
+    ask = [q for q in task["ask"] if q in ("state", "energy")]
+    return {"ask": ask, "repeats": task["repeats"], "budget": task["budget"]}
 
 
 def _subject(task: Mapping[str, Any]) -> Any:
@@ -361,7 +365,5 @@ def _peer(task: Mapping[str, Any]) -> dict[str, Any]:
         subject,
         tolerance=task["tolerance"],
         t_end=task["t_end"],
-        ask=[q for q in task["ask"] if q in ("state", "energy")],
-        repeats=task["repeats"],
-        budget=task["budget"],
+        **_asked(task),
     )
