@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
 import glmref
@@ -30,6 +30,7 @@ from glmref.method.preconsistency import (
 from glmref.prove.analysis import analyze
 from glmref.prove.facts import facts_of
 from tests.build import invertible
+from tests.examples import law
 
 SMALL = st.integers(-2, 2)
 LAWS = settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -120,10 +121,7 @@ def same_solutions(
 # --- a change of values ---------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(0, besides=("s4-symmetric", "g6245", "gsymplectic"))
-@pytest.mark.parametrize("name", CARRIED)
-@given(data=st.data())
-@LAWS
+@law(CARRIED, LAWS, 0, besides=("s4-symmetric", "g6245", "gsymplectic"))
 def test_analyze_says_the_same_of_other_values(name, data):
     m = glmref.load(name)
     other = m.transform(data.draw(invertible(m.r))).permute_stages(
@@ -132,10 +130,7 @@ def test_analyze_says_the_same_of_other_values(name, data):
     same_verdicts(analyze(m), analyze(other))
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", CARRIED)
-@given(data=st.data())
-@LAWS
+@law(CARRIED, LAWS, 1)
 def test_solve_returns_the_same_of_other_values(name, data):
     m = glmref.load(name)
     T = data.draw(invertible(m.r))
@@ -143,19 +138,13 @@ def test_solve_returns_the_same_of_other_values(name, data):
     same_solutions(m, other, condition=condition(T))
 
 
-@pytest.mark.sampled(0)
-@pytest.mark.parametrize("name", EXACT_PAIRS)
-@given(data=st.data())
-@LAWS
+@law(EXACT_PAIRS, LAWS, 0)
 def test_analyze_says_the_same_of_a_pair_in_other_values(name, data):
     m, other, _ = moved_pair(name, data)
     same_verdicts(analyze(m), analyze(other))
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", PAIRS)
-@given(data=st.data())
-@LAWS
+@law(PAIRS, LAWS, 1)
 def test_solve_returns_the_same_of_a_pair_in_other_values(name, data):
     m, other, size = moved_pair(name, data)
     same_solutions(m, other, condition=size)
@@ -171,10 +160,7 @@ def moved_pair(name: str, data: Any) -> tuple[PartitionedGLM, PartitionedGLM, fl
     return m, other.permute_stages(Q, P), max(condition(T), condition(T_hat))
 
 
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize("name", CARRIED)
-@given(data=st.data())
-@LAWS
+@law(CARRIED, LAWS, 3)
 def test_the_vectors_move_with_the_values(name, data):
     m = glmref.load(name)
     T = data.draw(invertible(m.r))

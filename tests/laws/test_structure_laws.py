@@ -27,7 +27,7 @@ from glmref.theory.stability_interval import real_interval
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import find_forms, g_symplectic, g_symplectic_residual
 from tests.build import invertible
-from tests.examples import examples
+from tests.examples import examples, law
 
 SMALL = st.integers(-3, 3)
 LAWS = settings(max_examples=8, deadline=None)
@@ -38,10 +38,7 @@ def same(a, b):
     return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
 
 
-@pytest.mark.sampled(2, besides=("s4-symmetric",))
-@pytest.mark.parametrize("name", METHODS)
-@given(data=st.data())
-@LAWS
+@law(METHODS, LAWS, 2, besides=("s4-symmetric",))
 def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
     m = glmref.load(name).bare()
     T = data.draw(invertible(m.r, 3))
@@ -54,10 +51,7 @@ def test_structure_does_not_depend_on_values_or_order_of_stages(name, data):
     assert stability_polynomial(other) == stability_polynomial(m)
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", METHODS)
-@given(data=st.data())
-@LAWS
+@law(METHODS, LAWS, 1)
 def test_forms_and_involutions_move_with_the_values(name, data):
     m = glmref.load(name).bare()
     T = data.draw(invertible(m.r, 3))
