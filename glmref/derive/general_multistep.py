@@ -67,12 +67,13 @@ from .multistep import (
     even_odd,
     exponential,
     integrals,
+    pair_series,
+    partitioned,
     quotient,
     ring_points,
     solve,
     turning,
     value_weights,
-    written,
 )
 
 _ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
@@ -170,8 +171,7 @@ class GeneralHalf:
         """Return the values but the first as series in x = h D, times h y'."""
         rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
         for c in self.cosines:
-            pair = even_odd(_ONE, length, 0)
-            pair[0] -= 2 * c
+            pair = pair_series(c, length)
             rows += [quotient(one, pair), quotient(exponential(-_ONE, length), pair)]
         if self.minus_one:
             step = exponential(_ONE, length)
@@ -212,8 +212,7 @@ class EndedHalf(GeneralHalf):
         """Return the values but the first as series in x = h D, times h y'."""
         rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
         for c in self.cosines:
-            pair = even_odd(_ONE, length, 0)
-            pair[0] -= 2 * c
+            pair = pair_series(c, length)
             later = [x / 2 for x in even_odd(_ONE, length, 1)]
             later[0] += c
             rows += [quotient(later, pair), quotient(one, pair)]
@@ -303,12 +302,5 @@ def general_document(
         raise UsageError(f"the halves have the orders {q.order} and {p.order}: give equal ones")
     if set(q.cosines) & set(p.cosines) or (q.minus_one and p.minus_one):
         raise UsageError("the halves must have no root but 1 in common")
-    return written({
-        "format": "glmref-method-1",
-        "name": name,
-        "title": title,
-        "class": "partitioned",
-        "q": q.block(),
-        "p": p.block(),
-        "starting": {**_start({"q": q, "p": p}, q.order + 1), "order": q.order},
-    })  # fmt: skip
+    start = _start({"q": q, "p": p}, q.order + 1)
+    return partitioned(name, title, q.block(), p.block(), start, q.order)

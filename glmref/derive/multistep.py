@@ -92,6 +92,12 @@ def even_odd(rate: Fraction, length: int, parity: int) -> Series:
     ]
 
 
+def pair_series(c: Fraction, length: int) -> Series:
+    """Return 2 cosh(x) - 2 c, which a pair of roots of the cosine c divides by."""
+    first, *rest = even_odd(Fraction(1), length, 0)
+    return [first - 2 * c, *rest]
+
+
 def solve(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
     """Solve a square system of rational equations.
 
@@ -127,9 +133,7 @@ class Half:
         n = self.length = 2 * self.m + 6
         half = Fraction(1, 2)
         self.sinh = even_odd(half, n, 1)
-        self.pairs = [even_odd(Fraction(1), n, 0) for _ in self.cosines]
-        for pair, c in zip(self.pairs, self.cosines, strict=True):
-            pair[0] -= 2 * c
+        self.pairs = [pair_series(c, n) for c in self.cosines]
         one = [Fraction(1), *[Fraction(0)] * (n - 1)]
         # all times x, so that they are power series
         main = quotient(one, [*self.sinh[1:], Fraction(0)])
@@ -484,7 +488,8 @@ def multistep_document(
     middle, ends = _halves(ended, other)
     block_q, block_p = (ends, middle) if second else (middle, ends)
     start = _start({"q": half_q, "p": half_p}, ended, rounds, SPACING)
-    return _partitioned(name, title, block_q, block_p, start, 2 if second else 2 * rounds)
+    order = 2 if second else 2 * rounds
+    return partitioned(name, title, block_q, block_p, start, order, separable=True)
 
 
 def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str, Any]:
@@ -492,7 +497,7 @@ def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str
     q, p = half.blocks()
     rounds = half.m + 1
     start = _start({"q": Half([]), "p": half}, half, rounds, TWO_KICK_SPACING)
-    return _partitioned(name, title, q, p, start, 2)
+    return partitioned(name, title, q, p, start, 2, separable=True)
 
 
 def written(value: Any) -> Any:
@@ -504,21 +509,17 @@ def written(value: Any) -> Any:
     return [written(x) for x in value] if isinstance(value, list | tuple) else value
 
 
-def _partitioned(
-    name: str,
-    title: str,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    start: Mapping[str, Any],
-    order: int,
-) -> dict[str, Any]:
-    """Return the document of two blocks and a start of an order on separable problems."""
+def partitioned(
+    name: str, title: str, q: Mapping[str, Any], p: Mapping[str, Any], start: Mapping[str, Any],
+    order: int, *, separable: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the document of two blocks and a start of an order."""
     return written({
         "format": "glmref-method-1",
         "name": name,
         "title": title,
         "class": "partitioned",
-        "separable": True,
+        **({"separable": True} if separable else {}),
         "q": q,
         "p": p,
         "starting": {**start, "order": order},

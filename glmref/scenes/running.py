@@ -191,10 +191,8 @@ def _orbit(
     path = orbit(
         subject,
         method,
-        h=task["h"],
         steps=record["steps"],
-        start=task["start"],
-        renew=task.get("renew", 0),
+        **_taken(task),
     )
     block = path.as_json()
     if block["ended"] is None and record["outcome"] != "completed":
@@ -207,13 +205,16 @@ def _short(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]
     work = measure(
         subject,
         method,
-        h=task["h"],
         steps=task["steps"],
+        **_taken(task),
         **_asked(task),
-        start=task["start"],
-        renew=task.get("renew", 0),
     )
     return _spent(work.as_json(), task)
+
+
+def _taken(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how the steps of a task are taken, as arguments of what follows or measures a run."""
+    return {"h": task["h"], "start": task["start"], "renew": task.get("renew", 0)}
 
 
 def _asked(task: Mapping[str, Any]) -> dict[str, Any]:

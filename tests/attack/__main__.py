@@ -1,7 +1,8 @@
 """``python -m tests.attack NAME --count N --seed S``: run one attack and print what came of it.
 
 Each module but those that several use is an attack. It offers ``COUNT``, the number of cases in full, and either
-``main(count, seed)``, which prints counts and violations and returns the exit code, or what :mod:`.texts` runs.
+``main(count, seed)``, which prints counts and violations and returns the exit code, ``attack(count, seed, say)``, which
+returns a :class:`.tally.Tally`, or what :mod:`.texts` runs.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ def main(arguments: list[str] | None = None) -> int:
     count = module.COUNT if given.count is None else given.count
     if hasattr(module, "main"):
         return int(module.main(count, given.seed) or 0)
+    if hasattr(module, "attack"):
+        return module.attack(count, given.seed, lambda line: print(line, flush=True)).printed()
     return texts.main(module, count, given.seed)
 
 

@@ -22,7 +22,6 @@ import select
 import signal
 import sys
 import tempfile
-import time
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -840,19 +839,5 @@ def _processor(child: int) -> float:
 
 def attack(count: int, seed: int, say: Callable[[str], None] = lambda _: None) -> Tally:
     """Run cases and count what comes of them."""
-    tally = Tally()
     bases(), enclosed(), by_class()  # read once, before processes are made
-    started = time.monotonic()
-    for number, (end, text, wrong) in enumerate(_results(count, seed, patience=60.0), 1):
-        tally.outcomes[end] += 1
-        for sentence in wrong:
-            tally.violations.append(f"{sentence} [{text}]")
-            say(f"{text}: {sentence}")
-        if number % 500 == 0:
-            say(f"{number} of {count} after {time.monotonic() - started:.0f} s")
-    return tally
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations; 1 where there is a violation."""
-    return attack(count, seed, lambda line: print(line, flush=True)).printed()
+    return Tally.of(_results(count, seed, patience=60.0), say)

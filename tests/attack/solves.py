@@ -600,18 +600,5 @@ def _beyond(case: Case, found: Solution) -> bool:
 
 def attack(count: int, seed: int, say: Callable[[str], None] = lambda _: None) -> Tally:
     """Run cases and count what comes of them."""
-    tally = Tally()
-    for number, case in enumerate(cases(count, seed), 1):
-        end, wrong = violations(case)
-        tally.outcomes[end] += 1
-        for text in wrong:
-            tally.violations.append(f"{text} [{case}]")
-            say(f"case {number}: {text} [{case}]")
-        if number % 200 == 0:
-            say(f"{number} of {count}")
-    return tally
-
-
-def main(count: int = COUNT, seed: int = 1) -> int:
-    """Print counts and violations; 1 where there is a violation."""
-    return attack(count, seed, lambda line: print(line, flush=True)).printed()
+    judged = ((case, *violations(case)) for case in cases(count, seed))
+    return Tally.of(((end, str(case), wrong) for case, end, wrong in judged), say)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 
@@ -14,6 +15,21 @@ class Tally:
     outcomes: Counter[str] = field(default_factory=Counter)
     #: One text for each, with the case that shows it.
     violations: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(
+        cls, results: Iterable[tuple[str, str, Iterable[str]]], say: Callable[[str], None]
+    ) -> Tally:
+        """Count outcomes of cases, with what each violates; say these and how far it is."""
+        tally = cls()
+        for number, (end, case, wrong) in enumerate(results, 1):
+            tally.outcomes[end] += 1
+            for sentence in wrong:
+                tally.violations.append(f"{sentence} [{case}]")
+                say(f"case {number}: {sentence} [{case}]")
+            if number % 500 == 0:
+                say(f"{number} cases")
+        return tally
 
     def text(self) -> str:
         """Counts and violations, one per line."""

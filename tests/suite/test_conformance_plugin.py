@@ -20,6 +20,7 @@ import glmref
 import glmref.conformance.checks
 import glmref.conformance.generate
 import glmref.conformance.pipe
+from glmref.conformance import adapter
 
 pytest_plugins = ["pytester"]
 
@@ -29,18 +30,9 @@ PLUGIN = [] if INSTALLED else ["-p", "glmref.conformance.plugin"]
 SUITE = ["--pyargs", "glmref.conformance", "-p", "no:cacheprovider"]
 
 #: What `glmref.conformance.adapter` shows its reader; the second class has one fault.
-ADAPTERS = """
-class Adapter:
-    methods = ("rk4",)
-
-    def step(self, method, problem, t, y, h):
-        f = problem.f
-        k1 = f(t, y)
-        k2 = f(t + h / 2, y + h / 2 * k1)
-        k3 = f(t + h / 2, y + h / 2 * k2)
-        k4 = f(t + h, y + h * k3)
-        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-
+ADAPTERS = (
+    textwrap.dedent(str(adapter.__doc__).partition("::\n")[2])
+    + """
 
 class TimeForgotten(Adapter):
     def step(self, method, problem, t, y, h):
@@ -72,6 +64,7 @@ class NeedsArguments(Adapter):
 def broken():
     raise OSError("no library")
 """
+)
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -106,12 +106,14 @@ def test_cosines_of_no_such_method_are_refused(q: Sequence[str], p: Sequence[str
         multistep_document("none", [Fraction(x) for x in q], [Fraction(x) for x in p])
 
 
-@pytest.mark.parametrize("cosines", [SECOND, SEPARABLE])
-def test_one_force_is_evaluated_a_step(cosines: Cosines) -> None:
-    method = load_document(document(cosines))
-    target = problem("henon-heiles")
+@pytest.mark.parametrize(
+    ("made", "forces"),
+    [(lambda: document(SECOND), 1), (lambda: document(SEPARABLE), 1), (lambda: two_kicks(), 2)],
+)
+def test_so_many_forces_are_evaluated_a_step(made: Callable[[], Any], forces: int) -> None:
+    method, target = load_document(made()), problem("henon-heiles")
     run = solve(target, method, h=0.05, steps=100)
-    assert run.evaluations == 100
+    assert run.evaluations == 100 * forces
     slow = solve(target, method, h=0.05, steps=100, engine="reference")
     assert np.allclose(run.y[-1], slow.y[-1], rtol=0, atol=1e-13)
 
@@ -175,14 +177,6 @@ def test_two_steps_with_one_kick_are_one_with_two() -> None:
     a = solve(target, one, h=0.05, steps=100).y[-1]
     b = solve(target, two, h=0.1, steps=50).y[-1]
     assert np.allclose(a, b, rtol=0, atol=1e-10)  # round-off of the weights of the start
-
-
-def test_two_forces_are_evaluated_in_a_step_with_two_kicks() -> None:
-    method, target = load_document(two_kicks()), problem("henon-heiles")
-    run = solve(target, method, h=0.05, steps=100)
-    assert run.evaluations == 200
-    slow = solve(target, method, h=0.05, steps=100, engine="reference")
-    assert np.allclose(run.y[-1], slow.y[-1], rtol=0, atol=1e-13)
 
 
 def test_the_order_of_two_kicks_is_seen_in_runs_there_and_back() -> None:

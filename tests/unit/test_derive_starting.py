@@ -174,12 +174,17 @@ def test_the_inverse_finish_is_recognised_and_a_changed_one_is_not() -> None:
     assert not is_inverse(opening, closing)
 
 
-@pytest.mark.slow
-def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
-    doc = document("order8-s3-w3-i")
+def with_target(name):
+    """Return a document, and what its start aims at."""
+    doc = document(name)
     bare = {k: v for k, v in doc.items() if k not in ("starting", "finishing")}
     record = prove(bare)
-    target = Target.of(bare, record.system, record.series)
+    return doc, Target.of(bare, record.system, record.series)
+
+
+@pytest.mark.slow
+def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
+    doc, target = with_target("order8-s3-w3-i")
     start = prove_starting(doc["starting"], target)
     assert target.stage_order == 3
     assert len(start.box) == 6 + 2 * 22 + 3 * 12  # y_1, two even values, three odd ones
@@ -190,10 +195,7 @@ def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
 
 
 def test_too_few_stages_are_reported() -> None:
-    doc = document("order8-s3-w3-i")
-    bare = {k: v for k, v in doc.items() if k not in ("starting", "finishing")}
-    record = prove(bare)
-    target = Target.of(bare, record.system, record.series)
+    _, target = with_target("order8-s3-w3-i")
     with pytest.raises(ExactnessError, match="add pairs"):
         linear_start([{"c": "1/2"}], target, first=4)
 
