@@ -17,26 +17,6 @@ from .model import Problem
 from .precision import Flow
 from .ranges import count
 
-# name of an extreme case -> the problem and the parameters that make it one
-PRESETS: Mapping[str, tuple[str, Mapping[str, object]]] = {
-    "eccentric 0.9": ("kepler", {"eccentricity": "9/10"}),
-    "eccentric 0.99": ("kepler", {"eccentricity": "99/100"}),
-    "eccentric 0.999": ("kepler", {"eccentricity": "999/1000"}),
-    "near collision": ("pythagorean", {}),
-    "tiny oscillator": ("harmonic-oscillator", {"q0": "1e-150"}),
-    "huge oscillator": ("harmonic-oscillator", {"q0": "1e150"}),
-    "denormal oscillator": ("harmonic-oscillator", {"q0": "1e-310"}),
-    "tiny orbit": ("scaled-kepler", {"length": "1e-150"}),
-    "huge orbit": ("scaled-kepler", {"length": "1e150"}),
-    "orbit that underflows": ("scaled-kepler", {"length": "1e-170"}),
-    "one component": ("dahlquist", {}),
-    "many components": ("long-chain", {}),
-    "no field": ("zero-field", {}),
-    "linear field": ("linear-field", {}),
-    "chaos": ("henon-heiles", {}),
-    "inverted pendulum": ("pendulum", {"q0": "3.1415926535", "p0": 0}),
-}
-
 
 def zero_field(dimension: object = 3) -> Problem:
     """Field y' = 0: a step must return V^n y exactly, and nothing needs to be evaluated."""
