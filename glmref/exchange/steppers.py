@@ -14,7 +14,7 @@ where the word holds:
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 
@@ -68,6 +68,13 @@ def fill(template: str, words: frozenset[str], values: Mapping[str, str]) -> str
         elif all(here for _, here in states):
             out.append(_MARK.sub(lambda m: values[m[1]], line))
     return "\n".join(out) + "\n"
+
+
+def filled(template: str, words: Iterable[str], values: Mapping[str, object]) -> str:
+    """Fill a template of the folder ``templates``."""
+    source = files("glmref.exchange") / "templates" / template
+    texts = {name: str(x) for name, x in values.items()}
+    return fill(source.read_text(encoding="utf-8"), frozenset(words), texts)
 
 
 @dataclass(frozen=True)
@@ -150,7 +157,6 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
     used = [x for _, t in scheme.tables for m in (t.A, t.U, t.B, t.V) for row in m for x in row]
     remark = f"Coefficients differ from the exact ones by at most {worst(used, digits):.2g}; "
     remark += "the rounding residual of B is added back (L)."
-    source = files("glmref.exchange") / "templates" / chosen.template
     values = {
         "name": name,
         "header": header(method, language, chosen.comment, remark),
@@ -168,7 +174,7 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
         ),
         **chosen.values(scheme, name),
     }  # fmt: skip
-    return fill(source.read_text(encoding="utf-8"), _words(scheme), values)
+    return filled(chosen.template, _words(scheme), values)
 
 
 def _words(scheme: Scheme) -> frozenset[str]:

@@ -31,7 +31,7 @@ from ..views.notation import LATEX
 from ..views.tables import csv_text
 from .header import ONE_ROW, Comment, header, in_comment
 from .numbers import decimal_of, is_zero, rounded
-from .steppers import identifier, wrapped
+from .steppers import filled, identifier, wrapped
 
 #: Significant digits of decimals in tables: those of quadruple precision.
 DIGITS = 34
@@ -211,17 +211,26 @@ def _c_arrays(rows: Mapping[str, Matrix], target: str, digits: int) -> list[str]
     return lines
 
 
-def _c_tableau(
-    method: GLM | PartitionedGLM, target: str, does: str, digits: int
-) -> tuple[Butcher, str, list[str]]:
-    """Return an at most diagonally implicit tableau, the head of its file, and its arrays."""
-    tab = butcher(method, target)
-    if not method.is_diagonally_implicit:
-        raise UsageError(
-            f"{target} {does} explicit and diagonally implicit tableaux, and {method.name} is "
-            f"fully implicit; rungekutta.jl holds it"
-        )
-    return tab, _head(method, target, tab, _C, digits), _c_arrays(tab.rows, target, digits)
+def _c_values(
+    method: GLM | PartitionedGLM | AdditiveGLM, target: str, does: str, digits: int
+) -> dict[str, Any]:
+    """Return what a template of C says of a tableau, at most diagonally implicit, or of two."""
+    if isinstance(method, AdditiveGLM):
+        head, arrays, order, lower = _imex(method, target, digits)
+        s, embedded = method.s, bool(method.embedded)
+    else:
+        tab = butcher(method, target)
+        if not method.is_diagonally_implicit:
+            raise UsageError(
+                f"{target} {does} explicit and diagonally implicit tableaux, and {method.name} is "
+                f"fully implicit; rungekutta.jl holds it"
+            )
+        head, arrays = _head(method, target, tab, _C, digits), _c_arrays(tab.rows, target, digits)
+        s, order, lower, embedded = tab.s, tab.order, tab.lower, tab.row is not None
+    return {
+        "head": head, "arrays": "\n".join(arrays), "name": identifier(method.name), "s": s,
+        "order": order, "lower": lower, "embedded": embedded,
+    }  # fmt: skip
 
 
 def _imex(method: AdditiveGLM, target: str, digits: int) -> tuple[str, list[str], int, int]:
@@ -289,108 +298,34 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
     ahat = (*nothing, *b) if first == "q" else b
     a = a + nothing * (len(ahat) - len(a))
     rows: dict[str, Matrix] = {"a": (a,), "ahat": (ahat,)}
-    name = identifier(method.name)
     remark = f"Numbers that are not quotients have {digits} significant digits. "
     remark += "f1 is the force k(q), f2 the velocity f(p)."
-    lines = [header(method, "sundials", _C, remark, exact=_exact_lines(rows))]
-    lines += ["#include <arkode/arkode_sprk.h>", "", f"ARKodeSPRKTable {name}_table(void) {{"]
-    lines += _c_arrays(rows, "sundials", digits)
-    return "\n".join(
-        [
-            *lines,
-            f"  ARKodeSPRKTable table = ARKodeSPRKTable_Alloc({len(a)});",
-            "  int i;",
-            "  if (table == NULL) { return NULL; }",
-            f"  table->q = {_order(method)};",
-            f"  table->stages = {len(a)};",
-            f"  for (i = 0; i < {len(a)}; i++) {{",
-            "    table->a[i]    = a[i];",
-            "    table->ahat[i] = ahat[i];",
-            "  }",
-            "  return table;",
-            "}",
-            "",
-        ]
-    )
-
-
-def _ark_tables(method: AdditiveGLM, digits: int) -> str:
-    """Return the two tables of an implicit-explicit method, given to ARKStep."""
-    head, arrays, order, lower = _imex(method, "sundials", digits)
-    size = f"{method.s}, {order}, {lower}"
-    d, dt = ("d", "dt") if method.embedded else ("NULL", "NULL")
-    return "\n".join(
-        [
-            head,
-            "#include <arkode/arkode_arkstep.h>",
-            "",
-            "/* after ARKStepCreate(fe, fi, ...): fe is the explicit part */",
-            f"int {identifier(method.name)}_set_tables(void* arkode_mem) {{",
-            *arrays,
-            "  /* stages, order, order of the embedded method, 0 where there is none */",
-            f"  ARKodeButcherTable Be = ARKodeButcherTable_Create({size}, c, A, b, {d});",
-            f"  ARKodeButcherTable Bi = ARKodeButcherTable_Create({size}, ct, At, bt, {dt});",
-            "  int flag = ARK_MEM_FAIL;",
-            f"  if (Bi && Be) {{ flag = ARKStepSetTables(arkode_mem, {order}, {lower}, Bi, Be); }}",
-            "  ARKodeButcherTable_Free(Bi);",
-            "  ARKodeButcherTable_Free(Be);",
-            "  return flag;",
-            "}",
-            "",
-        ]
-    )
+    values = {
+        "head": header(method, "sundials", _C, remark, exact=_exact_lines(rows)),
+        "arrays": "\n".join(_c_arrays(rows, "sundials", digits)),
+        "name": identifier(method.name), "s": len(a), "order": _order(method),
+    }  # fmt: skip
+    return filled("table.sundials.in", ["sprk"], values)
 
 
 def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
-    if isinstance(method, AdditiveGLM):
-        return _ark_tables(method, digits)
-    if method.parts == 2 and (found := _sprk(method, digits)):
+    if not method.additive and method.parts == 2 and (found := _sprk(method, digits)):
         return found
-    tab, head, arrays = _c_tableau(method, "sundials", "steps", digits)
-    size, d = f"{tab.s}, {tab.order}, {tab.lower}", "NULL" if tab.row is None else "d"
-    return "\n".join(
-        [
-            head,
-            "#include <arkode/arkode_butcher.h>",
-            "",
-            f"ARKodeButcherTable {identifier(method.name)}_table(void) {{",
-            *arrays,
-            "  /* stages, order, order of the embedded method, 0 where there is none */",
-            f"  return ARKodeButcherTable_Create({size}, c, A, b, {d});",
-            "}",
-            "",
-        ]
-    )
+    values = _c_values(method, "sundials", "steps", digits)
+    d, dt = ("d", "dt") if values["embedded"] else ("NULL", "NULL")
+    words = ["ark"] if method.additive else []
+    return filled("table.sundials.in", words, values | {"d": d, "dt": dt})
 
 
 def _petsc(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
-    name = identifier(method.name)
-    if isinstance(method, AdditiveGLM):
-        head, arrays, order, _ = _imex(method, "petsc", digits)
-        embedded = "dt, d" if method.embedded else "NULL, NULL"
-        function, size = "TSARKIMEXRegister", f"{order}, {method.s}"
-        given = f"At, bt, ct, A, b, c,\n{'':30}{embedded}, 0, NULL, NULL"
-    else:
-        tab, head, arrays = _c_tableau(method, "petsc", "registers", digits)
-        function = "TSRKRegister" if method.is_explicit else "TSDIRKRegister"
-        size = f"{tab.order}, {tab.s}"
-        given = f"A, b, c, {'NULL' if tab.row is None else 'd'}, 1, b"
-    return "\n".join(
-        [
-            head,
-            "#include <petscts.h>",
-            "",
-            f"PetscErrorCode {name}_register(void)",
-            "{",
-            *arrays,
-            "",
-            "  PetscFunctionBegin;",
-            f'  PetscCall({function}("{method.name or name}", {size}, {given}));',
-            "  PetscFunctionReturn(PETSC_SUCCESS);",
-            "}",
-            "",
-        ]
-    )
+    values = _c_values(method, "petsc", "registers", digits)
+    rows = ("dt, d", "NULL, NULL") if method.additive else ("d", "NULL")
+    more = {
+        "title": method.name or identifier(method.name),
+        "embedded": rows[0] if values["embedded"] else rows[1],
+        "function": "TSRKRegister" if method.is_explicit else "TSDIRKRegister",
+    }
+    return filled("table.petsc.in", ["ark"] if method.additive else [], values | more)
 
 
 # --- Python: diffrax -----------------------------------------------------------------------------
@@ -415,14 +350,7 @@ def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
         lines = wrapped(items, "            ")
         return ["np.array(", "        [", *lines, "        ]", "    )"]
 
-    name = "".join(x.capitalize() for x in identifier(method.name).split("_"))
-    lines = [
-        _head(method, "diffrax", tab, _HASH, digits),
-        "import diffrax",
-        "import numpy as np",
-        "",
-    ]
-    lines += ["_tableau = diffrax.ButcherTableau("]
+    lines: list[str] = []
     for key, values in (("c", tab.c[1:]), ("b_sol", tab.b), ("b_error", tab.error)):
         first, *rest = array(values)
         lines += [f"    {key}={first}", *rest[:-1], rest[-1] + ","]
@@ -430,21 +358,15 @@ def _diffrax(method: GLM | PartitionedGLM, digits: int) -> str:
     for i in range(1, tab.s):
         lines += [f"    {x}" for x in array(tab.A[i][:i])]
         lines[-1] += ","
-    lines[-1:] = [lines[-1], "    ),", ")", "", ""]
     said = "No embedded method, so no error estimate: use it with ConstantStepSize."
     if tab.row is not None:
         said = f"The error estimate is the difference to a solution of order {tab.lower}."
-    lines += [
-        f"class {name}(diffrax.AbstractERK):",
-        f'    """{said}"""',
-        "",
-        "    tableau = _tableau",
-        "    interpolation_cls = diffrax.ThirdOrderHermitePolynomialInterpolation.from_k",
-        "",
-        "    def order(self, terms):",
-        f"        return {tab.order}",
-    ]
-    return "\n".join(lines) + "\n"
+    return filled("table.diffrax.in", (), {
+        "head": _head(method, "diffrax", tab, _HASH, digits),
+        "arrays": "\n".join([*lines, "    ),"]),
+        "name": "".join(x.capitalize() for x in identifier(method.name).split("_")),
+        "said": said, "order": tab.order,
+    })  # fmt: skip
 
 
 # --- Julia ---------------------------------------------------------------------------------------
