@@ -309,8 +309,10 @@ def _sprk(method: GLM | PartitionedGLM, digits: int) -> str | None:
 
 
 def _sundials(method: GLM | PartitionedGLM | AdditiveGLM, digits: int) -> str:
-    if not method.additive and method.parts == 2 and (found := _sprk(method, digits)):
-        return found
+    if not isinstance(method, AdditiveGLM) and method.parts == 2:
+        found = _sprk(method, digits)
+        if found is not None:
+            return found
     values = _c_values(method, "sundials", "steps", digits)
     d, dt = ("d", "dt") if values["embedded"] else ("NULL", "NULL")
     words = ["ark"] if method.additive else []
