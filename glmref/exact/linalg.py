@@ -226,11 +226,16 @@ def nullspace(a: Matrix) -> list[Vector]:
     """Return a basis of ``{x : a x = 0}``: a vector for each free column, its entry there 1."""
     columns = len(a[0])
     rows, pivots = _reduce(a, columns)
+    return _directions(dict(zip(pivots, rows, strict=False)), columns)
+
+
+def _directions(solved: Mapping[int, Sequence[Scalar]], n: int) -> list[Vector]:
+    """Return a solution of reduced equations, by pivots, for each column that has none."""
     basis: list[Vector] = []
-    for free in (j for j in range(columns) if j not in pivots):
-        vector: list[Scalar] = [_ZERO] * columns
+    for free in (j for j in range(n) if j not in solved):
+        vector: list[Scalar] = [_ZERO] * n
         vector[free] = _ONE
-        for row, pivot in zip(rows, pivots, strict=False):
+        for pivot, row in solved.items():
             vector[pivot] = -row[free]
         basis.append(tuple(vector))
     return basis
@@ -330,11 +335,4 @@ def _subtract(row: list[Scalar], factor: Scalar, other: list[Scalar]) -> list[Sc
 
 def _read_off(solved: dict[int, list[Scalar]], n: int) -> tuple[Vector, tuple[Vector, ...]]:
     point = tuple(solved[j][n] if j in solved else _ZERO for j in range(n))
-    directions: list[Vector] = []
-    for free in (j for j in range(n) if j not in solved):
-        direction: list[Scalar] = [_ZERO] * n
-        direction[free] = _ONE
-        for column, row in solved.items():
-            direction[column] = -row[free]
-        directions.append(tuple(direction))
-    return point, tuple(directions)
+    return point, tuple(_directions(solved, n))
