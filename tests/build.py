@@ -1,14 +1,15 @@
-"""Documents of methods that tests make up."""
+"""Documents of methods, and functions of users, that tests make up."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import mpmath
+import numpy as np
 from hypothesis import strategies as st
 
 from glmref.exact import exact, linalg
@@ -75,3 +76,21 @@ def high(digits: int = 40) -> Any:
     context = mpmath.MPContext()
     context.dps = digits
     return context
+
+
+def in_place(t: float, y: np.ndarray) -> np.ndarray:
+    """Return the slope of an oscillator in the array of its argument."""
+    held = y[0]
+    y[0] = y[1]
+    y[1] = -held
+    return y
+
+
+def sharing(held: Any) -> Callable[..., Any]:
+    """Return an oscillator that returns one buffer again and again."""
+
+    def f(t, y):
+        held[0], held[1] = y[1], -y[0]
+        return held
+
+    return f

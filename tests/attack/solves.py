@@ -39,6 +39,7 @@ from glmref import (
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.outcome import Outcome, Solution
 from glmref.system.arguments import shown
+from tests.build import in_place, sharing
 
 from .odd import ODD
 from .tally import Tally
@@ -87,27 +88,10 @@ def _good(t: float, y: np.ndarray) -> np.ndarray:
     return np.array([y[1], -y[0]])
 
 
-def _in_place(t: float, y: np.ndarray) -> np.ndarray:
-    held = y[0]
-    y[0] = y[1]
-    y[1] = -held
-    return y
-
-
 def _spoils(t: float, y: np.ndarray) -> np.ndarray:
     out = np.array([y[1], -y[0]])
     y[:] = 1e300
     return out
-
-
-def _buffer() -> Callable[..., Any]:
-    held = np.zeros(2)
-
-    def f(t: float, y: np.ndarray) -> np.ndarray:
-        held[0], held[1] = y[1], -y[0]
-        return held
-
-    return f
 
 
 def _raises(error: BaseException, after: float) -> Callable[..., Any]:
@@ -158,9 +142,9 @@ def _solves(t: float, y: np.ndarray) -> Any:
 
 #: What each is: right ("good"), to be noticed or refused ("doubtful"), or to be named ("bad").
 FUNCTIONS: dict[str, tuple[Callable[[], Callable[..., Any]], str]] = {
-    "in place": (lambda: _in_place, "good"),
+    "in place": (lambda: in_place, "good"),
     "spoils its argument": (lambda: _spoils, "good"),
-    "one buffer": (_buffer, "good"),
+    "one buffer": (lambda: sharing(np.zeros(2)), "good"),
     "a list": (lambda: lambda t, y: [y[1], -y[0]], "good"),
     "a tuple of 0-d arrays": (lambda: lambda t, y: (np.array(y[1]), np.array(-y[0])), "good"),
     "float32": (lambda: lambda t, y: _good(t, y).astype(np.float32), "doubtful"),

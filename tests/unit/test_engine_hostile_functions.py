@@ -11,6 +11,7 @@ from glmref import Interrupted, Problem, UsageError, solve
 from glmref.engine import function_checks
 from glmref.engine.outcome import Outcome
 from glmref.problems.user_functions import FunctionFailed, UserFunction
+from tests.build import in_place, sharing
 
 QUICK = ("reference", "interpreted")
 ENGINES = [*QUICK, pytest.param("compiled", marks=pytest.mark.slow)]  # numba takes a second each
@@ -22,28 +23,11 @@ def good(t, y):
     return np.array([y[1], -y[0]])
 
 
-def in_place(t, y):
-    q = y[0]
-    y[0] = y[1]
-    y[1] = -q
-    return y
-
-
 def spoils(t, y):
     out = np.array([y[1], -y[0]])
     y[0] = 1e30
     y[1] = -1e30
     return out
-
-
-def sharing():
-    held = np.zeros(2)
-
-    def f(t, y):
-        held[0], held[1] = y[1], -y[0]
-        return held
-
-    return f
 
 
 def listed(t, y):
@@ -55,7 +39,7 @@ def matrix(t, y):
 
 
 BENIGN = {
-    "in place": in_place, "spoils": spoils, "one buffer": sharing(), "list": listed,
+    "in place": in_place, "spoils": spoils, "one buffer": sharing(np.zeros(2)), "list": listed,
     "matrix": matrix,
 }  # fmt: skip
 
@@ -116,7 +100,7 @@ def test_given_functions_keep_the_caller_s_arrays():
     ]  # fmt: skip
     assert y.tolist() == [2.0, 1.0]
     assert not any(np.shares_memory(y, x) for x in results)
-    shared = oscillator(sharing())
+    shared = oscillator(sharing(np.zeros(2)))
     first, second = shared.f(0.0, y), shared.f(0.0, 3 * y)
     assert first.tolist() == [1.0, -2.0] and second.tolist() == [3.0, -6.0]
     columns = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
@@ -497,19 +481,9 @@ def test_extended_precision_calls_on_copies_too():
     expected = solve(
         oscillator(("y[1]", "-y[0]")), "rk4", h=0.1, steps=5, engine="reference", digits=30
     )
-    for f in (in_place, sharing_objects()):
+    for f in (in_place, sharing([0, 0])):
         run = solve(oscillator(f), "rk4", h=0.1, steps=5, engine="reference", digits=30)
         assert max(abs(a - b) for a, b in zip(run.y[-1], expected.y[-1], strict=True)) < 1e-28
-
-
-def sharing_objects():
-    held = [0, 0]
-
-    def f(t, y):
-        held[0], held[1] = y[1], -y[0]
-        return held
-
-    return f
 
 
 def test_values_differ_by_their_largest_difference():
