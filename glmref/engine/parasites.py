@@ -47,6 +47,9 @@ _ENERGY_TOO = 8.0
 _VISIBLE = 0.01
 #: The part of the solution at which the parasitic part is reported whatever the energy does.
 _OF_SOLUTION = 0.1
+#: The error of the energy, small at first, that is reported whatever the parasitic part is: one
+#: that had grown may have been renewed away.
+_OF_ENERGY = 0.1
 #: Numbers of coefficients of the polynomials.
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
@@ -173,7 +176,7 @@ class Watch:
         return float(function(errors)) / max(abs(first), np.finfo(float).tiny)
 
     def large(self, solutions: np.ndarray, step: int) -> bool:
-        """Return whether the parasitic part is large against the truncation error so far.
+        """Return whether the parasitic part is large against the truncation error, or energy lost.
 
         ``solutions`` (WINDOW, d) are those of successive steps, the last with number ``step``.
         """
@@ -200,13 +203,15 @@ class Watch:
                 self.energy_error, self._error_of_energy(solutions, max, 4 * _SAMPLES)
             )
             return False
+        # at a close encounter the largest error is large for a moment, also of a sound orbit
+        error = self._error_of_energy(solutions, np.median, _SAMPLES)
+        if error > _OF_ENERGY > _ENERGY * self.energy_error:
+            return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
         if (found <= enough).all():
             return False
         if (found > np.maximum(enough, _OF_SOLUTION * size)).any():
             return True  # the energy is not in every direction a measure
-        # at a close encounter the largest error is large for a moment, also of a sound orbit
-        error = self._error_of_energy(solutions, np.median, _SAMPLES)
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
         return error > factor * max(self.energy_error, unit)
 
@@ -215,7 +220,7 @@ class Watch:
         shear = "gauge='auto', " if self.canonical else ""
         return (
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
-            f"against the truncation error, and the orbit is being lost; give {shear}"
-            f"renew=1000, a smaller h, or an implicit method such as gauss-4, see "
+            f"against the truncation error, or the energy wrong, and the orbit is being lost; give "
+            f"{shear}renew=1000, a smaller h, or an implicit method such as gauss-4, see "
             f"docs/{self.page}.md"
         )

@@ -203,6 +203,17 @@ def test_an_energy_error_without_a_parasitic_part_is_not_reported() -> None:
     assert not watch.large(steps_of(1e-3, 0.0, 1.0, 0), 2000)
 
 
+@pytest.mark.parametrize(
+    ("first", "later", "seen"), [(1e-9, 0.05, False), (1e-9, 0.15, True), (0.01, 0.15, False)]
+)
+def test_an_energy_that_is_wrong_by_a_tenth_is(first: float, later: float, seen: bool) -> None:
+    """As after an encounter that a renewal followed; an energy near zero is no measure."""
+    watch = Watch(method_of("multistep-kinetic-8"), replace(PARTICLE, hamiltonian=oscillator))
+    for step, energy in ((WINDOW, 0.0), (2 * WINDOW, first), (3 * WINDOW, 0.0)):
+        assert not watch.large(steps_of(energy, 0.0, 1.0, 0), step)
+    assert watch.large(steps_of(later, 0.0, 1.0, 0), 2000) is seen
+
+
 def test_windows_of_long_runs_leave_gaps_in_which_nothing_is_seen() -> None:
     assert max(np.diff(windows(100_000, 0))) > 20_000
 
