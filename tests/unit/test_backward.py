@@ -496,44 +496,6 @@ def test_problems_that_have_no_modified_energy_are_refused():
         found.energy_at(own, [1, 1], 0.1)
 
 
-def _drifts(name, orders, digits):
-    """Largest drift of H~ of each order at h = 1/10 and 1/20, on the pendulum through T = 10."""
-    method, problem = load(name), glmref.problem("pendulum")
-    found, drifts = modified(method, max(orders)), []
-    for steps in (100, 200):
-        engine = stepper(method, problem, digits=digits)
-        with mpmath.workdps(digits):
-            h = mpmath.mpf(10) / steps
-            values = found.start_at(
-                problem, [mpmath.mpf(6) / 5, mpmath.mpf(3) / 10], h, digits=digits
-            )
-            energies = []
-            for k in range(steps + 1):
-                if k % (steps // 50) == 0:
-                    y = engine.solution(values)
-                    energies.append(
-                        [found.energy_at(problem, y, h, order=n, digits=digits) for n in orders]
-                    )
-                values = engine.step(0, values, h).values
-        drifts.append(
-            [max(abs(e[i] - energies[0][i]) for e in energies) for i in range(len(orders))]
-        )
-    return [float(mpmath.log(a / b, 2)) for a, b in zip(*drifts, strict=True)]
-
-
-@pytest.mark.slow
-def test_drift_of_a_pair_on_the_pendulum():
-    slopes = _drifts("stormer-verlet", (1, 3, 5), 30)
-    assert slopes == pytest.approx([2, 4, 6], abs=0.2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["gsymplectic-n", "gauss-2"])
-def test_drift_of_modified_energies_on_the_pendulum(name):
-    slopes = _drifts(name, (1, 5, 7, 9), 45)
-    assert slopes == pytest.approx([4, 6, 8, 10], abs=0.2)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "h", "end"), [("pendulum", 0.05, 20), ("kepler", 0.02, 12)])
 @pytest.mark.parametrize(

@@ -1,0 +1,119 @@
+"""Drift of H and of the modified energies as h is halved, in 60 digits.
+
+The function that the outputs conserve, taken over trees through order n, drifts by C h^n on an
+orbit, by C h^(n + 1) where its next term is zero too, as with symmetric methods and odd n. Runs
+begin with the values on which a method acts as its one-step method, so that parasitic parts stay
+below what is measured.
+
+    python -m campaigns.modified_slopes data/measurements/modified-slopes.json
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import mpmath
+
+from campaigns.driver import Case, arguments, fingerprint, renew
+from glmref import modified
+from glmref.catalogue.lookup import load
+from glmref.engine.reference import stepper
+from glmref.problems import problem
+from glmref.problems.model import Problem
+from glmref.scenes.modified import Modified
+
+METHODS = ("gauss-2", "gsymplectic-n", "s4-symmetric", "s5z-w3", "stormer-verlet", "pair-4-4")
+#: Problem, larger of two step sizes as a reciprocal, and steps of that size.
+PROBLEMS: Mapping[str, tuple[Callable[[], Problem], int, int]] = {
+    "pendulum": (lambda: problem("pendulum"), 10, 200),
+    "henon-heiles": (lambda: problem("henon-heiles"), 10, 200),
+    "kepler, e = 1/10": (lambda: problem("kepler", eccentricity="1/10"), 20, 200),
+    "lotka-volterra-logarithmic": (lambda: problem("lotka-volterra-logarithmic"), 40, 240),
+    "toda, 3 sites": (lambda: problem("toda", sites=3), 20, 200),
+}
+#: Trees are taken through these orders; order 1 is H itself.
+ORDERS = (1, 5, 7, 9)
+DIGITS, SAMPLES = 60, 20
+
+
+@cache
+def _modified(name: str) -> Modified:
+    return modified(load(name), ORDERS[-1] + 2)
+
+
+def drifts(name: str, on: str, halvings: int) -> list[float]:
+    """Return the largest drift of the modified energy of each order over the samples of a run."""
+    make, parts, steps = PROBLEMS[on]
+    found, target, count = _modified(name), make(), steps << halvings
+    engine = stepper(load(name), target, digits=DIGITS)
+    with mpmath.workdps(DIGITS):
+        h = mpmath.mpf(1) / (parts << halvings)
+        values = found.start_at(target, engine.problem.y0, h, digits=DIGITS)
+        energies = []
+        for n in range(count + 1):
+            if n % (count // SAMPLES) == 0:
+                y = engine.solution(values)
+                energies.append(
+                    [found.energy_at(target, y, h, order=k, digits=DIGITS) for k in ORDERS]
+                )
+            values = engine.step(0, values, h).values
+        return [float(max(abs(x - some[0]) for x in some)) for some in zip(*energies, strict=True)]
+
+
+def row(case: Case) -> dict[str, Any]:
+    """Measure one method on one problem with both step sizes."""
+    return {"drifts": [drifts(case["method"], case["problem"], k) for k in (0, 1)]}
+
+
+def slopes(x: Mapping[str, Any]) -> list[float]:
+    """Return by which powers of h the drifts of a row fall, one for each of :data:`ORDERS`."""
+    ((coarse, fine),) = pairwise(x["drifts"])
+    return [float(mpmath.log(a / b, 2)) for a, b in zip(coarse, fine, strict=True)]
+
+
+def expected(name: str) -> list[int]:
+    """Return the powers of h of the first term that is left out, for each of :data:`ORDERS`.
+
+    What is zero within 30 digits counts as zero: the coefficients of some methods are rounded.
+    """
+    known = _modified(name).invariant_terms.items()
+    terms = [free.root.order for free, x in known if abs(complex(x)) > 1e-30]
+    return [min(k for k in terms if k > n) - 1 for n in ORDERS]
+
+
+def cases() -> list[dict[str, Any]]:
+    """List the runs."""
+    return [
+        {
+            "method": name,
+            "problem": on,
+            "fingerprint": fingerprint(name),
+            "steps": steps,
+            "h": 1 / p,
+        }
+        for name in METHODS
+        for on, (_, p, steps) in PROBLEMS.items()
+    ]
+
+
+NOTE = (
+    f"drifts: largest change of the modified energy over trees through order {ORDERS} at "
+    f"{SAMPLES + 1} states of a run in {DIGITS} digits, with the step size h and so many steps, "
+    "then with half of it and twice as many."
+)
+HEAD = {
+    "format": "glmref-measurement-1",
+    "name": "modified-slopes",
+    "title": "Drift of the energy and of modified energies as the step size is halved",
+    "how": "python -m campaigns.modified_slopes FILE",
+    "notes": [NOTE],
+}
+
+if __name__ == "__main__":
+    path = Path(arguments(sys.argv[1:])[0])
+    renew(path, HEAD, "rows", cases(), row)

@@ -1,0 +1,38 @@
+"""Drifts of modified energies: the record, and one row of it measured again."""
+
+from __future__ import annotations
+
+import pytest
+
+from campaigns.driver import fingerprint
+from campaigns.modified_slopes import DIGITS, METHODS, ORDERS, PROBLEMS, drifts, expected, slopes
+from campaigns.pages import ROOT, measured
+
+ROWS = measured("modified-slopes")["rows"]
+#: A slope is that of the next term within so much; the page says so.
+WITHIN = 0.2
+
+
+@pytest.mark.slow
+def test_every_drift_falls_by_the_power_of_the_next_term():
+    assert {(x["method"], x["problem"]) for x in ROWS} == {
+        (m, p) for m in METHODS for p in PROBLEMS
+    }
+    for x in ROWS:
+        assert x["fingerprint"] == fingerprint(x["method"])
+        assert min(map(min, x["drifts"])) > 10.0 ** (10 - DIGITS)
+        assert slopes(x) == pytest.approx(expected(x["method"]), abs=WITHIN), x["method"]
+
+
+def test_the_page_says_what_the_record_shows():
+    said = " ".join((ROOT / "docs" / "modified.md").read_text(encoding="utf-8").split())
+    assert "within 0.2 for four methods and two pairs on five problems" in said
+    assert (len(METHODS), len(PROBLEMS), ORDERS) == (6, 5, (1, 5, 7, 9))
+    for x in ROWS:
+        assert slopes(x)[1:] == pytest.approx([6, 8, 10], abs=WITHIN), (x["method"], x["problem"])
+
+
+@pytest.mark.slow
+def test_a_row_comes_out_again():
+    (x,) = (x for x in ROWS if (x["method"], x["problem"]) == ("stormer-verlet", "pendulum"))
+    assert drifts("stormer-verlet", "pendulum", 0) == pytest.approx(x["drifts"][0], rel=1e-12)
