@@ -21,7 +21,6 @@ from .kinds import imkg, transformed
 from .named import constants
 from .plain import from_csv, from_json
 from .principia import structs
-from .stepper import procedures
 from .table import ZERO, Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate, whole_number
 
@@ -857,18 +856,6 @@ def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
     return Table(name, line, "splitting", [], [a, b])
 
 
-def _rklib(text: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
-    """Read Fortran steps: stages ``call me%f(t+c*h, x+h*(..), f2)``, weights from ``xf``."""
-    for name, line, found in procedures(text):
-        if isinstance(found, Unread):
-            yield _unread(name, line, found)
-            continue
-        A, b, c, error = found
-        table = Table(name, line, A=[A], b=[b], c=[c], order=(declared or {}).get(name))
-        table.errors = [error] if error else []
-        yield table
-
-
 def _kpp(text: str) -> Iterator[Table]:
     """Read Rosenbrock methods of KPP, whose A, C and m stand for alpha, gamma and b.
 
@@ -960,7 +947,6 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "petsc": _petsc,
     "julia": _julia,
     "python": _python,
-    "rklib": _rklib,
     "kpp": _kpp,
     "matlode": _matlode,
     "constants": constants,
@@ -975,7 +961,6 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "petsc": (".c",),
     "julia": (".jl",),
     "python": (".py",),
-    "rklib": (".f90",),
     "kpp": (".f90",),
     "matlode": (".m",),
     "constants": (".cc", ".C", ".cpp", ".hh"),
@@ -988,7 +973,7 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
 
 def read(text: str, form: str, declared: Mapping[str, int] | None = None) -> Iterator[Table]:
     """Yield tables of one file in the order in which they stand there."""
-    if form in ("julia", "rklib", "constants"):
+    if form in ("julia", "constants"):
         yield from FORMATS[form](text, declared)
     else:
         yield from FORMATS[form](text)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left, bisect_right
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import permutations
@@ -432,12 +432,24 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         for table in made:
             table.block, table.name = block, (block.own or block.name) if block.parent else "step"
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
+        unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
+        if unread and not made and not any(x.line in own for x in found):
+            found = [*found, unread[0]]
         named = [x for x in found if x.line in own and (x.named or x.unread)]
-        same = {key_of(x.b) for x in named if not x.unread}
-        made = [x for x in made if key_of(x.b) not in same and not (x.guessed and same)]
+        read = [x for x in named if not x.unread]
+        made = [x for x in made if not (x.guessed and read)
+                and not any(_holds_step(y, x) for y in read)]  # fmt: skip
         if made:  # what names say is something else
             found = [x for x in found if all(x is not y for y in named)] + made
     return found
+
+
+def _holds_step(table: Table, step: Table) -> bool:
+    """Return whether a table has all that a step has: entries, nodes and further rows."""
+    entries = Counter(key_of(step.A)) - Counter(key_of(table.A))
+    more = len(step.errors + step.rows) > len(table.errors + table.rows)
+    more = more or (any(step.c) and not any(table.c))
+    return key_of(table.b) == key_of(step.b) and not entries and not more
 
 
 def _of_arithmetic(

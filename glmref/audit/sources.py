@@ -32,7 +32,6 @@ _MARKS: Mapping[str, str] = {
     "petsc": "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister|TSRosWRegister|TSGLEERegister",
     "julia": "Tableau|Butcher|ConstantCache",
     "python": r"ButcherTableau|RungeKutta|tableau_intermediate|construct_|\bA\b.*=",
-    "rklib": r"call me%f\(",
     "kpp": "ros_Alpha|rkA",
     "matlode": "ros_Alpha|rkA",
     "constants": r"\b[ab]21\b",
@@ -224,7 +223,7 @@ def _tables(
 
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
-_MORE = ("petsc", "julia", "rklib", "kpp", "matlode", "principia", "weights", "gsl", "odeint",
+_MORE = ("petsc", "julia", "kpp", "matlode", "principia", "weights", "gsl", "odeint",
          "constants")  # fmt: skip
 
 

@@ -43,6 +43,7 @@ _LOOSE = re.compile(
 EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
                    re.IGNORECASE)  # fmt: skip
 _ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
+_UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
 _BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
 
@@ -279,6 +280,7 @@ class _Step:
     used: set[int] = field(default_factory=set)  #: What has been the argument of a stage.
     returned: Any = None
     out: set[str] = field(default_factory=set)
+    trouble: bool = False  #: Whether a sum of slopes has a name in it that is not read.
 
     def look(self, name: str) -> Any:
         """Return what a name holds; a name that holds nothing stands for itself."""
@@ -400,6 +402,9 @@ class _Step:
                 x = _atom(name)
             x.place = (row[0].line, " ".join(y.text for y in row)[:80])
         except Unread as error:
+            self.trouble |= any(_slopes(self.values.get(y.text)) for y in row) and any(
+                isinstance(self.values.get(y.text), Unread) for y in row
+            )
             begins = not self.places and (name in self.again or _LOOSE.fullmatch(name))
             x = _atom(name) if begins else error
         self.values[name] = x
@@ -435,7 +440,8 @@ class _Step:
         rows = [x for x in A if x is not None]
         found = self._weights(state, step or (), names) if len(rows) == len(A) else None
         if found is None:
-            return None
+            numbers = [v for x in read for k, v in _form(x).terms.items() if v not in (1, -1)]
+            return Table("", 0, unread=_UNREAD, general=True) if numbers or self.trouble else None
         b, more, errors, guessed = found
         table = Table("", 0, A=[rows], b=[b], rows=more, errors=errors, general=True)
         table.guessed, table.sure = guessed, False

@@ -30,7 +30,7 @@ from .output import (
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
     *("json", "csv", "petsc", "julia", "python"),
-    *("rklib", "kpp", "matlode", "constants"),
+    *("kpp", "matlode", "constants"),
     *("principia", "gsl", "odeint", "weights"),
 )
 

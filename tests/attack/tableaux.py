@@ -30,7 +30,7 @@ SECONDS = 10.0
 SOURCES = {
     "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
     "python": source("python.txt"),
-    "rklib": source("fortran.f90"), "kpp": source("kpp.f90"), "principia": source("principia.hpp"), "gsl": source("gsl.c"),
+    "kpp": source("kpp.f90"), "principia": source("principia.hpp"), "gsl": source("gsl.c"),
     "odeint": source("odeint.hpp"),
 }  # fmt: skip
 #: What stands in a source where it should not.

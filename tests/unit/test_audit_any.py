@@ -529,8 +529,8 @@ READ = [
     (AGAIN.format("1", "2"), "python", "right right right"),
     (AGAIN.format("1", "3"), "python", "right right question"),
     (INLINE.format("h / 6", "k1 + 2 * k2 + 2 * k3 + k4"), "python", "found"),
-    (INLINE.format("h", "b[0] * k1 + b[1] * k2"), "python", ""),  # no numbers
-    (INLINE.format("h / 6", "u[0] + 2 * u[1] + 2 * u[2]"), "python", ""),  # no slopes
+    (INLINE.format("h", "b[0] * k1 + b[1] * k2"), "python", "unread"),
+    (INLINE.format("h / 6", "u[0] + 2 * u[1] + 2 * u[2]"), "python", "unread"),
     (INLINE.format("h / 6", "k1"), "python", "unread"),
     ("call f(t, x, f1)\ncall f(t + h, x + h*f1, f2)\nx = x + h*(f1 + f2)/2", "fortran", "found"),
     (OUTPUTS.format("(k1[i] + 3*k2[i])/4"), "c", "found"),
