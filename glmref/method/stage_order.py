@@ -111,39 +111,19 @@ def read_stages(components: Sequence[Component], palette: Mapping[str, str]) -> 
     return frozenset(reached(ends, table.__getitem__))
 
 
-def has_cycle(
-    components: Sequence[Component],
-    palette: Mapping[str, str],
-    counts: Callable[[Scalar], bool],
-) -> bool:
-    """Return whether some stage needs itself through entries of A that count."""
-    table = _needs(components, palette, counts)
-    return any(i in reached(below, table.__getitem__) for i, below in table.items())
-
-
-def _needs(
-    components: Sequence[Component],
-    palette: Mapping[str, str],
-    counts: Callable[[Scalar], bool] = lambda x: True,
-) -> dict[int, set[int]]:
-    """Return what each stage is computed from through entries that count: stages by number."""
+def _needs(components: Sequence[Component], palette: Mapping[str, str]) -> dict[int, set[int]]:
+    """Return what each stage is computed from: stages by number."""
     first = offsets(components, palette)
     table: dict[int, set[int]] = {}
     for c in components:
         for i, row in enumerate(c.A):
-            table.setdefault(first[c.colour] + i, set()).update(
-                _sources(c, row, palette, first, counts)
-            )
+            table.setdefault(first[c.colour] + i, set()).update(_sources(c, row, palette, first))
     return table
 
 
 def _sources(
-    c: Component,
-    row: Sequence[Scalar],
-    palette: Mapping[str, str],
-    first: Mapping[str, int],
-    counts: Callable[[Scalar], bool] = lambda x: True,
+    c: Component, row: Sequence[Scalar], palette: Mapping[str, str], first: Mapping[str, int]
 ) -> set[int]:
-    """Return stages whose slopes a row of A or B sums, with factors that count."""
-    used = [j for j, x in nonzero(row) if counts(x)]
+    """Return stages whose slopes a row of A or B sums."""
+    used = [j for j, _ in nonzero(row)]
     return {first[d] + j for d in palette[c.colour] for j in used}

@@ -27,7 +27,7 @@ from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
 from .algebra import is_exact
 from .certificate import Shared, certificates_of
-from .finders import eigen_witness, proposal_for
+from .finders import eigenvalues, proposal_for
 from .kernel import BESIDE, Found, Kernel
 from .ranges import Known
 from .verdicts import Judgement, explained, judged
@@ -197,7 +197,7 @@ class Facts:
     def eigen(self) -> Mapping[str, Any]:
         """Return the eigenvalues of V of modulus 1 by colour as a witness, or why they are open."""
         try:
-            return {c.colour: eigen_witness(c.V) for c in self.method.components}
+            return {c.colour: eigenvalues(c.V) for c in self.method.components}
         except ExactnessError as error:
             return {"why": f"the growth parameters are open: {error}"}
 

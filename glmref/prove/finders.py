@@ -167,22 +167,15 @@ def _symmetric_reduced(facts: Facts) -> Proposal:
     return Proposal(witness)
 
 
-def eigen_witness(V: Matrix) -> tuple[list[Any], poly.Polynomial]:
-    """Return eigenvalues of modulus 1 with eigenvectors, and the polynomial of all the others.
+def eigenvalues(V: Matrix) -> list[Any]:
+    """Return eigenvalues of modulus 1 with left and right eigenvectors.
 
     Raises
     ------
     ExactnessError
         For balls, defective eigenvalues, or ones that square roots do not give.
     """
-    parts = []
-    rest = poly.characteristic_polynomial(V)
-    for e in unimodular_eigenvalues(V):
-        W, N = eigenvectors(V, e.value)
-        parts.append((e.value, W, N))
-        for _ in range(e.multiplicity):
-            rest = poly.divide(rest, (-e.value, Exact(1)))[0]
-    return parts, rest
+    return [(e.value, *eigenvectors(V, e.value)) for e in unimodular_eigenvalues(V)]
 
 
 def _parasitism(facts: Facts) -> Proposal:
@@ -228,7 +221,7 @@ def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
     if "o" not in found:
         return [shown_number(x) for x in facts.growth_parameters]
     m, shown = facts.method, []
-    for zeta, W, N in found["o"][0]:
+    for zeta, W, N in found["o"]:
         inner = linalg.matmul(tuple(W), m.B, m.U, linalg.transpose(tuple(N)))
         matrix = linalg.scale(1 / zeta, inner)
         first = bool((zeta - 1).is_zero())

@@ -3,20 +3,17 @@
 It gives no verdict: a claim holds or fails where the judge (:mod:`glmref.judge`) accepts the
 certificate written of what was found here (:mod:`.verdicts`).
 
-The rules take the method, a claim, the declared value and what other finders proposed (forms,
-involutions, eigenvalues, interval boxes), and evaluate the identities over exact numbers or balls.
-A proposal that is missing, wrong or beyond what a rule covers gives ``None``, with the reason.
-There is no tolerance: an identity whose ball overlaps zero is not known to hold, an inequality
-whose ball excludes zero is (for every method in the balls).
+Claims that are true or false and lists of numbers are decided by the judge alone, who is asked for
+both answers (:mod:`.facts`). Of an order a rule here finds a *range*, a lower and an upper bound,
+over exact numbers or balls: a residual whose ball overlaps zero is not known to vanish, one whose
+ball excludes zero does not, for every method in the balls. :meth:`Kernel.find` compares the range
+with what is declared.
 
-One rule for each claim says what is known: a truth value, a list of numbers, or a *range* for an
-order, a lower bound and an upper bound. :meth:`Kernel.find` compares that with what is declared.
-For a file with an enclosure the lower bounds and truths of the one true method within its digits
+For a file with an enclosure the lower bounds of the one true method within its digits
 come from :mod:`glmref.prove.implications`, whose hypotheses are checked there each time.
 
 What the kernel trusts: the arithmetic of :mod:`glmref.exact`, elimination in
-:mod:`glmref.exact.linalg`, polynomials and their root counts (Sturm, Schur-Cohn), trees, and
-the series of the judge.
+:mod:`glmref.exact.linalg`, trees, and the series of the judge.
 """
 
 from __future__ import annotations
@@ -121,11 +118,11 @@ class Proposal:
     Attributes
     ----------
     witness : Callable[[], Mapping[str, Any]]
-        What the rule checks, by name; called when it is needed.
+        What certificates are written of, by name; called when it is needed.
     value : object
         Of a list, what to show.
     explain : Explain
-        What is said where the claim is one of truth, and the judge has decided it.
+        What is said of a claim that is no order, when the judge has decided it.
     """
 
     witness: Callable[[], Mapping[str, Any]] = dict
