@@ -96,16 +96,17 @@ class Facts:
         return explained(answer, *proposal_for(self, claim).explain(truth, answer.certificate))
 
     def _either_way(self, claim: str, declared: object) -> Judgement:
-        """Ask the judge whether what is declared holds, and else whether it fails."""
+        """Ask the judge whether what is declared holds, and whether it fails: the likely first."""
         proof = Proof.EXACT if self._is_exact(claim) else Proof.ENCLOSED
-        numbers, answers = proposal_for(self, claim).value, []
-        for holds in (True, False):
-            value = declared == holds if isinstance(declared, bool) else numbers
+        proposal, answers = proposal_for(self, claim), {}
+        likely = proposal.likely() == (declared is not False)
+        for holds in (likely, not likely):
+            value = declared == holds if isinstance(declared, bool) else proposal.value
             found = Found(holds, proof, value, 0.0, "")
-            answers.append(judged(found, certificates_of(self, claim, declared, found)))
-            if answers[-1].verdict is not Verdict.OPEN:
-                return answers[-1]
-        return answers[0]
+            answers[holds] = judged(found, certificates_of(self, claim, declared, found))
+            if answers[holds].verdict is not Verdict.OPEN:
+                return answers[holds]
+        return answers[True]
 
     @cached_property
     def shared(self) -> Shared:

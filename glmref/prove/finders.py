@@ -36,7 +36,7 @@ from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
 from ..theory.equivalence import reduce
 from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
-from ..theory.stability import why_not_a_stable
+from ..theory.stability import seems_a_stable, why_not_a_stable
 from ..theory.symmetry import Symmetry, symmetry, symmetry_as_given
 from .kernel import BESIDE, Explain, Proposal
 from .ranges import Known
@@ -97,7 +97,7 @@ def _explicit(facts: Facts) -> Proposal:
         known = "every stage is a known vector when its turn comes"
         return (known if truth else "an implicit stage needs an equation solved"), 0.0
 
-    return Proposal(explain=explain)
+    return Proposal(explain=explain, likely=lambda: bool(facts.method.is_explicit))
 
 
 def _stable(facts: Facts) -> Proposal:
@@ -109,7 +109,7 @@ def _stable(facts: Facts) -> Proposal:
             return "the eigenvalues of M(z) do not all tend to 0 as z goes to infinity", 0.0
         return why_not_a_stable(facts.linear, witness), 0.0
 
-    return Proposal(explain=explain)
+    return Proposal(explain=explain, likely=lambda: seems_a_stable(facts.linear))
 
 
 def _symplectic(facts: Facts) -> Proposal:

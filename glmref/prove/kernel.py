@@ -123,11 +123,14 @@ class Proposal:
         Of a list, what to show.
     explain : Explain
         What is said of a claim that is no order, when the judge has decided it.
+    likely : Callable[[], bool]
+        A guess whether the claim is true; what is likely is put to the judge first.
     """
 
     witness: Callable[[], Mapping[str, Any]] = dict
     value: object = None
     explain: Explain = lambda truth, certificate: ("", 0.0)
+    likely: Callable[[], bool] = lambda: True
 
 
 class Kernel(RowRules, DigitRules, ModifiedRules):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from operator import mul
 from typing import cast
 
 from ..errors import UsageError
@@ -215,6 +216,42 @@ def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
     degree = max(len(p) for p in P)
     leading = poly.trim([p[degree - 1] if len(p) == degree else _ZERO for p in P])
     return leading, len(P) - len(leading)
+
+
+def seems_a_stable(m: GLM) -> bool:
+    """Tell in doubles whether powers of M(iy) stay small at :data:`SAMPLES`: a guess."""
+    A, U, B, V = ([[complex(x) for x in row] for row in part] for part in (m.A, m.U, m.B, m.V))
+    for z in (1j * float(Fraction(y)) for y in SAMPLES):
+        stages = _solved([[(i == j) - z * x for j, x in enumerate(A[i])] for i in range(m.s)], U)
+        M = [
+            [v + z * x for v, x in zip(*rows, strict=True)]
+            for rows in zip(V, _times(B, stages), strict=True)
+        ]
+        for _ in range(12):
+            M = _times(M, M)
+            if not max(abs(x) for row in M for x in row) < 1e6:
+                return False
+    return True
+
+
+def _times(a: Sequence[Sequence[complex]], b: Sequence[Sequence[complex]]) -> list[list[complex]]:
+    return [[sum(map(mul, row, column)) for column in zip(*b, strict=True)] for row in a]
+
+
+def _solved(
+    a: Sequence[Sequence[complex]], right: Sequence[Sequence[complex]]
+) -> list[list[complex]]:
+    """Solve a system in doubles, with the largest pivot of each column."""
+    rows = [[*x, *y] for x, y in zip(a, right, strict=True)]
+    for k in range(len(rows)):
+        at = max(range(k, len(rows)), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[at] = rows[at], rows[k]
+        rows[k] = [x / (rows[k][k] or 1e-300) for x in rows[k]]
+        for i in range(len(rows)):
+            if i != k and rows[i][k]:
+                factor = rows[i][k]
+                rows[i] = [x - factor * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return [row[len(rows) :] for row in rows]
 
 
 def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:

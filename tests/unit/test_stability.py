@@ -21,6 +21,7 @@ from glmref.theory.stability import (
     oscillator,
     parasitic_curvature,
     schur_cohn,
+    seems_a_stable,
     size_difference,
     stability_function,
     stability_matrix,
@@ -253,3 +254,9 @@ def test_the_curvature_is_asked_of_explicit_pairs_with_the_eigenvalues_1_and_min
         parasitic_curvature(splitting(["1"], ["1"], first="q"))
     with pytest.raises(UsageError, match="must be explicit"):
         parasitic_curvature(glmref.load("gsymplectic-n-pair"))
+
+
+def test_the_guess_is_that_of_the_judge_for_shipped_methods():
+    for name in ("gauss-3", "radau-iia-2", "rk4", "bdf-2", "bdf-3", "gsymplectic-n"):
+        method = glmref.load(name)
+        assert seems_a_stable(method) == facts_of(method).truth("a-stable"), name
