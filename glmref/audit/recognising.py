@@ -12,7 +12,7 @@ from bisect import bisect_left, bisect_right
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import permutations
+from itertools import permutations, product
 from math import isqrt
 from typing import Any
 
@@ -413,6 +413,8 @@ def tables(
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
 
 
+#: Blocks that are a part of the function around them.
+_PLAIN_BLOCKS = CHOICES | {"", "do", "try", "unsafe"}
 #: Source of a table that is read from the arithmetic of a step.
 STEP = "#step"
 
@@ -421,9 +423,9 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
     """Add the steps that functions make; what is computed says more than names do."""
     lines = [x.line for x in collector.tokens]
     for block in blocks:
-        if block.kind != "code" or block.name in CHOICES:
+        if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
             continue
-        inner = [x for x in block.blocks if x.kind == "code" and x.name not in CHOICES]
+        inner = [x for x in block.blocks if x.kind == "code" and x.name not in _PLAIN_BLOCKS]
         own = set(range(block.line, block.last + 1))
         own = own.difference(n for x in inner for n in range(x.line, x.last + 1))
         low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
@@ -435,8 +437,14 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
         if unread and not made and not any(x.line in own for x in found):
             found = [*found, unread[0]]
-        named = [x for x in found if x.line in own and (x.named or x.unread)]
+        weights = {key_of(x.b) for x in made}
+        named = [x for x in found if (x.line in own and (x.named or x.unread))
+                 or (not x.unread and key_of(x.b) in weights)]  # fmt: skip
         read = [x for x in named if not x.unread]
+        for x, y in product(made, read):  # the same method: what is said of it is kept
+            if key_of(x.b) == key_of(y.b):
+                x.name, x.line, x.sure = y.name, y.line, y.sure
+                x.order = y.order if y.order is not None else x.order
         made = [x for x in made if not (x.guessed and read)
                 and not any(_holds_step(y, x) for y in read)]  # fmt: skip
         if made:  # what names say is something else

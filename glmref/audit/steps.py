@@ -474,6 +474,7 @@ class _Step:
             if not isinstance(x, Number) or not isinstance(x.value, Form):
                 continue
             row = _row(x, state, step, names)
+            row = row if row is not None else _row(x, name, step, names)  # y beside its copy y0
             if row is not None and any(y.value != 0 for y in row):
                 done.append((name, x, row))
                 continue
@@ -492,7 +493,7 @@ class _Step:
                 if row is None:
                     return None
                 return row, [(n, r, None) for n, y, r in full if r != row and y is not x], errors, 0
-        own = [x for x in done if x[0] == state]
+        own = [x for x in done if x[0] == state or (x[0],) in _form(x[1]).terms]
         last = (own or free or done)[-1:]
         if not last:
             return None
@@ -557,6 +558,14 @@ def _drop(table: Table) -> None:
     table.rows = [(n, [r[j] for j in keep], p) for n, r, p in table.rows]
 
 
+def _is_flag(row: Sequence[Token], made: Sequence[_Call], said: Sequence[list[Token]]) -> bool:
+    """Return whether what calls return goes to one name that no sum uses: ``s = f(t, y, k)``."""
+    names = {row[x.at - 2].text if row[x.at - 1].text == "=" else "" for x in made}
+    return len(names) == 1 and "" not in names and not any(
+        y.text in names for s in said if (e := _equal(s)) is not None for y in s[e + 1 :]
+    )  # fmt: skip
+
+
 def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Iterator[Table]:
     """Yield the steps that a function makes, one for each right-hand side that it calls."""
     language = collector.language
@@ -574,13 +583,14 @@ def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Ite
     targets = Counter(s[e - 1].text for s in said if (e := _equal(s)) and s[e].text in ("=", ":="))
     rights = Counter(y.text for s in said for y in s[(_equal(s) or -1) + 1 :] if y.kind == "name")
     for (name, count), made in sorted(wanted, key=lambda x: -len(x[1]))[:4]:
-        output = -1
-        if not all(x.valued for x in made):
+        output, begin = -1, row[made[0].at].line
+        later = {s[e - 1].text for s in said if s[0].line >= begin and (e := _equal(s))}
+        if not all(x.valued for x in made) or _is_flag(row, made, said):
             places = []
             for k in range(count):
                 outs = [_lone(x.arguments[k]) for x in made]
                 used = sum(rights[y] > outs.count(y) for y in outs)  # the last may be for later
-                if used and used >= len(outs) - 1 and all(y and not targets[y] for y in outs):
+                if used and used >= len(outs) - 1 and all(y and y not in later for y in outs):
                     places.append((len(set(outs)), k))
             if not places:
                 continue

@@ -257,7 +257,7 @@ def _defects(t: Tableau) -> dict[str, Tableau]:
 
 
 #: Forms in which defects are looked for soon.
-QUICK = (c_define_from_0, py_number_keys)
+QUICK = (py_number_keys,)
 
 
 @pytest.mark.parametrize("form", [

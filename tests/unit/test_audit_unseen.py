@@ -155,7 +155,7 @@ STEPS = {
 
 
 @pytest.mark.parametrize("name", [
-    pytest.param(x, marks=[] if x in ("r.py", "r.c") else [pytest.mark.slow]) for x in STEPS
+    pytest.param(x, marks=[] if x == "r.py" else [pytest.mark.slow]) for x in STEPS
 ])  # fmt: skip
 def test_a_step_in_its_arithmetic_is_read(name: str, tmp_path: Path) -> None:
     """A wrong factor in a stage or in the weights is asked for, with the line; the twin is right."""
@@ -191,3 +191,65 @@ def test_a_step_with_a_branch_is_not_read(tmp_path: Path) -> None:
         "    return y + h*(k1 + k2)/2\n", "utf-8"
     )  # fmt: skip
     assert [x["status"] for x in audit(tmp_path, compare=False)] == ["unread"]
+
+
+#: Steps as of the GNU Scientific Library: calls return a flag, slopes are fields of an object.
+FLAGS = """/* Runge-Kutta, order 3 */
+static const double b3[] = { -1.0, 2.0 };
+static int rk_apply (state_t *state, double t, double h, double y[], double yerr[], size_t n)
+{
+  double *const k1 = state->k1;
+  double *const k2 = state->k2;
+  double *const k3 = state->k3;
+  double *const ytmp = state->ytmp;
+  { int s = EVAL (sys, t, y, k1); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++) { ytmp[i] = y[i] + 0.5 * h * k1[i]; }
+  { int s = EVAL (sys, t + 0.5 * h, ytmp, k2); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++) { ytmp[i] = y[i] + h * (b3[0] * k1[i] + b3[1] * k2[i]); }
+  { int s = EVAL (sys, t + h, ytmp, k3); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++)
+    {
+      const double d_i = (k1[i] + 4.0 * k2[i] + k3[i]) / 6.0;
+      y[i] += h * d_i;
+      yerr[i] = h * (d_i - k2[i]);
+    }
+  return SUCCESS;
+}
+"""
+#: One field for all slopes, the first of them given, and the new value beside a copy of the old.
+ONE_SLOPE = """/* Runge-Kutta, order 4 */
+static int rk4_step (double *y, state_t *state, double h, double t, size_t n)
+{
+  const double *y0 = state->y0;
+  double *k = state->k;
+  for (i = 0; i < n; i++) { y[i] += h / 6.0 * k[i]; ytmp[i] = y0[i] + 0.5 * h * k[i]; }
+  { int s = EVAL (sys, t + 0.5 * h, ytmp, k); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++) { y[i] += h / 3.0 * k[i]; ytmp[i] = y0[i] + 0.5 * h * k[i]; }
+  { int s = EVAL (sys, t + 0.5 * h, ytmp, k); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++) { y[i] += h / 3.0 * k[i]; ytmp[i] = y0[i] + h * k[i]; }
+  { int s = EVAL (sys, t + h, ytmp, k); if (s != SUCCESS) { return s; } }
+  for (i = 0; i < n; i++) { y[i] += h / 6.0 * k[i]; }
+  return SUCCESS;
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "right", "wrong", "said"),
+    [
+        pytest.param(FLAGS, "4.0 * k2", "3.0 * k2", "b[2]", marks=pytest.mark.slow),
+        (FLAGS, "d_i - k2", "d_i - 1.25 * k2", "sum to"),
+        pytest.param(
+            ONE_SLOPE, "y0[i] + h * k", "y0[i] + 2.0 * h * k", "a[4][3]", marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_slopes_in_fields_and_flags_of_calls_are_followed(
+    text: str, right: str, wrong: str, said: str, tmp_path: Path
+) -> None:
+    for name, changed in (("right", text), ("wrong", text.replace(right, wrong))):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "rk.c").write_text(changed, "utf-8")
+        (record,) = audit(tmp_path / name, compare=False)
+        assert (record["status"] == "right") is (name == "right"), record
+    assert said in str(record)
