@@ -33,7 +33,7 @@ from ..prove.wrong_entry import (
 )
 from ..system.budget import limited
 from .nearest_method import Library
-from .table import Table
+from .table import STEP, Table
 
 #: What a table is of which nothing is asked.
 _GOOD = ("right", "digits", "found")
@@ -111,8 +111,8 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         remarks.append("the order is 0: the weights do not sum to 1")
         named = any(table.c) or not (table.general and table.kind != "rk")
         tableau = table.order is not None or (named and method.gap <= method.coarse)
-        status = "wrong" if tableau else "unread"
-        if not tableau:
+        status = "wrong" if tableau else "question" if _computed(table, method) else "unread"
+        if status == "unread":
             said = "c is not the sums of the rows either" if any(table.c) else "there is no c"
             remarks.append(f"{said}: this may be no tableau")
     if table.general:
@@ -133,6 +133,7 @@ def _meant(
     One that is not sure to be meant as it is read is a question, and so is one without a declared
     order where one entry, or a method of the catalogue, says what the table should be.
     """
+    found = record["found"]
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
     entry = len(record.get("correction", ())) == 1 and one_row_apart(method)
@@ -145,7 +146,7 @@ def _meant(
         )
         return "unread"
     if status in ("wrong", "question") and not table.sure and not (
-        explained or rows or one_row_apart(method)
+        explained or rows or one_row_apart(method) or (found == 0 and _computed(table, method))
     ):  # fmt: skip
         remarks.append("matrix, weights or order may not be meant as they are read")
         return "unread"
@@ -156,7 +157,6 @@ def _meant(
         return "question"
     if status != "found":
         return status
-    found = record["found"]
     if one_row_apart(method):
         for order in range(8, max(found, 2), -1):  # two rows and order 2 are no evidence
             mended = at_row(method, order) or abscissa(method, order)
@@ -169,6 +169,16 @@ def _meant(
         remarks.append(f"the order of the nearest method is {near['order']}")
         return "question"
     return status
+
+
+def _computed(table: Table, method: Trial) -> bool:
+    """Return whether a step computes the table, and most of its rows sum to the times of stages."""
+    c = method.c[0] if method.kind == "rk" and method.c else None
+    if table.source != STEP or c is None or len(c) < 3:
+        return False
+    good = [abs(complex(sum(row, Exact(0)) - x)) <= method.coarse
+            for row, x in zip(method.A[0], c, strict=True)]  # fmt: skip
+    return 2 * sum(good) > len(good)
 
 
 _ENTRY = re.compile(r"(a|alpha|gamma|beta|b|c|A|B)(_implicit|_prime)?\[(\d+)\](?:\[(\d+)\])?")

@@ -26,7 +26,7 @@ from .kinds import others
 from .lexer import Language, Remark
 from .readers import ORDINALS, by_name
 from .steps import EULER, steps_of
-from .table import ZERO, Rows, Table
+from .table import STEP, ZERO, Rows, Table
 from .values import Number, Unread
 
 #: How near a sum must be to its node, or a condition to hold, for a table to be recognised.
@@ -415,8 +415,6 @@ def tables(
 
 #: Blocks that are a part of the function around them.
 _PLAIN_BLOCKS = CHOICES | {"", "do", "try", "unsafe"}
-#: Source of a table that is read from the arithmetic of a step.
-STEP = "#step"
 
 
 def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -> list[Table]:

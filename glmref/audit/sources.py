@@ -18,8 +18,8 @@ from .judge import judge
 from .lexer import ENDINGS, FIXED, language_of
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
-from .recognising import STEP, key_of, may_hold, tables
-from .table import Table
+from .recognising import key_of, may_hold, tables
+from .table import STEP, Table
 from .values import Unread
 
 FORMAT = "glmref-audit-1"

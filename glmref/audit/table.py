@@ -53,6 +53,8 @@ class Table:
 
 
 ZERO = Number(Exact(0))
+#: Source of a table that is read from the arithmetic of a step.
+STEP = "#step"
 
 
 def vector(value: Any, s: int = 0) -> list[Number]:

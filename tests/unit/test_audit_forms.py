@@ -256,13 +256,8 @@ def _defects(t: Tableau) -> dict[str, Tableau]:
     return found
 
 
-#: Forms in which defects are looked for soon.
-QUICK = (py_number_keys,)
-
-
-@pytest.mark.parametrize("form", [
-    pytest.param(x, id=x.__name__, marks=[] if x in QUICK else [pytest.mark.slow]) for x in FORMS
-])  # fmt: skip
+@pytest.mark.slow
+@pytest.mark.parametrize("form", FORMS, ids=lambda x: x.__name__)
 def test_no_defect_is_silent_in_any_form(form: Callable[[Tableau], str], tmp_path: Path) -> None:
     def states(name: str, text: str) -> set[tuple[str, int]]:
         path = tmp_path / name / FORMS[form]
@@ -270,7 +265,7 @@ def test_no_defect_is_silent_in_any_form(form: Callable[[Tableau], str], tmp_pat
         path.write_text(text, "utf-8")
         return {(x["status"], x.get("declared")) for x in audit(path, compare=False)}
 
-    for right in (RK4,) if form in QUICK else (RK4, BOGACKI):
+    for right in (RK4, BOGACKI):
         assert states(f"{right.order}", form(right)) == {("right", right.order)}
         for name, wrong in _defects(right).items():
             text = form(wrong)
