@@ -33,7 +33,7 @@ from ..prove.wrong_entry import (
 )
 from ..system.budget import limited
 from .nearest_method import Library
-from .table import STEP, Table
+from .table import Table
 
 #: What a table is of which nothing is asked.
 _GOOD = ("right", "digits", "found")
@@ -174,7 +174,7 @@ def _meant(
 def _computed(table: Table, method: Trial) -> bool:
     """Return whether a step computes the table, and most of its rows sum to the times of stages."""
     c = method.c[0] if method.kind == "rk" and method.c else None
-    if table.source != STEP or c is None or len(c) < 3:
+    if not table.computed or c is None or len(c) < 3:
         return False
     good = [abs(complex(sum(row, Exact(0)) - x)) <= method.coarse
             for row, x in zip(method.A[0], c, strict=True)]  # fmt: skip

@@ -432,6 +432,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         for table in made:
             table.block, table.name = block, (block.own or block.name) if block.parent else "step"
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
+            table.computed = True
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
         if unread and not made and not any(x.line in own for x in found):
             found = [*found, unread[0]]
@@ -441,7 +442,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         read = [x for x in named if not x.unread]
         for x, y in product(made, read):  # the same method: what is said of it is kept
             if key_of(x.b) == key_of(y.b):
-                x.name, x.line, x.sure = y.name, y.line, y.sure
+                x.name, x.line, x.sure, y.computed = y.name, y.line, y.sure, True
                 x.order = y.order if y.order is not None else x.order
         made = [x for x in made if not (x.guessed and read)
                 and not any(_holds_step(y, x) for y in read)]  # fmt: skip
