@@ -49,6 +49,7 @@ from ..exact.judging import proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..method.preconsistency import consistency_vector, preconsistency_vector
+from ..system.budget import fits
 from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import scalars
@@ -574,6 +575,8 @@ class _Writer:
             return [self._no_vector()]
         if not self.kernel.method.is_real:
             raise ExactnessError("that a complex method has no form is not written out")
+        first, last = self.kernel.method.components[0], self.kernel.method.components[-1]
+        fits(len(first.V) * len(last.V), len(first.V) * len(last.V), "the form")
         return [self._vectors(v=False), {"rule": "no-form", "witness": {}}]
 
     def _symmetric(self) -> list[Part]:

@@ -62,7 +62,7 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(
             portrait, name, lambda *a, f=whole, few=points, **k: f(*a, **{**k, **few})
         )
-    monkeypatch.setattr(portrait, "_SAMPLES", 48)
+    monkeypatch.setattr(stability, "_SAMPLES", 48)
 
 
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
