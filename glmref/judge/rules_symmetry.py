@@ -136,17 +136,20 @@ def A_is_reversed(case: SymmetricCase) -> bool:
 
 
 class Search:
-    """All involutions P with A + P A P = U V^-1 B, by backtracking; separable pairs: Q, then P."""
+    """All involutions P with A + P A P = U V^-1 B, by backtracking; those of Q stand first."""
 
     def __init__(self, case: NotSymmetricCase) -> None:
         method, blocks = case.method, []
         for m in method.parts.values():
             blocks.append((m.A, times(m.U, inverse_matrix(m.V), m.B)))
         self.n, self.kinds = len(blocks[0][0]), [0] * len(blocks[0][0])
+        self.turns = list(range(self.n))
         if method.separable:
             (A, M), (A_hat, M_hat) = blocks
             self.kinds += [1] * len(A_hat)
             blocks, self.n = [(corners(A, A_hat), corners(M, M_hat))], len(self.kinds)
+            # by turns: every condition is about a stage Q and a stage P
+            self.turns = sorted(range(self.n), key=lambda i: i - len(A) * self.kinds[i])
         self.blocks, self.steps = blocks, 0
         self.P: list[int | None] = [None] * self.n
 
@@ -155,7 +158,7 @@ class Search:
         self.steps += 1
         if self.steps > 100_000:
             beyond()
-        k = next((i for i, x in enumerate(self.P) if x is None), None)
+        k = next((i for i in self.turns if self.P[i] is None), None)
         if k is None:
             yield [x for x in self.P if x is not None]
             return

@@ -106,7 +106,9 @@ class Facts:
             answers[holds] = judged(found, certificates_of(self, claim, declared, found))
             if answers[holds].verdict is not Verdict.OPEN:
                 return answers[holds]
-        return answers[True]
+        # why not, and why not the contrary
+        reasons = dict.fromkeys(answers[holds].reason for holds in (True, False))
+        return explained(answers[True], "; ".join(reasons), 0.0)
 
     @cached_property
     def shared(self) -> Shared:

@@ -164,7 +164,7 @@ def _symmetric_reduced(facts: Facts) -> Proposal:
             known["involutions"] = ((found.L,), {"o": found.P})
         return known
 
-    return Proposal(witness)
+    return Proposal(witness, explain=_told(lambda: symmetry_as_given(reduce(facts.method))))
 
 
 def eigenvalues(V: Matrix) -> list[Any]:
@@ -179,7 +179,14 @@ def eigenvalues(V: Matrix) -> list[Any]:
 
 
 def _parasitism(facts: Facts) -> Proposal:
-    return Proposal(lambda: facts.eigen, explain=_told(lambda: facts.parasitism))
+    told = _told(lambda: facts.parasitism)
+
+    def explain(truth: bool, certificate: Mapping[str, Any]) -> tuple[str, float]:
+        if certificate["parts"][0]["rule"] == "unbounded":
+            return "V is not power-bounded: parasitic components grow anyway", 0.0
+        return told(truth, certificate)
+
+    return Proposal(lambda: facts.eigen, explain=explain)
 
 
 def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None) -> Explain:
@@ -195,9 +202,10 @@ def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None
         if found is None:
             return f"the method has no {what}", 0.0
         count = len(found) if shown is None else len(shown)
-        if count != len(texts):
+        counted = certificate["parts"][-1]["witness"].get("part", -1) < 0
+        if count != len(texts) and counted:
             return f"{count} {what} found, {len(texts)} declared", 0.0
-        if count != len(found):
+        if count != len(found) or count != len(texts):
             return f"the growth matrix has the eigenvalues {', '.join(shown or ())}", 0.0
         gaps = [x - parse(text) for x, text in zip(found, texts, strict=True)]
         at = next((k for k, x in enumerate(gaps) if x.is_zero() is False), None)
@@ -224,13 +232,17 @@ def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
     for zeta, W, N in found["o"]:
         inner = linalg.matmul(tuple(W), m.B, m.U, linalg.transpose(tuple(N)))
         matrix = linalg.scale(1 / zeta, inner)
-        first = bool((zeta - 1).is_zero())
         trace = sum((matrix[i][i] for i in range(len(matrix))), Exact(0))
-        if len(matrix) == 1 + first:
-            shown.append(shown_number(trace - 1 if first else trace))
+        whole = poly.characteristic_polynomial(matrix)
+        # an inconsistent method may have no principal component where 1 is multiple
+        principal = (zeta - 1).is_zero() is True and (
+            len(matrix) == 1 or poly.evaluate(whole, 1).is_zero() is not False
+        )
+        if len(matrix) == 1 + principal:
+            shown.append(shown_number(trace - 1 if principal else trace))
         elif len(matrix) > 1:
-            roots = poly.approximate_roots(poly.characteristic_polynomial(matrix))
-            roots = sorted(roots, key=lambda x: abs(x - 1))[int(first) :]
+            roots = poly.approximate_roots(whole)
+            roots = sorted(roots, key=lambda x: abs(x - 1))[int(principal) :]
             shown += [f"{x.real:.12g}" if abs(x.imag) < 1e-12 else f"{x:.12g}" for x in roots]
     return shown
 

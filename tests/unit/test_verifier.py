@@ -81,6 +81,51 @@ def test_what_has_no_residual_says_none() -> None:
     }
 
 
+EULER_AND_A_DOUBLE_ROOT: dict[str, Any] = {
+    "A": [["0"]], "U": [["1", "0", "0"]], "B": [["1"], ["0"], ["0"]],
+    "V": [["1", "0", "0"], ["0", "-1", "1"], ["0", "0", "-1"]],
+}  # fmt: skip
+INCONSISTENT: dict[str, Any] = {
+    "A": [["0"]], "U": [["0", "1"]], "B": [["1"], ["1/2"]], "V": [["1", "0"], ["0", "1"]],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("keys", "claim", "declared", "said"),
+    [
+        (EULER_AND_A_DOUBLE_ROOT, "parasitism-free", False,
+         "V is not power-bounded: parasitic components grow anyway"),
+        (EULER_AND_A_DOUBLE_ROOT, "a-stable", False, "V = M(0) is not power-bounded"),
+        (EULER_AND_A_DOUBLE_ROOT, "symmetric-reduced", False,
+         "no exchange of stages P works; for the reversal "
+         "entry (1, 1) of A + P A P - U V^-1 B is 1 in size"),
+        (INCONSISTENT, "growth", ["1"], "the growth matrix has the eigenvalues 0.5, 0"),
+        (INCONSISTENT, "growth", ["1", "2"], "the growth matrix has the eigenvalues 0.5, 0"),
+    ],
+)  # fmt: skip
+def test_what_is_decided_says_why(
+    keys: dict[str, Any], claim: str, declared: object, said: str
+) -> None:
+    found = findings(doc("glm", {claim: declared}, **keys))[claim]
+    assert found.verdict is (Verdict.FAILS if declared else Verdict.HOLDS)
+    assert found.witness == said
+
+
+def test_what_is_open_says_why_it_is_neither_proved_nor_refuted() -> None:
+    inconsistent = doc("rk", {"conjugate-symplectic": True}, A=[["0"]], b=["1/2"])
+    found = findings(inconsistent)["conjugate-symplectic"]
+    assert found.verdict is Verdict.OPEN
+    assert "b_i a_ij + b_j a_ji = b_i b_j" in found.witness
+    assert "the method is not consistent" in found.witness
+
+
+def test_a_pair_of_many_stages_is_seen_not_to_be_symmetric() -> None:
+    document = shipped("dormand-prince-rkn-12-10-printed")
+    del document["broken"]
+    refuted = findings({**document, "claims": {"symmetric": True}})["symmetric"]
+    assert refuted.verdict is Verdict.FAILS
+
+
 def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
     """Of a file, of a method and of a plain one."""
     plain = glmref.load("rk4")
