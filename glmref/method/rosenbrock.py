@@ -15,7 +15,8 @@ Hairer, Wanner, "Solving Ordinary Differential Equations II" (1996), section IV.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar
 
 from ..errors import DataError
@@ -90,4 +91,19 @@ class RosenbrockGLM(AdditiveGLM):
     @property
     def linear_form(self) -> GLM:
         """The Runge-Kutta method alpha + gamma, b: what it is on linear systems."""
-        return runge_kutta(add(self.alpha, self.gamma), self.b)
+        form = runge_kutta(add(self.alpha, self.gamma), self.b, self.name)
+        return form if self.document is None else replace(form, document=_linear(self.document))
+
+
+#: What a document says of its numbers.
+_NUMBERS = ("format", "name", "digits", "unknowns", "constants")
+
+
+def _linear(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the document of the Runge-Kutta method alpha + gamma, b, its sums written out."""
+    A = [
+        [f"({x})+({y})" for x, y in zip(*rows, strict=True)]
+        for rows in zip(document["alpha"], document["gamma"], strict=True)
+    ]
+    kept = {key: document[key] for key in _NUMBERS if key in document}
+    return {**kept, "class": "rk", "A": A, "b": document["b"]}

@@ -386,7 +386,7 @@ def _shared(q: _Questions) -> dict[str, Any]:
         "method": q.facts.method.name,
         "explicit": q.truth(EXPLICIT.key),
         "preconsistent": q.truth(PRECONSISTENT.key),
-        "consistent": q.truth(CONSISTENT.key, of=lambda f: f.nominal),
+        "consistent": q.truth(CONSISTENT.key, of=_consistent_as),
         "zero_stable": q.truth(ZERO_STABLE.key),
         "order": order.value,
         "order_proved": [order.lower, order.upper],
@@ -406,6 +406,12 @@ def _shared(q: _Questions) -> dict[str, Any]:
         or None,
         "order_to_digits": q.ask("order-to-digits", lambda f: _size_to(f, order.value)),
     }
+
+
+def _consistent_as(facts: Facts) -> Facts:
+    """Return the method itself where it is consistent as rounded, else what its digits allow."""
+    itself = facts.nominal is facts or facts.truth(CONSISTENT.key)
+    return facts if itself else facts.nominal
 
 
 def _size_to(facts: Facts, order: int) -> str | None:

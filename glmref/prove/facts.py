@@ -12,7 +12,7 @@ from functools import cached_property
 from math import factorial
 from typing import TYPE_CHECKING, Any
 
-from ..catalogue.claims import CLAIMS, G_SYMPLECTIC, ORDER, ORDER_IDENTITY
+from ..catalogue.claims import CLAIMS, CONSISTENT, G_SYMPLECTIC, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
 from ..exact import Scalar
 from ..exact.linalg import Vector
@@ -129,6 +129,8 @@ class Facts:
         What is no claim of a Rosenbrock method is known of its linear form.
         """
         if self.method.rosenbrock and not CLAIMS[claim].rosenbrock:
+            if claim == CONSISTENT.key and self.kernel.range(ORDER.key).lower:
+                return Known(True, self.kernel.exact)  # b 1 = 1, which order 1 says
             return facts_of(self.linear).known(claim)
         answer = self._either_way(claim, True)
         truth = {Verdict.HOLDS: True, Verdict.FAILS: False}.get(answer.verdict)

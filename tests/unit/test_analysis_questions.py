@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 
 import glmref
+from glmref.catalogue.reader import load_document
 from glmref.prove.analysis import SHARES, _Questions, analyze
 from glmref.prove.facts import facts_of
 from glmref.system.budget import limited
 from glmref.views.facts import analysis_rows
-from tests.build import SOURCE
+from tests.build import SOURCE, method_document
 
 
 def turned(tmp_path: Path, *entries: str, **keys: object) -> Path:
@@ -118,3 +119,23 @@ def test_nothing_is_asked_when_the_budget_is_spent() -> None:
         assert questions.ask("order", lambda _: asked.append("order"), "nothing") == "nothing"
     assert not asked
     assert questions.undecided == {"order": "the budget of 1e-09 s of processor time is spent"}
+
+
+@pytest.mark.parametrize("name", ["rodas4", "ros34pw2"])
+def test_a_rosenbrock_method_in_decimals_is_known_by_its_linear_form(name: str) -> None:
+    """Its consistency follows from order 1; whether it is A-stable decimals do not say."""
+    found = analyze(name)
+    said = (found.explicit, found.preconsistent, found.consistent, found.zero_stable)
+    assert said == (False, True, True, True)
+    assert sorted(found.undecided or ()) == ["a-stable", "l-stable"]
+
+
+def test_a_rosenbrock_method_in_decimals_may_be_inconsistent() -> None:
+    keys = {"alpha": [["0"]], "gamma": [["0.500"]], "b": ["0.900"], "digits": 3}
+    found = analyze(load_document({**method_document("rosenbrock", {"w-order": 1}, **keys), "format": "glmref-method-2"}))
+    assert (found.consistent, found.preconsistent) == (False, True)
+
+
+def test_a_rounded_method_may_be_consistent_as_it_stands() -> None:
+    assert analyze("ssp3-4-3-3-printed").consistent is True
+    assert analyze("ros3-printed").consistent is None
