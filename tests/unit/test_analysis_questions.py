@@ -132,7 +132,11 @@ def test_a_rosenbrock_method_in_decimals_is_known_by_its_linear_form(name: str) 
 
 def test_a_rosenbrock_method_in_decimals_may_be_inconsistent() -> None:
     keys = {"alpha": [["0"]], "gamma": [["0.500"]], "b": ["0.900"], "digits": 3}
-    found = analyze(load_document({**method_document("rosenbrock", {"w-order": 1}, **keys), "format": "glmref-method-2"}))
+    found = analyze(
+        load_document(
+            {**method_document("rosenbrock", {"w-order": 1}, **keys), "format": "glmref-method-2"}
+        )
+    )
     assert (found.consistent, found.preconsistent) == (False, True)
 
 

@@ -97,8 +97,8 @@ INCONSISTENT: dict[str, Any] = {
          "V is not power-bounded: parasitic components grow anyway"),
         (EULER_AND_A_DOUBLE_ROOT, "a-stable", False, "V = M(0) is not power-bounded"),
         (EULER_AND_A_DOUBLE_ROOT, "symmetric-reduced", False,
-         "no exchange of stages P works; for the reversal "
-         "entry (1, 1) of A + P A P - U V^-1 B is 1 in size"),
+         ("no exchange of stages P works; for the reversal "
+         "entry (1, 1) of A + P A P - U V^-1 B is 1 in size")),
         (INCONSISTENT, "growth", ["1"], "the growth matrix has the eigenvalues 0.5, 0"),
         (INCONSISTENT, "growth", ["1", "2"], "the growth matrix has the eigenvalues 0.5, 0"),
     ],
