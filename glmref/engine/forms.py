@@ -27,12 +27,9 @@ from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.component import SEPARABLE
 from ..method.preconsistency import output, preconsistency_vector, stage_times
-from ..method.rounding import as_double, split_float
+from ..method.rounding import CLOSE, as_double, split_float
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
-
-#: A number this close to an integer or to zero counts as one in the float engine.
-CLOSE = 1e-40
 
 Row = tuple[float, ...]
 

@@ -35,10 +35,10 @@ from ..exact.linalg import Matrix
 from ..method import GLM, PartitionedGLM
 from ..method.component import SEPARABLE
 from ..method.preconsistency import preconsistency_vector, stage_times
+from ..method.rounding import CLOSE
 from ..method.stage_order import StageBlock
 from ..system.arguments import one_of
 from .forms import (
-    CLOSE,
     Row,
     Rows,
     StepForm,

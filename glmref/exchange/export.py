@@ -14,10 +14,11 @@ from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.arguments import place, shown
 from ..system.files import write_text
+from .documents import blocks_of, method_document
 from .header import COMPLETE, LANGUAGES
 from .numbers import check_digits
 from .steppers import stepper
-from .tables import blocks_of, method_document, table
+from .tables import table
 
 #: What a method can be exported to: steppers, then tables.
 TARGETS = (

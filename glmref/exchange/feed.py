@@ -31,8 +31,9 @@ from ..problems import about, problem
 from ..problems import names as problem_names
 from ..system.files import make_folder, write_text
 from ..views.problem_page import described, formula_lines
+from .documents import expression, fixed, held, places_of
 from .numbers import decimal_of
-from .tables import butcher, expression, fixed, held, places_of
+from .tables import butcher
 from .tree_problems import tree_problems
 
 VERSION = "v1"

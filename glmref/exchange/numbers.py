@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from ..engine.forms import CLOSE
 from ..exact import Exact, Scalar, rounded_decimal
-from ..method.rounding import as_double
+from ..method.rounding import CLOSE, as_double
 from ..system.arguments import whole
 
 #: Digits that a published decimal of the catalogue and a ball of working precision still have.

@@ -23,7 +23,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..engine.forms import CLOSE
 from ..engine.starting_values import default_passes, renewal_of
 from ..engine.tableau import as_balls
 from ..errors import UsageError
@@ -31,6 +30,7 @@ from ..exact import Scalar, exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, PartitionedGLM
 from ..method.preconsistency import outputs, preconsistency, stage_times, unit_place
+from ..method.rounding import CLOSE
 from ..method.stage_order import dependency_blocks
 
 if TYPE_CHECKING:

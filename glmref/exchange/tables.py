@@ -7,8 +7,7 @@ one line a row, and :mod:`.import_tables` takes it from there.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -16,11 +15,8 @@ from typing import Any
 from .. import __version__
 from ..catalogue.canonical import canonical
 from ..catalogue.claims import ORDER, stated_orders
-from ..catalogue.keys import completed
-from ..catalogue.writer import decimal
-from ..errors import ExactnessError, UsageError
-from ..exact import Ball, Exact, Scalar
-from ..exact.expression import parse, to_text
+from ..errors import UsageError
+from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
 from ..method.embedded import EmbeddedRow
@@ -29,14 +25,13 @@ from ..method.preconsistency import stage_times
 from ..prove.facts import facts_of
 from ..views.notation import LATEX
 from ..views.tables import csv_text
+from .documents import as_texts, expression, held, is_one
 from .header import ONE_ROW, Comment, header, in_comment
-from .numbers import decimal_of, is_zero, rounded
+from .numbers import decimal_of, is_zero
 from .steppers import filled, identifier, wrapped
 
 #: Significant digits of decimals in tables: those of quadruple precision.
 DIGITS = 34
-#: Digits after the point of decimals in JSON and CSV, where their enclosure is as narrow.
-PLACES = 75
 #: Numerator and denominator of a fraction that is written as one: both are doubles.
 _LARGEST = 2**53
 
@@ -75,10 +70,6 @@ class Butcher:
         return len(self.b)
 
 
-def _is_one(x: Scalar) -> bool:
-    return (x - 1).is_zero() is True or is_zero(x - 1)
-
-
 def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
     """Return the Runge-Kutta tableau of a method.
 
@@ -93,7 +84,7 @@ def butcher(method: GLM | PartitionedGLM, target: str) -> Butcher:
         nystrom = (method.document or {}).get("class") == "nystrom"
         kind = "a Runge-Kutta-Nystrom method" if nystrom else "a pair"
         raise UsageError(f"{target} holds Runge-Kutta tableaux and {name} is {kind}; {other}")
-    if method.r != 1 or not _is_one(method.V[0][0]) or not all(_is_one(x) for (x,) in method.U):
+    if method.r != 1 or not is_one(method.V[0][0]) or not all(is_one(x) for (x,) in method.U):
         raise UsageError(
             f"{target} holds Runge-Kutta tableaux and {name} carries {method.r} values from step "
             f"to step; {other}"
@@ -128,16 +119,6 @@ def _order(method: GLM | PartitionedGLM | AdditiveGLM) -> int:
     if isinstance(order, int):
         return order
     return facts_of(method).nominal.kernel.range(ORDER.key).value
-
-
-def expression(x: Scalar) -> str | None:
-    """Return the exact expression of a number, or ``None`` where it has none."""
-    if not isinstance(x, Exact):
-        return None
-    try:
-        return to_text(x)
-    except ExactnessError:
-        return None
 
 
 def _quotient(x: Scalar) -> tuple[int, int] | None:
@@ -242,7 +223,7 @@ def _imex(method: AdditiveGLM, target: str, digits: int) -> tuple[str, list[str]
     """
     name = method.name or "the method"
     ones = [x for row in (*(method.U or ()), *(method.V or ())) for x in row]
-    if method.k != 2 or method.r != 1 or not all(map(_is_one, ones)):
+    if method.k != 2 or method.r != 1 or not all(map(is_one, ones)):
         raise UsageError(
             f"{target} holds additive Runge-Kutta methods of two parts and {name} has {method.k} "
             f"parts and {method.r} values; export its parts"
@@ -425,171 +406,6 @@ def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
 
 # --- every method: JSON, CSV, LaTeX --------------------------------------------------------------
 
-Rows = list[list[str]]
-
-
-def _all_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
-    """Yield the blocks of a method by name, vectors as one row."""
-    if method.additive:
-        for n, c in enumerate(method.components):
-            yield from ((f"parts.{n}.A", c.A), (f"parts.{n}.b", c.B))
-        return
-    if method.parts == 2:
-        for part, c in zip("qp", method.components, strict=True):
-            yield from zip((f"{part}.{x}" for x in "AUBV"), c.matrices, strict=True)
-        start = method.starting
-        if start is not None:
-            hats = start.LETTERS.values()
-            yield from ((f"starting.{x}{y}", getattr(start, x + y)) for y in hats for x in "AB")
-            yield from ((f"starting.u{y}", (getattr(start, f"u{y}"),)) for y in hats)
-        return
-    (c,) = method.components
-    if method.is_one_step and _is_one(c.V[0][0]) and all(_is_one(x) for (x,) in c.U):
-        yield from (("A", c.A), ("b", c.B))
-    else:
-        yield from zip("AUBV", c.matrices, strict=True)
-    if method.starting is not None and method.starting.A:
-        yield from (("starting.A", method.starting.A), ("starting.B", method.starting.B))
-        yield "starting.u", (method.starting.u,)
-    if method.finishing is not None:
-        yield from (("finishing.A", method.finishing.A), ("finishing.b", (method.finishing.b,)))
-
-
-def places_of(numbers: Sequence[Scalar], wanted: int | None) -> int:
-    """Return digits after the point: as many as are wanted and as the narrowest enclosure has."""
-    widest = max((x.radius() for x in numbers if isinstance(x, Ball)), default=0.0)
-    known = PLACES if widest == 0 else min(PLACES, max(1, math.floor(-math.log10(2 * widest)) - 1))
-    return known if wanted is None else min(wanted, known)
-
-
-def fixed(x: Scalar, places: int) -> str:
-    """Return a decimal with so many digits after the point, of a real number."""
-    return decimal(x.ball(), places)
-
-
-def _form_blocks(method: Method) -> Iterator[tuple[str, Matrix]]:
-    """Yield the forms and the outputs that a method gives, by their names in a method file."""
-    names = {"G": "G", "D": "D", "D_P": "D_P", "D_Q": "D_Q", "output": "output"}
-    if method.parts == 2:
-        names |= {"output": "q.output", "output_hat": "p.output"}
-    for name, place in names.items():
-        value = getattr(method, name, None)
-        if value is not None:
-            yield place, value if name == "G" else (value,)
-
-
-def method_document(
-    method: GLM | PartitionedGLM | AdditiveGLM, name: str, digits: int | None
-) -> dict[str, Any]:
-    """Return a method file of blocks, starting and finishing method, forms and outputs.
-
-    It claims nothing, and has a name for a method without one. ``digits`` after the point stand for
-    decimals instead of expressions.
-
-    Raises
-    ------
-    UsageError
-        For decimals of complex numbers.
-    """
-    forms = dict(_form_blocks(method))
-    blocks, places = blocks_of(method, digits, forms)
-    document: dict[str, Any] = {}
-    if method.additive:
-        _check_one_value(method)
-        document["parts"] = [{} for _ in method.components]
-    for place, rows in blocks.items():
-        *outer, letter = place.split(".")
-        if outer[:1] == ["parts"]:
-            document["parts"][int(outer[1])][letter] = rows[0] if letter == "b" else rows
-            continue
-        inside = document.setdefault(outer[0], {}) if outer else document
-        inside[letter] = rows if letter[0] in "AUBVG" else rows[0]
-    if method.parts == 2:
-        document["separable"] = not method.shared
-    elif not (method.additive or method.is_real):
-        document["field"] = "complex"
-    if "b" in document and forms:  # a file of class `rk` has none
-        document["B"] = [document.pop("b")]
-        document |= {"U": [["1"]] * len(document["A"]), "V": [["1"]]}
-    if places is not None:
-        document["digits"] = places
-    document |= _beside(method, digits)
-    document = completed(document, method.name or name)
-    return {key: x for key, x in document.items() if x != {}}
-
-
-def _beside(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> dict[str, Any]:
-    """Return embedded rows, c and dense output as a file of class `rk` or `additive` has them."""
-    if method.rosenbrock:
-        raise UsageError(f"{method.name or 'the method'} is a Rosenbrock method: save it as it is")
-    if isinstance(method, PartitionedGLM):
-        return {}
-
-    def texts(rows: Matrix) -> Rows:
-        return [[to_text(x) if digits is None else rounded(x, digits) for x in r] for r in rows]
-
-    found: dict[str, Any] = {}
-    if isinstance(method, GLM):
-        c, dense = method.abscissae_given, method.dense
-        found |= {} if c is None else {"c": texts((c,))[0]}
-        found |= {} if dense is None else {"dense": texts(dense)}
-    rows = [
-        {
-            "name": row.name,
-            "error" if row.difference else "b": texts(row.weights)
-            if method.additive
-            else texts(row.weights)[0],
-            **({} if row.values is None else {"v": texts((row.values,))[0]}),
-        }
-        for row in method.embedded
-    ]
-    return {**found, "embedded": rows} if rows else found
-
-
-def blocks_of(
-    method: GLM | PartitionedGLM | AdditiveGLM,
-    digits: int | None,
-    more: Mapping[str, Matrix] | None = None,
-) -> tuple[dict[str, Rows], int | None]:
-    """Return the blocks of a method as rows of expressions, and the digits of its decimals, if any.
-
-    Blocks are named such as ``A`` or ``starting.u`` (one row); digits are those after the point,
-    ``None`` where every entry is exact.
-
-    Raises
-    ------
-    UsageError
-        For decimals of complex numbers.
-    """
-    return _as_texts(method, {**dict(_all_blocks(method)), **(more or {})}, digits)
-
-
-def _as_texts(
-    method: Method, blocks: Mapping[str, Matrix], digits: int | None
-) -> tuple[dict[str, Rows], int | None]:
-    numbers = [x for matrix in blocks.values() for row in matrix for x in row]
-    texts = {id(x): None if digits is not None else expression(x) for x in numbers}
-    rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
-    if rough and not all(x.is_real() for x in rough):
-        raise UsageError(
-            f"{method.name or 'the method'} is complex, and its entries are written as "
-            f"expressions only; leave out the number of digits"
-        )
-    places = places_of(rough, digits) if rough else None
-
-    def text(x: Scalar) -> str:
-        found = texts[id(x)]
-        if found is not None:
-            return found
-        return to_text(x) if isinstance(x, Exact) and _is_whole(x) else fixed(x, places or 1)
-
-    return {name: [[text(x) for x in row] for row in m] for name, m in blocks.items()}, places
-
-
-def _is_whole(x: Scalar) -> bool:
-    fraction = x.as_fraction() if isinstance(x, Exact) else None
-    return fraction is not None and fraction.denominator == 1
-
 
 def _about(method: Method) -> dict[str, Any]:
     """Name, title, claimed order and source, as far as they are known."""
@@ -612,68 +428,12 @@ def _about(method: Method) -> dict[str, Any]:
     return {**about, "generated": f"glmref {__version__}"}
 
 
-def held(method: Method) -> dict[str, Matrix]:
-    """Return the blocks of a method in JSON and CSV: all that determines it.
-
-    Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
-    estimate, with a row for each component; those of a method of several values have a second row,
-    the weights of the values. ``abscissae`` are those that are not A 1.
-
-    Raises
-    ------
-    UsageError
-        For what these formats cannot hold.
-    """
-    document, blocks = method.document or {}, dict[str, Matrix]()
-    rows = {
-        row.name: (
-            row.difference,
-            row.weights if row.values is None else (*row.weights, row.values),
-        )
-        for row in method.embedded
-    }
-    if method.rosenbrock:
-        alpha, gamma, b = (getattr(method, x) for x in ("alpha", "gamma", "b"))
-        blocks = {"alpha": alpha, "gamma": gamma, "b": (b,)}
-        rows = {name: (what, (x[: len(b)],)) for name, (what, (x, _)) in rows.items()}
-    elif method.additive:
-        _check_one_value(method)
-        for n, part in enumerate(method.components, 1):
-            blocks |= {f"part{n}.A": part.A, f"part{n}.b": part.B}
-    elif document.get("class") == "nystrom":
-
-        def matrix(given: Sequence[Sequence[str]]) -> Matrix:
-            return tuple(tuple(parse(x) for x in row) for row in given)
-
-        blocks = {x: matrix(document[x]) for x in ("A", "A_prime") if x in document}
-        blocks |= {x: matrix((document[x],)) for x in ("b", "b_prime", "c")}
-        rows = {
-            x["name"]: (False, matrix((x["b"], x["b_prime"]))) for x in document.get("embedded", ())
-        }
-    else:
-        blocks = dict(_all_blocks(method))
-        if rows and method.parts == 2:
-            raise UsageError(f"{method.name} is a pair, and its embedded rows have no block here")
-        blocks |= {name: rows for name, rows in _form_blocks(method) if "output" in name}
-    c, dense = (getattr(method, x, None) for x in ("abscissae_given", "dense"))
-    blocks |= {} if c is None else {"abscissae": (c,)}
-    blocks |= {} if dense is None else {"dense": dense}
-    weights = {f"{('embedded', 'error')[what]}.{name}": x for name, (what, x) in rows.items()}
-    return {**blocks, **weights}
-
-
-def _check_one_value(method: Method) -> None:
-    ones = [x for row in (*method.components[0].U, *method.components[0].V) for x in row]
-    if method.carried != 1 or not all(map(_is_one, ones)):
-        raise UsageError("an additive method is written with one value, U = 1 and V = 1, only")
-
-
 #: Blocks of JSON that are a vector, not rows.
 _VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae", "output")
 
 
 def _json(method: Method, digits: int | None) -> str:
-    blocks, places = _as_texts(method, held(method), digits)
+    blocks, places = as_texts(method, held(method), digits)
     document = {**_about(method), **({"digits": places} if places is not None else {})}
     for name, rows in blocks.items():
         outer, _, letter = name.partition(".") if "." in name else ("", "", name)
@@ -684,7 +444,7 @@ def _json(method: Method, digits: int | None) -> str:
 
 
 def _csv(method: Method, digits: int | None) -> str:
-    blocks, places = _as_texts(method, held(method), digits)
+    blocks, places = as_texts(method, held(method), digits)
     cells: list[Sequence[object]] = [("block", "row", "column", "value")]
     for key, value in {**_about(method), "digits": places}.items():
         if isinstance(value, Mapping):
@@ -716,7 +476,7 @@ def _latex(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> st
     given = getattr(method, "abscissae_given", None)
     for n, x in enumerate(method.components):
         A, U, B, V = x.matrices
-        plain = (method.additive or method.parts == 1) and len(V) == 1 and _is_one(V[0][0])
+        plain = (method.additive or method.parts == 1) and len(V) == 1 and is_one(V[0][0])
         c = (given or stage_times(x)) if plain else None
         more = [
             (x, x.weights[n], (*V[0],) if x.values is None else x.values) for x in method.embedded

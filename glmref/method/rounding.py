@@ -19,6 +19,9 @@ from ..exact.linalg import Matrix
 if TYPE_CHECKING:
     import numpy as np
 
+#: A number this close to an integer or to zero counts as one in doubles.
+CLOSE = 1e-40
+
 
 def split_float(value: Scalar) -> tuple[float, float]:
     """Round to the nearest double and return it with the residue ``value - rounded``, rounded.

@@ -120,7 +120,7 @@ class Shared:
         if not method.is_exact:
             raise ExactnessError("a method without a file, in numbers that are not exact")
         try:
-            return above("exchange.tables", "method_document")(method, method.name, None)
+            return above("exchange.documents", "method_document")(method, method.name, None)
         except UsageError as error:
             raise ExactnessError(f"a method without a file: {error}") from error
 

@@ -29,7 +29,7 @@ ABOVE = (
     ("engine.between", "at"),
     ("scenes.modified", "modified_energy"),
     ("exchange.export", "save"),
-    ("exchange.tables", "method_document"),
+    ("exchange.documents", "method_document"),
 )
 
 
