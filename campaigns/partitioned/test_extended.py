@@ -67,7 +67,7 @@ def test_no_binding_gains_much_over_free_copies(name: str) -> None:
     free = error("free", 0.0)
     assert all(not error("bound", omega) < free / 3 for omega in (20.0, 5.0, 1.0, 0.25))
     page = (Path(__file__).parents[2] / "docs" / "nonseparable.md").read_text("utf-8")
-    assert "with 1/4 to 20 the error is not below a third of that of free copies" in page
+    assert "from 1/4 to 20 the error stays above a third of that of free copies" in page
 
 
 def test_evaluations_of_a_step() -> None:

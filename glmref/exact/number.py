@@ -6,7 +6,7 @@ import operator
 import re
 from fractions import Fraction
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import flint
 
@@ -438,7 +438,7 @@ class Exact(Arithmetic):
             return (self - other).is_zero()
         return NotImplemented
 
-    __hash__ = None  # type: ignore[assignment]  # equal numbers may have unequal representations
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]  # equal numbers may have unequal representations
 
     def __bool__(self) -> bool:
         return not self.is_zero()
