@@ -580,13 +580,13 @@ def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Ite
     if not wanted:
         return
     said = list(_statements(row, language))
-    set_ = [(s[0].line, s[e - 1].text) for s in said
+    assigned = [(s[0].line, s[e - 1].text) for s in said
             if (e := _equal(s)) and s[e].text in ("=", ":=")]  # fmt: skip
-    targets = Counter(name for _, name in set_)
+    targets = Counter(name for _, name in assigned)
     rights = Counter(y.text for s in said for y in s[(_equal(s) or -1) + 1 :] if y.kind == "name")
     for (name, count), made in sorted(wanted, key=lambda x: -len(x[1]))[:4]:
         output, begin = -1, row[made[0].at].line
-        later = {name for line, name in set_ if line >= begin}
+        later = {name for line, name in assigned if line >= begin}
         if not all(x.valued for x in made) or _is_flag(row, made, said):
             places = []
             for k in range(count):

@@ -154,7 +154,7 @@ class Solved(Series):
         self.share_stages()
 
     def share_stages(self) -> None:
-        """Take the stages that other weights have found, where they depend on an exact A only."""
+        """Take the stages that other weights have found: with eta 0 they depend on A alone."""
         tables = [(c, m.A) for c, m in self.parts.items()]
         if self.solved and all(is_exact(A) for _, A in tables):
             self.known = stages_of(tuple((c, tuple(map(tuple, A))) for c, A in tables))
@@ -254,13 +254,16 @@ class Solved(Series):
                 self.q = n
 
     def fill(self) -> None:
-        """Find eta at the trees of the order that was reached, principal parts 0."""
+        """Find eta at the trees of the order that was reached, principal parts 0.
+
+        It is 0 where the one value is the solution: its stages may be those of other methods, too.
+        """
         while self.filled < self.order:
             self.filled += 1
             for t in self.pool(self.filled):
                 c, right = t[0], self.right(t)
                 self.gaps[t] = apply(self.W[c], right)
-                self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
+                self.eta[t] = [Fraction(0) if self.solved or j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
 
     def residual(self, tree: Tree) -> list:

@@ -1,15 +1,11 @@
-"""What the rules of the kernel compute with: matrices, polynomials and permutations, decided.
-
-Each function says what it proves. Over exact numbers everything here is decided; over balls the
-answer ``None`` says that they leave it open.
-"""
+"""Vectors and blocks of matrices that finders use; over balls ``None`` says what is left open."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from ..exact import Exact, Scalar, linalg
+from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method.stage_order import dependency_blocks
 
@@ -19,11 +15,6 @@ _ZERO, _ONE = Exact(0), Exact(1)
 def all_of(answers: Sequence[bool | None]) -> bool | None:
     """Return conjunction in three values."""
     return False if False in answers else None if None in answers else True
-
-
-def vanishes(matrix: Sequence[Sequence[Scalar]]) -> bool | None:
-    """Return whether all entries are 0: ``False`` where one excludes it, ``None`` if open."""
-    return all_of([x.is_zero() for row in matrix for x in row])
 
 
 def is_exact(*matrices: Sequence[Sequence[Any]]) -> bool:

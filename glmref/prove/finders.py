@@ -1,4 +1,4 @@
-"""Finders: from what theory computes to what the kernel checks. Nothing here is trusted.
+"""Finders: from what theory computes to what certificates are written of. Nothing is trusted.
 
 One function for each claim that needs a witness, and the sentences that explain a verdict.
 """

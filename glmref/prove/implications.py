@@ -12,9 +12,8 @@ that exclude zero.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any
 
 from ..catalogue.claims import (
@@ -54,10 +53,6 @@ class Implied:
         Claim -> a lower bound of an order.
     growth_zeros : int or None
         How many growth parameters there are, all of them zero; ``None``: unknown.
-    abscissae : Sequence[Fraction] or None
-        Where all of them are fixed exactly.
-    zeros : bool
-        Whether entries of A are exact zeros by an equation.
     rows : Mapping[str, int]
         Embedded row -> a lower bound of its order.
     system : SweepSystem or None
@@ -71,8 +66,6 @@ class Implied:
     true: frozenset[str] = frozenset()
     at_least: Mapping[str, int] = field(default_factory=dict)
     growth_zeros: int | None = None
-    abscissae: Sequence[Fraction] | None = None
-    zeros: bool = False
     rows: Mapping[str, int] = field(default_factory=dict)
     system: SweepSystem | None = None
     root: Root | None = None
@@ -156,10 +149,8 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
             ):
                 orders = range(at_least.get(base, 0), 0, -1)
                 at_least[claim] = next((q for q in orders if found.zero_start_holds(q, nystrom)), 0)
-        fixed = None if system.is_partitioned else found.abscissae()
     return Implied(
         true if zeros is None else true | {PARASITISM_FREE.key}, at_least, zeros,
-        fixed and [Fraction(int(x.p), int(x.q)) for x in fixed], bool(system.explicit),
         system=system, root=record.root, blocks=record.blocks,
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""What a rule of the kernel knows: a truth value, or proved bounds of an order."""
+"""What is known of a claim: a truth value, proposed or judged, or bounds of an order."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ MAX_ORDER = (12, 9, 8, 6, 5)
 
 @dataclass(frozen=True)
 class Known:
-    """What a rule proved: ``True``, ``False``, or ``None`` for open; ``exact`` says how."""
+    """A proposal or an answer: ``True``, ``False``, or ``None`` for open; ``exact`` says how."""
 
     truth: bool | None
     exact: bool = True
     reason: str = ""
     residual: float = 0.0
-    entry: int | None = None
 
 
 @dataclass(frozen=True)

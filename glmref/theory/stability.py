@@ -12,15 +12,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from operator import mul
 from typing import cast
 
-from ..errors import UsageError
-from ..exact import Exact, Scalar, exact, linalg
+from ..errors import ExactnessError, UsageError
+from ..exact import BallMatrix, Exact, Scalar, ball, exact, linalg
 from ..exact.linalg import Matrix
 from ..method import GLM, Method
 from . import polynomials as poly
 from .polynomials import Polynomial
+from .root_location import in_closed_disc
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _I = Exact(-1).sqrt()
@@ -219,39 +219,17 @@ def leading_part(P: Bivariate) -> tuple[Polynomial, int]:
 
 
 def seems_a_stable(m: GLM) -> bool:
-    """Tell in doubles whether powers of M(iy) stay small at :data:`SAMPLES`: a guess."""
-    A, U, B, V = ([[complex(x) for x in row] for row in part] for part in (m.A, m.U, m.B, m.V))
-    for z in (1j * float(Fraction(y)) for y in SAMPLES):
-        stages = _solved([[(i == j) - z * x for j, x in enumerate(A[i])] for i in range(m.s)], U)
-        M = [
-            [v + z * x for v, x in zip(*rows, strict=True)]
-            for rows in zip(V, _times(B, stages), strict=True)
-        ]
-        for _ in range(12):
-            M = _times(M, M)
-            if not max(abs(x) for row in M for x in row) < 1e6:
+    """Guess by balls whether powers of M(iy) stay small at :data:`SAMPLES`."""
+    try:
+        for y in SAMPLES:
+            M = BallMatrix(stability_matrix(m, ball(_I) * Fraction(y)))
+            for _ in range(12):
+                M = M @ M
+            if not all(x.magnitude() < 1e6 for row in M.rows() for x in row):
                 return False
+    except ExactnessError:  # a pole
+        return False
     return True
-
-
-def _times(a: Sequence[Sequence[complex]], b: Sequence[Sequence[complex]]) -> list[list[complex]]:
-    return [[sum(map(mul, row, column)) for column in zip(*b, strict=True)] for row in a]
-
-
-def _solved(
-    a: Sequence[Sequence[complex]], right: Sequence[Sequence[complex]]
-) -> list[list[complex]]:
-    """Solve a system in doubles, with the largest pivot of each column."""
-    rows = [[*x, *y] for x, y in zip(a, right, strict=True)]
-    for k in range(len(rows)):
-        at = max(range(k, len(rows)), key=lambda i: abs(rows[i][k]))
-        rows[k], rows[at] = rows[at], rows[k]
-        rows[k] = [x / (rows[k][k] or 1e-300) for x in rows[k]]
-        for i in range(len(rows)):
-            if i != k and rows[i][k]:
-                factor = rows[i][k]
-                rows[i] = [x - factor * y for x, y in zip(rows[i], rows[k], strict=True)]
-    return [row[len(rows) :] for row in rows]
 
 
 def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:
@@ -264,14 +242,14 @@ def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:
     witness : Mapping[str, object]
         ``start``, ``infinity``, ``pole`` or ``axis``, or ``y`` with the text of a rational.
     """
-    P = stability_polynomial(m)
-    leading, unbounded = leading_part(P)
     if "start" in witness:
         return "V = M(0) is not power-bounded"
-    if "infinity" in witness and unbounded:
-        return "an eigenvalue of M(z) grows without bound as z goes to infinity"
+    P = stability_polynomial(m)
     if "infinity" in witness:
-        return f"{_largest(leading)[1]} as z goes to infinity"
+        leading, unbounded = leading_part(P)
+        if unbounded:
+            return "an eigenvalue of M(z) grows without bound as z goes to infinity"
+        return f"{_largest(leading)} as z goes to infinity"
     if "pole" in witness:
         below = (m.A[i - 1][i - 1] for i in m.implicit_stages if m.is_diagonally_implicit)
         at = [
@@ -286,14 +264,15 @@ def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:
     if "axis" in witness:
         return "for some y an eigenvalue of M(iy) lies outside the unit circle"
     y = str(witness["y"])
-    size, text = _largest(poly.trim([poly.evaluate(p, Fraction(y)) for p in on_imaginary_axis(P)]))
-    return f"{text if size > 1 else 'M(z) is not power-bounded'} at z = {y} i"
+    at_y = poly.trim([poly.evaluate(p, Fraction(y)) for p in on_imaginary_axis(P)])
+    inside = in_closed_disc(at_y)
+    return f"{'M(z) is not power-bounded' if inside else _largest(at_y)} at z = {y} i"
 
 
-def _largest(p: Polynomial) -> tuple[float, str]:
-    """Return the largest modulus of a root, and the sentence about it."""
+def _largest(p: Polynomial) -> str:
+    """Return the sentence about the largest root."""
     size = max((abs(x) for x in poly.approximate_roots(p)), default=float("inf"))
-    return size, f"M(z) has an eigenvalue of modulus {size:.10g}"
+    return f"M(z) has an eigenvalue of modulus {size:.10g}"
 
 
 def divided(q: Bivariate, factor: Polynomial) -> Bivariate:

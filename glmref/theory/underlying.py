@@ -74,7 +74,8 @@ class UnderlyingMethod(StartingSeries):
         is_real: bool = True,
     ) -> None:
         super().__init__(components, palette, free=False)
-        self._solved.solved = False  # eta of a gauge is not zero
+        # eta of a gauge is not zero, and its stages are those of no other series
+        self._solved.solved, self._solved.known = False, {}
         self.form: Matrix | None = form
         self.is_real: bool = is_real
         self.phi: dict[Tree, Any] = {}

@@ -163,6 +163,20 @@ def test_a_refusal_leaves_no_series_behind() -> None:
     assert record_of.cache_info().currsize == 0
 
 
+def test_stages_of_one_certificate_are_not_those_of_another_start() -> None:
+    """A declared output gave eta([o]) a value, and stages of every method with this A with it."""
+    table = {"class": "rk", "A": [["0", "0"], ["2/3", "0"]]}
+    poison = {"class": "glm", "A": table["A"], "U": [["1"], ["1"]], "B": [["0", "1"]],
+              "V": [["1"]], "output": ["1"]}  # fmt: skip
+    parts = [("stage-order-at-most", {"q": 1, "tree": "[o]"})]
+    assert judge.verdict(certificate(poison, "stage-order", 2, "fails", parts))[0]
+    series = {"principal": "identity", "trees": "all", "order": 3}
+    below, above = ("order-at-least", series), ("order-at-most", {**series, "tree": "[[[o]]]"})
+    second = {**table, "b": ["1/4", "3/4"]}  # b A c = 0
+    accepted, why = judge.verdict(certificate(second, "order", 3, "holds", [below, above]))
+    assert not accepted and "at tree [[o]]" in why
+
+
 def test_a_number_of_one_certificate_is_not_taken_for_that_of_another() -> None:
     """g1 is sqrt(2) in one field and sqrt(3) in the next: an interval was kept for both."""
     roots = [

@@ -27,6 +27,7 @@ from glmref.theory.stability import (
     stability_matrix,
     stability_polynomial,
     vanishes_at_inverse,
+    why_not_a_stable,
 )
 from tests.classical import (
     adams_bashforth,
@@ -260,3 +261,18 @@ def test_the_guess_is_that_of_the_judge_for_shipped_methods():
     for name in ("gauss-3", "radau-iia-2", "rk4", "bdf-2", "bdf-3", "gsymplectic-n"):
         method = glmref.load(name)
         assert seems_a_stable(method) == facts_of(method).truth("a-stable"), name
+
+
+def test_a_double_eigenvalue_on_the_circle_is_not_said_to_be_outside():
+    """M(iy) has the double eigenvalue (2 + iy) / (2 - iy), which doubles see beyond 1."""
+    for r in (2, 3):
+        U = [[Fraction(int(j in (i, i + 1))) for j in range(r)] for i in range(r)]
+        unit = [[Fraction(int(i == j)) for j in range(r)] for i in range(r)]
+        method = GLM(A=[[x / 2 for x in row] for row in unit], U=U, B=unit, V=unit)
+        assert why_not_a_stable(method, {"y": "1"}) == "M(z) is not power-bounded at z = 1 i"
+
+
+def test_a_guess_about_large_numbers_ends():
+    """The second entry and the square of the first are beyond doubles."""
+    for large in (17 * 10**307, 10**400):
+        assert not seems_a_stable(GLM(A=[[-large]], U=[[large]], B=[[large]], V=[[1]]))
