@@ -10,10 +10,10 @@ below what is measured.
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Mapping
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +72,8 @@ def row(case: Case) -> dict[str, Any]:
 
 def slopes(x: Mapping[str, Any]) -> list[float]:
     """Return by which powers of h the drifts of a row fall, one for each of :data:`ORDERS`."""
-    ((coarse, fine),) = pairwise(x["drifts"])
-    return [float(mpmath.log(a / b, 2)) for a, b in zip(coarse, fine, strict=True)]
+    coarse, fine = x["drifts"]
+    return [math.log2(a / b) for a, b in zip(coarse, fine, strict=True)]
 
 
 def expected(name: str) -> list[int]:

@@ -104,8 +104,8 @@ def test_the_page_says_what_a_smaller_step_does_not_keep() -> None:
     assert method == TWELVE
 
 
-def test_steps_of_the_lost_runs_are_beyond_every_explicit_formula() -> None:
-    """At the largest frequencies of the page; leapfrog's interval, 1, is the longest."""
+def test_steps_of_the_lost_runs_are_beyond_the_bounds_of_a_gyration() -> None:
+    """At the largest frequencies of the page; leapfrog's interval, 1, is the longest of all."""
     largest = {"dipole-charge": 43, CHAOTIC: 71}
     assert all(f"{omega} until" in PAGE for omega in largest.values())
     found = [
@@ -114,6 +114,8 @@ def test_steps_of_the_lost_runs_are_beyond_every_explicit_formula() -> None:
         if x["problem"] in largest and x["method"] in FRONT
     ]
     assert f"$h\\omega$ comes to {min(found):.1f} to {max(found):.1f}" in PAGE
+    assert min(found) > 0.232  # the largest bound on the page
+    assert sum(x > 1 for x in found) == len(found) - 1 == 5
 
 
 @pytest.mark.slow

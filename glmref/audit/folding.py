@@ -17,7 +17,7 @@ from ..catalogue.keys import MAX_SIZE
 from ..errors import ExactnessError
 from ..exact import Exact
 from .lexer import Language, Token
-from .values import Number, Unread, bounded, filled, literal, pairwise, power
+from .values import Number, Unread, accident, bounded, filled, literal, pairwise, power
 
 #: Calls that leave one number as it is; so do names of types, which begin with a capital.
 _CASTS = frozenset(
@@ -189,7 +189,7 @@ class Folder:
         try:
             return self._expression(least)
         except (ZeroDivisionError, ExactnessError, IndexError, ValueError) as error:
-            raise Unread(f"{type(error).__name__}: {error}") from None
+            raise Unread(accident(error)) from None
         finally:
             self.depth -= 1
 

@@ -133,6 +133,9 @@ def _meant(
     One that is not sure to be meant as it is read is a question, and so is one without a declared
     order where one entry, or a method of the catalogue, says what the table should be.
     """
+    if status != "right" and not table.followed:
+        remarks.append("slopes of the step go to a call, or a statement, that is not followed")
+        return "unread"
     found = record["found"]
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)

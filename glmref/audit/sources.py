@@ -205,20 +205,27 @@ def _unread(line: int, name: str, remark: str) -> dict[str, Any]:
 
 def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
     """Judge one table, which is the one of this number in its file."""
-    tables = _tables(task["file"], task["form"], tuple(task["declared"].items()), task["given"])
+    file = Path(task["file"])
+    state = file.stat()
+    written = (state.st_mtime_ns, state.st_size)
+    tables = _tables(file, written, task["form"], tuple(task["declared"].items()), task["given"])
     library = _library() if task["compare"] else None
     return judge(tables[task["number"]], library, search=task["search"])
 
 
 @lru_cache(maxsize=4)
 def _tables(
-    file: str, form: str, declared: tuple[tuple[str, int], ...], given: bool
+    file: Path,
+    written: tuple[int, int],
+    form: str,
+    declared: tuple[tuple[str, int], ...],
+    given: bool,
 ) -> list[Table]:
-    """Return tables of a file, as far as it is understood."""
+    """Return tables of a file, last written then, as far as it is understood."""
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):
-        found.extend(_read(Path(file), read_source(Path(file)) or "", form, dict(declared), given))
+        found.extend(_read(file, read_source(file) or "", form, dict(declared), given))
     return found
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,7 +32,7 @@ _OTHER = re.compile(
     r"size|zeros\w*|ones\w*|array|append|push\w*|\w*alloc|mem\w+|copy\w*|if|for|while|switch|"
     r"return|function|subroutine|def|sizeof|static_cast|assert\w*|norm\w*|dot|sum|all|any|int|float|"
     r"double|real|dble|abs|mod|floor|ceil|enumerate|zip|isinstance|super|str|format|begin|end|at|"
-    r"and|or|not|similar|write|is\w*|tuple|list|fill|axpy)",
+    r"and|or|not|similar|write|is\w*|tuple|list|fill)",
     re.IGNORECASE,
 )
 #: Names of a step, a time and a state, whatever number they begin with.
@@ -42,6 +42,8 @@ _LOOSE = re.compile(
 )
 EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
                    re.IGNORECASE)  # fmt: skip
+#: Most calls of a right-hand side in one step.
+STAGES = 64
 _ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
 _BRANCHES = frozenset("else elif elseif elsif case switch match".split())
@@ -218,7 +220,9 @@ class _Call:
     valued: bool
 
 
-def _calls(row: Sequence[Token]) -> Iterator[_Call]:
+def _calls(row: Sequence[Token]) -> list[_Call]:
+    """Return the calls of what may be a right-hand side: of no more stages than a method has."""
+    found: list[tuple[str, int, bool]] = []
     for k in range(len(row) - 1):
         if row[k].kind != "name" or row[k + 1].text != "(":
             continue
@@ -237,7 +241,13 @@ def _calls(row: Sequence[Token]) -> Iterator[_Call]:
                                                                                "call")  # fmt: skip
         if before is not None and before.kind == "name" and before.text not in ("call", "return"):
             continue  # a declaration
-        yield _Call(name, k, _parts(row[k + 2 : _partner(row, k + 1)]), not plain_call)
+        found.append((name, k, not plain_call))
+    many = Counter(name for name, *_ in found)
+    return [
+        _Call(name, k, _parts(row[k + 2 : _partner(row, k + 1)]), valued)
+        for name, k, valued in found
+        if many[name] <= STAGES
+    ]
 
 
 def _lone(part: Sequence[Token]) -> str:
@@ -281,6 +291,8 @@ class _Step:
     returned: Any = None
     out: set[str] = field(default_factory=set)
     trouble: bool = False  #: Whether a sum of slopes has a name in it that is not read.
+    lost: bool = False  #: Whether slopes go to a call, or to a statement, that is not followed.
+    why: str = ""  #: What the first statement that is not read says.
 
     def look(self, name: str) -> Any:
         """Return what a name holds; a name that holds nothing stands for itself."""
@@ -359,7 +371,12 @@ class _Step:
             return
         equal = _equal(row)
         if equal is None:
+            before, returned = len(self.places), self.returned
             self._end(row)
+            if any(not x.valued for x in _calls(row)) and len(self.places) == before:
+                # no stage: it may add slopes to what it is given
+                self.lost |= any(_slopes(self.values.get(x.text)) for x in row)
+                self.returned = returned
             return
         left = row[:equal]
         mark = next((k for k, x in enumerate(left) if x.text in ("::", ":")), None)
@@ -376,7 +393,7 @@ class _Step:
         self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
 
     def _end(self, row: Sequence[Token]) -> None:
-        """Note what is returned: by that word, or by an expression at the end."""
+        """Note what is returned, by that word or by an expression at the end."""
         try:
             x = self.fold(row)
         except Unread as error:
@@ -402,6 +419,7 @@ class _Step:
                 x = _atom(name)
             x.place = (row[0].line, " ".join(y.text for y in row)[:80])
         except Unread as error:
+            self.why = self.why or str(error)
             self.trouble |= any(_slopes(self.values.get(y.text)) for y in row) and any(
                 isinstance(self.values.get(y.text), Unread) for y in row
             )
@@ -434,17 +452,19 @@ class _Step:
         (state,) = states
         if given:
             read.insert(0, _atom(state))
-        names = [*([given] if given else []), *(f"#{k + 1}" for k in range(len(self.places)))]
+        slopes = [*([given] if given else []), *(f"#{k + 1}" for k in range(len(self.places)))]
+        names = {name: k for k, name in enumerate(slopes)}
         step = self._step_of(read, set(names))
         A = [_row(x, state, step, names) for x in read] if step is not None else [None]
         rows = [x for x in A if x is not None]
         found = self._weights(state, step or (), names) if len(rows) == len(A) else None
         if found is None:
             numbers = [v for x in read for k, v in _form(x).terms.items() if v not in (1, -1)]
-            return Table("", 0, unread=_UNREAD, general=True) if numbers or self.trouble else None
+            why = f"{_UNREAD}: {self.why}" if self.why else _UNREAD
+            return Table("", 0, unread=why, general=True) if numbers or self.trouble else None
         b, more, errors, guessed = found
         table = Table("", 0, A=[rows], b=[b], rows=more, errors=errors, general=True)
-        table.guessed, table.sure = guessed, False
+        table.guessed, table.sure, table.followed = guessed, False, not self.lost
         table.c = [self._times(at[0], step or (), bool(given))]
         _drop(table)
         return table
@@ -464,7 +484,7 @@ class _Step:
                  if set(key) & slopes}  # fmt: skip
         return found.pop() if len(found) == 1 else None
 
-    def _weights(self, state: str, step: tuple[str, ...], names: list[str]) -> Any:
+    def _weights(self, state: str, step: tuple[str, ...], names: Mapping[str, int]) -> Any:
         """Return b, further rows, error weights, and whether b is a guess; or ``None``."""
         done: list[tuple[str, Number, list[Number]]] = []
         errors: list[list[Number]] = []
@@ -528,8 +548,10 @@ def _name_of(x: Number | None) -> str:
     return key[0] if len(key) == 1 and v == 1 else ""
 
 
-def _row(x: Number, state: str, step: tuple[str, ...], names: list[str]) -> list[Number] | None:
-    """Return the coefficients of the slopes in a value that holds the state once."""
+def _row(
+    x: Number, state: str, step: tuple[str, ...], names: Mapping[str, int]
+) -> list[Number] | None:
+    """Return the coefficients of the slopes in a value that holds the state once, in order."""
     terms = _form(x).terms
     row = [ZERO] * len(names)
     once = terms.get((state,))
@@ -541,7 +563,7 @@ def _row(x: Number, state: str, step: tuple[str, ...], names: list[str]) -> list
         rest = [y for y in key if y in names]
         if len(rest) != 1 or tuple(y for y in key if y not in names) != step:
             return None
-        row[names.index(rest[0])] = number = x.of(v)
+        row[names[rest[0]]] = number = x.of(v)
         number.place = x.place
     return row
 
@@ -570,7 +592,7 @@ def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Ite
     """Yield the steps that a function makes, one for each right-hand side that it calls."""
     language = collector.language
     row = _flat(tokens, language)
-    calls = list(_calls(row))
+    calls = _calls(row)
     groups: dict[tuple[str, int], list[_Call]] = {}
     for x in calls:
         groups.setdefault((x.name, len(x.arguments)), []).append(x)
@@ -608,6 +630,7 @@ def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Ite
             try:
                 step.take(statement)
             except (GlmrefError, Unread, *_ACCIDENTS):
+                step.lost = True
                 break
         found = step.finished()
         if found is not None:

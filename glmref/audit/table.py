@@ -47,6 +47,8 @@ class Table:
     block: Any = None  #: Where a general table stands.
     source: str = ""  #: Name of its matrix.
     computed: bool = False  #: Whether the arithmetic of a step has these numbers.
+    #: Whether every statement of a step that is given its slopes was followed.
+    followed: bool = True
     loose: int = 0  #: Its order through 3, loosely.
     key: tuple[float, ...] = ()  #: Entries of its matrix that are not zero.
     #: Equations beside the conditions, as "U S = 1", each with its largest residual.

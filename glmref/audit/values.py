@@ -101,6 +101,13 @@ _LAST = {"convert", "map", "parse", "tparse"}
 _DOTTED = re.compile(r"[A-Za-z_\u0080-\uffff][\w.\u0080-\uffff]*")
 
 
+def accident(error: Exception) -> str:
+    """Return what went wrong as an expression was evaluated."""
+    if isinstance(error, ZeroDivisionError):
+        return "a quotient has the divisor 0"
+    return f"{type(error).__name__}: {error}"
+
+
 def evaluate(node: ast.expr, scope: Mapping[str, Any]) -> Any:
     """Evaluate an expression: a :class:`Number`, nested lists of them, or a string."""
     return _Evaluator(scope).of(node)
@@ -121,7 +128,7 @@ class _Evaluator:
             error.line = error.line or getattr(node, "lineno", 0)
             raise
         except (*_ACCIDENTS, ExactnessError) as error:
-            raise Unread(f"{type(error).__name__}: {error}", getattr(node, "lineno", 0)) from None
+            raise Unread(accident(error), getattr(node, "lineno", 0)) from None
 
     def _expression(self, node: ast.Expression) -> Any:
         return self.of(node.body)

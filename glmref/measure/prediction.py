@@ -371,6 +371,11 @@ class _Growing:
             finite, np.maximum(np.linalg.norm(known @ self.start, axis=-1), least), math.inf
         )
 
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """Size after each step of the pilot, (N,)."""
+        return self.size(self.products)
+
     def found(self, level: float) -> _Course:
         """Return its course to a size; NaN where steps are too large."""
         if not self.near:
@@ -390,9 +395,9 @@ class _Growing:
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         Where the pilot itself comes to the size, nothing is averaged.
         """
-        over = int(np.argmax(self.size(self.products) >= level))  # the first, or 0
+        over = int(np.argmax(self.sizes >= level))  # the first, or 0
         if over:
-            before, begins = self.products[over - 1], self.size(self.products[0])
+            before, begins = self.products[over - 1], self.sizes[0]
             return _Course(math.log(level / begins) / over, float(over), self.late(before))
         logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
         for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):

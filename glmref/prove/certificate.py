@@ -445,6 +445,8 @@ class _Writer:
         smaller = proposed.get("reduced")
         if smaller is None:
             raise ExactnessError("the method without idle values was not found")
+        if len(smaller.A) != len(self.facts.method.A):
+            raise ExactnessError("a method with idle stages is not reduced")
         inner = self._of(Kernel(smaller), SYMMETRIC.key)
         blocks = {k: _matrix(getattr(smaller, k)) for k in "UBV"}
         if self._truth():

@@ -133,7 +133,8 @@ def test_arrays_of_eigen_and_steps_of_fortran() -> None:
 
 def test_a_quotient_by_zero_leaves_a_step_unread() -> None:
     text = source("fortran.f90").replace("/ 2.0_wp", "/ 0.0_wp")
-    assert judged(text, "", "fortran")["heun"]["status"] == "unread"
+    heun = judged(text, "", "fortran")["heun"]
+    assert heun["status"] == "unread" and "divisor 0" in heun["remarks"][0]
 
 
 def test_rosenbrock_methods_in_the_transformed_form() -> None:
@@ -553,10 +554,12 @@ def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
         ("json", '["A", ' + "0, " * 20_000 + "0]"),
         ("json", '{"A": [[0]], "A": [[1]], "b": [1], "order": 1}'),
         ("csv", f"name,b\n{'x' * 200_000},1\n"),
+        ("", f"def step(f, t, y, h):\n  k = {'f(t, ' * 10_000}y{')' * 10_000}\n  return y + h*k\n"),
+        ("", "def step(f, t, y, h):\n" + "  k = f(t, y + h*k/2)\n" * 10_000 + "  return y + k\n"),
     ],
 )
 def test_sources_are_read_in_linear_time(tmp_path: Path, form: str, text: str) -> None:
-    path = tmp_path / "x"
+    path = tmp_path / ("x" if form else "x.py")
     path.write_text(text)
     begun = process_time()
     assert all(x["status"] == "unread" for x in audit(path, form, compare=False))

@@ -289,3 +289,32 @@ def test_a_step_whose_weights_do_not_sum_to_1_is_asked_about(tmp_path: Path) -> 
         (found[name],) = audit(tmp_path / name, compare=False)
     assert (found["wrong"]["status"], found["wrong"]["found"]) == ("question", 0)
     assert (found["right"]["status"], found["right"]["found"]) == ("found", 5)
+
+
+#: A step of order 4 whose last sum, and the argument of whose third stage, calls complete.
+COMPLETED = """
+def rk4(f, t, y, h):
+    k1 = f(t, y)
+    k2 = f(t + h / 2, y + h / 2 * k1)
+    k3 = f(t + h / 2, y + h / 2 * k2)
+    k4 = f(t + h, y + h * k3)
+    z = y + h / 6 * k1 + h / 3 * k2
+    {}
+    return z
+"""
+
+
+@pytest.mark.parametrize(
+    "call", ["z.add_(h / 3 * k3 + h / 6 * k4)", "axpy(h / 3, k3, z); axpy(h / 6, k4, z)"]
+)
+def test_a_right_step_that_a_call_completes_is_not_accused(call: str, tmp_path: Path) -> None:
+    path = tmp_path / "rk4.py"
+    path.write_text(COMPLETED.format(call))
+    (found,) = audit(path, compare=False)
+    assert found["status"] == "unread" and "not followed" in found["remarks"][-1]
+    path.write_text(COMPLETED.format("z = z + h / 3 * k3 + h / 6 * k4"))
+    (found,) = audit(path, compare=False)
+    assert (found["status"], found["found"]) == ("right", 4)
+    path.write_text(COMPLETED.format("z = z + h / 3 * k3 + h / 3 * k4"))
+    (found,) = audit(path, compare=False)
+    assert found["status"] in ("wrong", "question")

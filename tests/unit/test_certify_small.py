@@ -132,13 +132,25 @@ MORE = {"glm": ("symmetric-reduced", "a-stable", "l-stable"), "partitioned": ("r
 ORDERS = {"glm": ("order", "order-identity", "stage-order"),
           "partitioned": ("order", "order-identity")}  # fmt: skip
 #: Why there may be no certificate.
-UNDECIDED = ("the claim is open", "the order is not settled")
+UNDECIDED = (
+    "the claim is open",
+    "the order is not settled",
+    "no form was found",
+    "no exchange of stages was found",
+    "a method with idle stages is not reduced",
+    "the judge refuses the certificate: there is not one u with V u = u, U u = 1",
+    "the judge refuses the certificate: growth needs: In a pair 1 is not a multiple eigenvalue",
+    "the judge refuses the certificate: unbounded needs: An eigenvalue of V, or of the block",
+)
 
 
-def check_every_claim(d: dict[str, Any]) -> None:
-    """A statement holds exactly if its contrary fails, and an order is one number."""
+def check_every_claim(d: dict[str, Any], *, exact: bool = True) -> None:
+    """A statement holds exactly if its contrary fails, and an order is one number.
+
+    Whether a statement is true may stay open within decimals.
+    """
     for claim in (*TRUTHS, *MORE[d["class"]]):
-        found = [answer(d, claim, x) for x in (True, False)]
+        found = [answer(d, claim, x, exact=exact) for x in (True, False)]
         assert found in ([True, False], [False, True], [None, None]), (claim, found)
     check_abscissae(d)
     for claim in ORDERS[d["class"]]:
@@ -163,9 +175,10 @@ def check_abscissae(d: dict[str, Any]) -> None:
             assert not proved(d, "abscissae", wrong)[0]
 
 
-def answer(d: dict[str, Any], claim: str, declared: Any) -> bool | None:
+def answer(d: dict[str, Any], claim: str, declared: Any, *, exact: bool = True) -> bool | None:
     found = written(d, claim, declared)
-    if isinstance(found, str) and (found in UNDECIDED or isinstance(declared, bool)):
+    open_ = isinstance(declared, bool) and not exact
+    if isinstance(found, str) and (open_ or found.startswith(UNDECIDED)):
         return None
     return proved(d, claim, declared)[0]
 
@@ -205,8 +218,8 @@ def test_one_rank_that_is_decided_shows_that_a_pair_is_reducible(seed: int) -> N
 @pytest.mark.parametrize("letters", ["A", "B", "AB", "UV", "AUB"])
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_decided_within_decimals_is_certified(seed: int, letters: str) -> None:
-    check_every_claim(rounded(single(seed), letters))
-    check_every_claim(rounded(pair(seed), letters))
+    check_every_claim(rounded(single(seed), letters), exact=False)
+    check_every_claim(rounded(pair(seed), letters), exact=False)
 
 
 def moved(name: str, T: list[list[int]]) -> dict[str, Any]:

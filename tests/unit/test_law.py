@@ -65,6 +65,7 @@ def test_unknown_quantities_are_refused():
         ("pendulum", {"q0": "23/10"}, "gsymplectic-p", 0.1, 400, "blow-up"),
         ("pendulum", {"q0": "23/10"}, "rk4", 0.1, 4096, "linear"),
         ("pendulum", {"q0": "23/10"}, "gauss-2", 0.1, 4096, "bounded"),
+        ("pendulum", {"q0": "23/10"}, "g6245", 0.1, 2048, "bounded"),
         ("harmonic-oscillator", {}, "ab-2", 0.05, 2048, "linear"),
         ("rigid-body", {}, "rk4", 0.1, 32768, "linear"),
     ],

@@ -26,7 +26,7 @@ from .record import (
     Derivation,
     Progress,
     Statement,
-    completed,
+    complete_exactly,
     derived_source,
     in_turn,
     shipped_names,
@@ -139,7 +139,9 @@ def _complete(
         "explicit": not semi,
         "growth": [str(x.as_fraction()) for x in in_order(found)],
     }
-    completed(document, claims, derived_source(where, "general-multistep", _PAGES[semi]), notes)
+    complete_exactly(
+        document, claims, derived_source(where, "general-multistep", _PAGES[semi]), notes
+    )
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
         f"{name}: order {order} on all systems, symmetric, one evaluation a step"

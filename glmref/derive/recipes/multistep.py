@@ -24,7 +24,7 @@ from .record import (
     Derivation,
     Progress,
     Statement,
-    completed,
+    complete_exactly,
     derived_source,
     in_turn,
     shipped_names,
@@ -168,7 +168,7 @@ def _complete(
     second, order = not numbers.q, 2 * len(numbers.p) + 2
     document = numbers.document(name, order)
     source = derived_source(where, "multistep", "docs/multivalue.md")
-    completed(document, claims_of(order, second=second), source, notes)
+    complete_exactly(document, claims_of(order, second=second), source, notes)
     systems = "second-order" if second else "separable"
     text = (
         f"{name}: order {order} on {systems} systems, start of the same order, symmetric, "

@@ -15,8 +15,7 @@ from ...catalogue.reader import load_document
 from ...errors import ExactnessError, GlmrefError, UsageError
 from ...exact import Exact
 from ...exact.expression import parse
-from ...findings import Proof, Verdict
-from ...prove.facts import facts_of
+from ...findings import Proof
 from ...prove.verifier import verify
 from ..search import Found
 
@@ -196,25 +195,21 @@ def proved_exactly(document: Mapping[str, Any]) -> Statement:
     return Statement(f"{document['name']}: {', '.join(x.claim for x in findings)}", Proof.EXACT)
 
 
-def completed(
+def complete_exactly(
     document: dict[str, Any], claims: Mapping[str, Any], source: Mapping[str, Any],
     notes: Sequence[str],
-) -> dict[str, Any]:  # fmt: skip
-    """Return a document with claims, of which each is proved, source and notes.
+) -> None:  # fmt: skip
+    """Add claims, of which each is proved exactly, source and notes to a document.
 
     Raises
     ------
     ExactnessError
-        For the first claim that is not proved.
+        Naming the claims that are not.
     """
     document |= {"claims": dict(claims), "source": dict(source)}
     if notes:
         document["notes"] = list(notes)
-    facts = facts_of(load_document(document))
-    for claim, declared in claims.items():
-        if facts.judge(claim, declared).verdict is not Verdict.HOLDS:
-            raise ExactnessError(f"{document['name']}: {claim} = {declared} is not proved")
-    return document
+    proved_exactly(document)
 
 
 def rational_option(name: str, text: str) -> Fraction:
