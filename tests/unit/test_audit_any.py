@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from glmref.audit.judge import judge
 from glmref.audit.lexer import ENDINGS, LANGUAGES, language_of
@@ -19,127 +16,6 @@ from glmref.audit.sources import audit
 from glmref.audit.table import Table
 from glmref.cli import main
 from tests.build import source
-
-Rows = list[list[Fraction]]
-
-
-def _quotient(x: Fraction, language: str) -> str:
-    """A fraction in the syntax of a language."""
-    top, below = x.numerator, x.denominator
-    return {
-        "c": f"{top}.0/{below}.0",
-        "java": f"{top}.0 / {below}.0",
-        "go": f"{top}.0 / {below}.0",
-        "rust": f"{top}.0 / {below}.0_f64",
-        "javascript": f"{top} / {below}",
-        "python": f"{top} / {below}",
-        "julia": f"{top} // {below}" if top >= 0 else f"({top}) // {below}",
-        "fortran": f"{top}.0_wp / {below}.0_wp",
-        "matlab": f"{top}/{below}",
-    }[language]
-
-
-def _row(row: list[Fraction], language: str, join: str = ", ") -> str:
-    return join.join(_quotient(x, language) for x in row)
-
-
-def _nested(rows: Rows, language: str, left: str, right: str) -> str:
-    return left + ", ".join(left + _row(x, language) + right for x in rows) + right
-
-
-def _blanks(rows: Rows, language: str) -> str:
-    return "[" + "\n ".join(_row(x, language, "  ") for x in rows) + "]"
-
-
-def _written(A: Rows, b: list[Fraction], c: list[Fraction], language: str) -> str:
-    """A tableau in the syntax of a language."""
-    s = len(b)
-    match language:
-        case "c":
-            return (
-                f"/* a Runge-Kutta method */\nstatic const double A[{s}][{s}] = "
-                f"{_nested(A, language, '{', '}')};\nconst double b[] = {{{_row(b, language)}}},\n"
-                f"  c[] = {{{_row(c, language)}}};\n"
-            )
-        case "java":
-            return (
-                "public class RungeKutta {\n  private static final double[][] A = "
-                f"{_nested(A, language, '{', '}')};\n  final double[] b = new double[] "
-                f"{{{_row(b, language)}}};\n  double[] c = {{{_row(c, language)}}};\n}}\n"
-            )
-        case "go":
-            inner = _nested(A, language, "{", "}")
-            return (
-                f"// a Runge-Kutta method\npackage ode\nvar A = [][]float64{inner}\n"
-                f"var b = []float64{{{_row(b, language)}}}\nvar c = []float64{{{_row(c, language)}}}\n"
-            )
-        case "rust":
-            return (
-                f"// a Runge-Kutta method\nconst A: [[f64; {s}]; {s}] = "
-                f"{_nested(A, language, '[', ']')};\nconst B: [f64; {s}] = [{_row(b, language)}];\n"
-                f"const C: [f64; {s}] = [{_row(c, language)}];\n"
-            )
-        case "javascript":
-            return (
-                f"// Runge-Kutta\nconst tableau = {{ A: {_nested(A, language, '[', ']')},\n"
-                f"  b: [{_row(b, language)}], c: [{_row(c, language)}] }}\n"
-            )
-        case "python":
-            return (
-                f"class RungeKutta:\n    A = np.array({_nested(A, language, '[', ']')})\n"
-                f"    b = np.array([{_row(b, language)}])\n    c = np.array([{_row(c, language)}])\n"
-            )
-        case "julia":
-            return (
-                f"# a Runge-Kutta method\nA = {_blanks(A, language)}\nb = [{_row(b, language)}]\n"
-                f"c = [{_row(c, language)}]\n"
-            )
-        case "matlab":
-            return (
-                f"% a Runge-Kutta method\nA = {_blanks(A, language)};\nb = [{_row(b, language)}];\n"
-                f"c = [{_row(c, language)}]';\n"
-            )
-    lines = ["subroutine runge_kutta", f"real(wp) :: a({s},{s}), b({s}), c({s})"]
-    lines += [f"a({i},{j}) = {_quotient(x, language)}  ! an entry"
-              for i, row in enumerate(A, 1) for j, x in enumerate(row, 1)]  # fmt: skip
-    lines += [f"b = [real(wp) :: &\n  {_row(b, language)}]", f"c = (/ {_row(c, language)} /)"]
-    return "\n".join([*lines, "end subroutine", ""])
-
-
-fractions = st.builds(Fraction, st.integers(-40, 40), st.integers(1, 40))
-
-
-@st.composite
-def tableaux(draw: Any) -> tuple[Rows, list[Fraction], list[Fraction]]:
-    """A tableau of 3 to 5 stages whose weights sum to 1 and satisfy the condition of order 2."""
-    s = draw(st.integers(3, 5))
-    A = [[draw(fractions) if j < i else Fraction(0) for j in range(s)] for i in range(s)]
-    A[1][0] = Fraction(draw(st.integers(1, 30)), 31)
-    c = [sum(row, Fraction(0)) for row in A]
-    b = [draw(fractions) for _ in range(s)]
-    rest = sum((x * y for x, y in zip(b[2:], c[2:], strict=True)), Fraction(0))
-    b[1] = (Fraction(1, 2) - rest) / c[1]
-    b[0] = 1 - sum(b[1:], Fraction(0))
-    return A, b, c
-
-
-def _values(table: Table) -> tuple[Rows, list[Fraction], list[Fraction]]:
-    def exact(row: Any) -> list[Fraction]:
-        return [x.value.as_fraction() for x in row]
-
-    assert not table.unread, table.unread
-    times = table.c[0]
-    return [exact(x) for x in table.A[0]], exact(table.b[0]), exact(times or [])
-
-
-@pytest.mark.parametrize("language", sorted(LANGUAGES))
-@settings(max_examples=4, deadline=None)
-@given(tableaux())
-def test_a_table_is_read_back_as_it_was_written(language: str, given: Any) -> None:
-    A, b, c = given
-    text = _written(A, b, c, language)
-    (table,) = tables(text, LANGUAGES[language])
-    assert _values(table) == (A, b, c), text
 
 
 def _one(text: str, language: str) -> Table:

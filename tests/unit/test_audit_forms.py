@@ -1,4 +1,4 @@
-"""One tableau in many source forms: the right one is right, a wrong one is never passed over.
+"""One tableau in many source forms: it is read back, and a wrong one is never passed over.
 
 Each form writes order, A, b and c (and embedded weights, where it has them) as some code does. A
 defect is a digit, two entries or two weights exchanged, the row of another stage, or error weights
@@ -10,10 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from glmref.audit.lexer import language_of
+from glmref.audit.recognising import tables
 from glmref.audit.sources import audit
 
 Row = list[Fraction]
@@ -254,6 +258,44 @@ def _defects(t: Tableau) -> dict[str, Tableau]:
         last[3][:2] = reversed(last[3][:2])
         found["last row"] = t._replace(A=last)
     return found
+
+
+#: Forms that leave zeros out, so that a table with zeros is not the only one of its text.
+SPARSE = (c_define, c_define_from_0, f_parameter, py_pair_keys, c_step)
+
+
+@st.composite
+def tableaux(draw: st.DrawFn, zeros: bool) -> Tableau:
+    """A tableau of 3 to 5 stages whose weights sum to 1 and satisfy the condition of order 2."""
+    top = st.integers(-40, 40)
+    fractions = st.builds(Fraction, top if zeros else top.filter(bool), st.integers(1, 40))
+    s = draw(st.integers(3, 5))
+    A = [[draw(fractions) if j < i else Fraction(0) for j in range(s)] for i in range(s)]
+    A[1][0] = Fraction(draw(st.integers(1, 30)), 31)
+    c = [sum(row, Fraction(0)) for row in A]
+    b = [draw(fractions) for _ in range(s)]
+    rest = sum((x * y for x, y in zip(b[2:], c[2:], strict=True)), Fraction(0))
+    b[1] = (Fraction(1, 2) - rest) / c[1]
+    b[0] = 1 - sum(b[1:], Fraction(0))
+    return Tableau(2, A, b, c, [])
+
+
+@pytest.mark.parametrize("form", FORMS, ids=lambda x: x.__name__)
+@settings(max_examples=4, deadline=None)
+@given(st.data())
+def test_a_table_is_read_back_as_it_was_written(
+    form: Callable[[Tableau], str], data: st.DataObject
+) -> None:
+    def exact(row: Any) -> Row:
+        return [x.value.as_fraction() for x in row]
+
+    given = data.draw(tableaux(zeros=form not in SPARSE))
+    text, language = form(given), language_of(Path(FORMS[form]))
+    assert language
+    (table,) = tables(text, language)
+    assert not table.unread, table.unread
+    found = [exact(x) for x in table.A[0]], exact(table.b[0]), exact(table.c[0] or [])
+    assert found == given[1:4], text
 
 
 @pytest.mark.slow

@@ -18,7 +18,8 @@ GOOD: dict[str, Any] = {
 }  # fmt: skip
 
 
-DRAWING = '<svg xmlns="http://www.w3.org/2000/svg" width="9"><path d="M0 0"/></svg>'
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {}>{}</svg>'
+DRAWING = SVG.format('width="9"', '<path d="M0 0"/>')
 
 
 def reading(folder: Path, name: str, text: str) -> Results:
@@ -127,6 +128,10 @@ def test_stability_regions_and_orders_seen_are_found_by_method(tmp_path: Path) -
         ('<svg style="display:none"></svg>', "'style'"),
         ("<svg><path></svg>", "no SVG"),
         ("<html></html>", "'html'"),
+        (SVG.format('ONLOAD="alert(1)"', ""), "and this one 'ONLOAD'"),  # a page ignores case
+        (SVG.format("", '<rect STYLE="x"/>'), "and this one 'STYLE'"),
+        (SVG.format("", '<rect fill="Url(http://x/y)"/>'), "and this one 'fill'"),
+        (SVG.format("", "<g>" * 50_000 + "</g>" * 50_000), "nested too deep"),
     ],
 )
 def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(
