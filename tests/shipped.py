@@ -12,9 +12,32 @@ from types import MappingProxyType
 from typing import Any
 
 from glmref.catalogue.files import document
+from glmref.catalogue.lookup import load
+from glmref.exact.linalg import Matrix, Vector
+from glmref.method import GLM
+from glmref.method.entries import Entries, as_vector
 
 
 @cache
 def shipped(name: str) -> Mapping[str, Any]:
     """Return the members of a shipped file, to be read and not to be changed."""
     return MappingProxyType(document(name))
+
+
+def tableau(name: str) -> tuple[Matrix, Vector]:
+    """Return A and b of a shipped Runge-Kutta method."""
+    method = load(name)
+    assert isinstance(method, GLM)
+    return method.A, method.B[0]
+
+
+def multistep(name: str) -> tuple[Entries, Entries]:
+    """Return alpha and beta of a shipped multistep method."""
+    return shipped(name)["alpha"], shipped(name)["beta"]
+
+
+def one_leg_twin(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
+    """One-leg twin of a multistep method: scaled so that ``sum beta_m = 1``."""
+    a, b = as_vector(alpha, "alpha"), as_vector(beta, "beta")
+    total = sum(b, 0 * b[0])
+    return tuple(x / total for x in a), tuple(x / total for x in b)

@@ -6,7 +6,7 @@ import pytest
 
 from glmref.catalogue.lookup import document, load, names
 from glmref.findings import Proof, Verdict
-from glmref.method import GLM, Method
+from glmref.method import Method
 from glmref.prove.verifier import verify_file
 from glmref.theory.order import OrderResult, highest_order, order_of
 
@@ -70,19 +70,3 @@ def test_the_catalogue_is_as_large_as_promised() -> None:
 @pytest.mark.parametrize("name", NAMED_BY_THE_THESIS)
 def test_methods_the_thesis_names_are_there(name: str) -> None:
     assert name in names("methods")
-
-
-def test_order_six_with_all_error_constants_takes_one_pass_over_48_trees() -> None:
-    method = load("g6245-w3")
-    assert isinstance(method, GLM)
-    result = order_found(method)
-    assert result.order == 6
-    assert len(result.residuals) == 48
-    largest = max(x.magnitude() for x in result.residuals.values())
-    assert 6.6e-4 < largest < 6.7e-4
-
-
-def test_g4123_has_order_4_with_a_free_principal_part_and_2_with_the_identity() -> None:
-    method = load("g4123")
-    assert order_of(method, principal="free").order == 4
-    assert order_of(method, principal="identity").order == 2

@@ -15,16 +15,16 @@ from glmref.theory.consistency import (
     preconsistency_residual,
     zero_stability,
 )
-from tests.classical import adams_moulton, gauss
+from tests.shipped import multistep, tableau
 
 
 def test_runge_kutta_abscissae_are_row_sums():
-    A, b = gauss(3)
+    A, b = tableau("gauss-3")
     assert abscissae(runge_kutta(A, b)) == tuple(sum(row, exact(0)) for row in A)
 
 
 def test_multistep_vectors_say_what_is_carried():
-    found = consistency(linear_multistep(*adams_moulton(2)))
+    found = consistency(linear_multistep(*multistep("am-2")))
     assert found.preconsistent is True and found.consistent is True and found.unique
     assert found.u == (1, 0, 0) and found.v == (0, 1, 1) and found.c == (1,)
 

@@ -10,7 +10,7 @@ from glmref.method.families import linear_multistep, runge_kutta
 from glmref.theory.equivalence import drop_idle_stages, merge_equal_stages, reachable_values, reduce
 from glmref.theory.reduction import reduction
 from glmref.theory.stability import stability_polynomial
-from tests.classical import adams_moulton, gauss
+from tests.shipped import multistep, tableau
 
 
 def test_published_decimals_cannot_be_compared():
@@ -20,11 +20,11 @@ def test_published_decimals_cannot_be_compared():
 
 
 def test_trapezoidal_rule_reduces_to_one_value():
-    m = linear_multistep(*adams_moulton(1))
+    m = linear_multistep(*multistep("am-1"))
     assert reduction(m).seen == (m.r - 1,)
     small = reduce(m)
     assert (small.s, small.r) == (1, 1)
-    assert small.A == gauss(1)[0]
+    assert small.A == tableau("gauss-1")[0]
 
 
 def test_milne_simpson_reduces_to_two_values():
@@ -57,10 +57,12 @@ def test_values_out_of_reach_are_removed():
     m = GLM(A=[["1/2"]], U=[["1", "1"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", "-1"]])
     assert len(reachable_values(m)) == 1
     small = reduce(m)
-    assert small.r == 1 and small.A == gauss(1)[0]
+    assert small.r == 1 and small.A == tableau("gauss-1")[0]
 
 
-@pytest.mark.parametrize("base", [linear_multistep(*adams_moulton(2)), runge_kutta(*gauss(2))])
+@pytest.mark.parametrize(
+    "base", [linear_multistep(*multistep("am-2")), runge_kutta(*tableau("gauss-2"))]
+)
 def test_what_was_added_without_influence_is_found_and_removed(base):
     base = reduce(base)
     s, r = base.s, base.r

@@ -15,7 +15,7 @@ from glmref.method.families import (
     runge_kutta,
     splitting,
 )
-from tests.classical import adams_bashforth, adams_moulton, bdf, gauss, one_leg_twin
+from tests.shipped import one_leg_twin, tableau
 
 LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
 
@@ -101,14 +101,6 @@ def test_one_leg_twin_has_weights_of_sum_one():
     assert alpha[-1] == Fraction(1, 2)
 
 
-def test_adams_coefficients_are_the_printed_ones():
-    assert adams_bashforth(1)[1][:1] == (1,)
-    assert list(adams_bashforth(2)[1]) == [Fraction(-1, 2), Fraction(3, 2), 0]
-    assert list(adams_moulton(1)[1]) == [Fraction(1, 2), Fraction(1, 2)]
-    assert list(adams_moulton(2)[1]) == [Fraction(-1, 12), Fraction(2, 3), Fraction(5, 12)]
-    assert list(bdf(2)[0]) == [Fraction(1, 2), -2, Fraction(3, 2)]
-
-
 def test_splitting_is_the_step_it_says():
     pair = splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
     assert (pair.n_P, pair.n_Q, pair.separable) == (2, 1, True)
@@ -120,7 +112,7 @@ def test_splitting_is_the_step_it_says():
 
 
 def test_composition_of_two_midpoint_steps():
-    m = composition(runge_kutta(*gauss(1)), ["1/3", "2/3"])
+    m = composition(runge_kutta(*tableau("gauss-1")), ["1/3", "2/3"])
     assert m.A == ((Fraction(1, 6), 0), (Fraction(1, 3), Fraction(1, 3)))
     assert m.B == ((Fraction(1, 3), Fraction(2, 3)),)
 

@@ -9,7 +9,7 @@ from glmref.exact import exact
 from glmref.method import PartitionedGLM
 from glmref.method.families import partitioned_runge_kutta, splitting
 from glmref.theory.symplectic import find_forms, g_symplectic
-from tests.classical import gauss, lobatto_iiia, lobatto_iiib
+from tests.shipped import tableau
 
 
 def pair_of(q, p, *, separable=False):
@@ -30,9 +30,16 @@ def test_symplectic_euler_is_symplectic_and_two_explicit_eulers_are_not():
 
 @pytest.mark.parametrize("s", [2, 3, 4])
 def test_lobatto_iiia_iiib_is_symplectic_and_iiia_alone_is_not(s):
-    found = g_symplectic(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiib(s)))
-    assert found.holds is True and found.D_P == found.D_Q == lobatto_iiia(s)[1]
-    assert g_symplectic(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiia(s))).holds is False
+    found = g_symplectic(
+        partitioned_runge_kutta(*tableau(f"lobatto-iiia-{s}"), *tableau(f"lobatto-iiib-{s}"))
+    )
+    assert found.holds is True and found.D_P == found.D_Q == tableau(f"lobatto-iiia-{s}")[1]
+    assert (
+        g_symplectic(
+            partitioned_runge_kutta(*tableau(f"lobatto-iiia-{s}"), *tableau(f"lobatto-iiia-{s}"))
+        ).holds
+        is False
+    )
 
 
 @pytest.mark.parametrize("first", ["q", "p"])
@@ -72,4 +79,7 @@ def test_wrong_given_form_fails():
 
 
 def test_forms_of_gauss_with_itself_are_one_dimensional():
-    assert len(find_forms(partitioned_runge_kutta(*gauss(3), *gauss(3))).forms) == 1
+    assert (
+        len(find_forms(partitioned_runge_kutta(*tableau("gauss-3"), *tableau("gauss-3"))).forms)
+        == 1
+    )

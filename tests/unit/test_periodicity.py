@@ -21,7 +21,7 @@ from glmref.theory.periodicity import (
     _taylor,
     periodicity,
 )
-from tests.classical import gauss, radau_iia
+from tests.shipped import tableau
 
 
 def test_leapfrog_is_periodic_up_to_1():
@@ -61,7 +61,7 @@ def test_published_decimals_are_open_unless_conservation_is_granted():
 
 @pytest.mark.parametrize("s", [1, 2, 3])
 def test_gauss_methods_are_periodic_on_the_whole_axis(s):
-    found = periodicity(runge_kutta(*gauss(s)))
+    found = periodicity(runge_kutta(*tableau(f"gauss-{s}")))
     assert found.infinite and found.value == float("inf")
 
 
@@ -71,7 +71,7 @@ def test_p_is_periodic_on_the_whole_axis_and_n_is_not():
     assert not found.infinite and 2.06 < found.value < 2.061
 
 
-@pytest.mark.parametrize("m", [runge_kutta(*radau_iia(2)), runge_kutta([["0"]], ["1"])])
+@pytest.mark.parametrize("m", [runge_kutta(*tableau("radau-iia-2")), runge_kutta([["0"]], ["1"])])
 def test_dissipative_and_growing_methods_have_no_interval(m):
     found = periodicity(m)
     assert found.end.is_zero() is True and found.value == 0

@@ -125,13 +125,6 @@ def test_there_are_at_least_15_scenes_of_every_kind():
     assert {"fastest", "conserved", "lost", "ended", "accurate", "order", "law"} == kinds
 
 
-def test_the_first_scenes_are_there():
-    assert {
-        "oscillator", "pendulum", "kepler", "henon-heiles", "outer-solar-system", "parasitism",
-        "rigid-body",
-    } <= set(names())  # fmt: skip
-
-
 #: How a title tells how far a scene goes: a number of periods or steps, or a time.
 HORIZON = re.compile(r"[\w,]+ (?:million )?(?:periods|steps|days)|t = [\d.]+")
 

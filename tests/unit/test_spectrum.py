@@ -14,7 +14,7 @@ from glmref.method import as_matrix
 from glmref.method.families import linear_multistep
 from glmref.theory import polynomials as poly
 from glmref.theory.spectrum import Boundedness, eigenvectors, power_bounded, unimodular_eigenvalues
-from tests.classical import bdf
+from tests.shipped import multistep
 
 
 def test_eigenvalues_come_by_increasing_argument():
@@ -55,12 +55,11 @@ def test_eigenvectors_are_scaled_to_each_other():
 
 @pytest.mark.parametrize("k", range(1, 7))
 def test_bdf_up_to_6_is_power_bounded(k):
-    assert power_bounded(linear_multistep(*bdf(k)).V).holds is True
+    assert power_bounded(linear_multistep(*multistep(f"bdf-{k}")).V).holds is True
 
 
-@pytest.mark.parametrize("k", [7, 8])
-def test_bdf_from_7_on_is_not(k):
-    found = power_bounded(linear_multistep(*bdf(k)).V)
+def test_bdf_of_7_steps_is_not():
+    found = power_bounded(linear_multistep(*multistep("bdf-7")).V)
     assert found.holds is False and "outside the unit circle" in found.witness
 
 

@@ -19,16 +19,7 @@ from glmref.method.families import (
 )
 from glmref.theory.symmetry import _better, adjoint, symmetry, symmetry_as_given, symmetry_residual
 from glmref.theory.symplectic import judge_identities
-from tests.classical import (
-    adams_moulton,
-    bdf,
-    gauss,
-    lobatto_iiia,
-    lobatto_iiib,
-    lobatto_iiic,
-    one_leg_twin,
-    radau_iia,
-)
+from tests.shipped import multistep, one_leg_twin, tableau
 
 
 def same(a, b):
@@ -94,14 +85,14 @@ def test_all_conditions_but_l_squared_hold_for_thesis_3_8():
 
 @pytest.mark.parametrize("s", range(1, 6))
 def test_gauss_and_lobatto_methods_are_symmetric(s):
-    assert symmetry(runge_kutta(*gauss(s))).holds is True
+    assert symmetry(runge_kutta(*tableau(f"gauss-{s}"))).holds is True
     if s > 1:
-        assert symmetry(runge_kutta(*lobatto_iiia(s))).holds is True
-        assert symmetry(runge_kutta(*lobatto_iiib(s))).holds is True
-        assert symmetry(runge_kutta(*lobatto_iiic(s))).holds is False
+        assert symmetry(runge_kutta(*tableau(f"lobatto-iiia-{s}"))).holds is True
+        assert symmetry(runge_kutta(*tableau(f"lobatto-iiib-{s}"))).holds is True
+        assert symmetry(runge_kutta(*tableau(f"lobatto-iiic-{s}"))).holds is False
 
 
-@pytest.mark.parametrize("method", [radau_iia(2), (((exact(0),),), (exact(1),))])
+@pytest.mark.parametrize("method", [tableau("radau-iia-2"), (((exact(0),),), (exact(1),))])
 def test_one_sided_methods_are_not_symmetric(method):
     found = symmetry(runge_kutta(*method))
     assert found.holds is False and found.L is None and "no exchange of stages" in found.witness
@@ -114,14 +105,14 @@ def test_symmetric_one_leg_methods_are_symmetric():
     ):
         found = symmetry(one_leg(*one_leg_twin(alpha, beta)))
         assert found.holds is True and found.L == ((0, 1), (1, 0))
-    assert symmetry(one_leg(*one_leg_twin(*bdf(2)))).holds is False
+    assert symmetry(one_leg(*one_leg_twin(*multistep("bdf-2")))).holds is False
 
 
 def test_multistep_methods_with_superfluous_values_are_judged_without_them():
     milne = symmetry(linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
     assert milne.holds is True and milne.reduced
-    assert symmetry(linear_multistep(*adams_moulton(1))).holds is True
-    found = symmetry(linear_multistep(*adams_moulton(2)))
+    assert symmetry(linear_multistep(*multistep("am-1"))).holds is True
+    found = symmetry(linear_multistep(*multistep("am-2")))
     assert found.holds is False and "V is singular" in found.witness
 
 
@@ -177,7 +168,9 @@ def test_verlet_exchanges_sweeps_and_symplectic_euler_does_not():
 
 @pytest.mark.parametrize("s", [2, 3, 4])
 def test_lobatto_pairs_are_symmetric(s):
-    found = symmetry(partitioned_runge_kutta(*lobatto_iiia(s), *lobatto_iiib(s)))
+    found = symmetry(
+        partitioned_runge_kutta(*tableau(f"lobatto-iiia-{s}"), *tableau(f"lobatto-iiib-{s}"))
+    )
     assert found.holds is True and found.P_P == found.P_Q
 
 

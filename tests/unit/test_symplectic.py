@@ -20,15 +20,7 @@ from glmref.theory.symplectic import (
     judge_identities,
     quadratic_value,
 )
-from tests.classical import (
-    adams_bashforth,
-    adams_moulton,
-    bdf,
-    gauss,
-    lobatto_iiia,
-    one_leg_twin,
-    radau_iia,
-)
+from tests.shipped import multistep, one_leg_twin, tableau
 
 GSYMPLECTIC = [
     "gsymplectic-n", "gsymplectic-p", "thesis-3-8", "s4-symmetric", "g4123", "g6245", "g6245-w3",
@@ -70,12 +62,14 @@ def test_a_wrong_digit_in_a_given_form_fails_although_the_method_has_one():
 
 @pytest.mark.parametrize("s", range(1, 6))
 def test_gauss_methods_are_symplectic(s):
-    m = runge_kutta(*gauss(s))
+    m = runge_kutta(*tableau(f"gauss-{s}"))
     found = g_symplectic(m)
     assert found.holds is True and found.G == ((1,),) and found.D == m.B[0]
 
 
-@pytest.mark.parametrize("method", [radau_iia(2), lobatto_iiia(3), (((exact(0),),), (exact(1),))])
+@pytest.mark.parametrize(
+    "method", [tableau("radau-iia-2"), tableau("lobatto-iiia-3"), (((exact(0),),), (exact(1),))]
+)
 def test_other_runge_kutta_methods_are_not(method):
     m = runge_kutta(*method)
     assert g_symplectic(m).holds is False
@@ -87,7 +81,7 @@ def test_leapfrog_form_of_the_thesis():
     assert found.G == ((0, Fraction(1, 2)), (Fraction(1, 2), 0)) and found.D == (1,)
 
 
-@pytest.mark.parametrize("coefficients", [bdf(2), adams_bashforth(2)])
+@pytest.mark.parametrize("coefficients", [multistep("bdf-2"), multistep("ab-2")])
 def test_one_leg_twins_that_are_not_symmetric_conserve_nothing(coefficients):
     found = g_symplectic(one_leg(*one_leg_twin(*coefficients)))
     assert found.holds is False and found.dimension == 0
@@ -95,15 +89,15 @@ def test_one_leg_twins_that_are_not_symmetric_conserve_nothing(coefficients):
 
 def test_form_of_the_trapezoidal_rule_lives_on_y_plus_half_h_f():
     # y + h f/2 is what the implicit midpoint rule conserves: G has rank one, and says so
-    found = g_symplectic(linear_multistep(*adams_moulton(1)))
+    found = g_symplectic(linear_multistep(*multistep("am-1")))
     half, quarter = Fraction(1, 2), Fraction(1, 4)
     assert found.holds is True and found.nondegenerate is False
     assert found.G == ((1, half), (half, quarter))
-    assert g_symplectic(linear_multistep(*adams_moulton(2))).holds is False
+    assert g_symplectic(linear_multistep(*multistep("am-2"))).holds is False
 
 
 def test_zero_form_satisfies_the_identities_and_does_not_count():
-    m = runge_kutta(*radau_iia(2))
+    m = runge_kutta(*tableau("radau-iia-2"))
     zero = ((exact(0),),)
     assert all(
         x == 0 for _, r in g_symplectic_residual(m, zero, (0 * exact(1),) * 2) for s in r for x in s
@@ -190,7 +184,7 @@ def test_the_entry_that_decides_is_the_largest_one_that_fails():
 
 
 def test_a_form_is_real_on_the_diagonal_and_hermitian_and_sees_the_solution():
-    midpoint, i = runge_kutta(*gauss(1)), exact(-1).sqrt()
+    midpoint, i = runge_kutta(*tableau("gauss-1")), exact(-1).sqrt()
     one = ((exact(1),),)
     found = check_g_symplectic(midpoint, one, (exact(1),))
     assert found.holds is True and found.nondegenerate is True and found.dimension is None
