@@ -100,7 +100,7 @@ def loads_or_says_why(doc: Any) -> None:
         assert isinstance(result, GLM | PartitionedGLM)
 
 
-FUZZ = settings(examples(250), suppress_health_check=[HealthCheck.filter_too_much])
+FUZZ = settings(examples(100), suppress_health_check=[HealthCheck.filter_too_much])
 
 
 @FUZZ
@@ -147,7 +147,7 @@ def test_a_file_with_changed_bytes_reads_or_gives_a_data_error(
         loads_or_says_why(doc)
 
 
-@examples(400)
+@examples(200)
 @given(
     st.text(alphabet="0123456789+-*/()., \t_isqrtoexpc", max_size=40) | st.text(max_size=20),
     st.sampled_from([None, 3]),

@@ -168,7 +168,7 @@ def test_the_promises_hold_from_a_clone_called_glmref(
     assert code != 2 or (done.stdout == "" and len(done.stderr.splitlines()) == 1)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(3, besides=("derive", "conformance"))
 @pytest.mark.parametrize("line", COMMANDS)
 def test_the_commands_of_the_readme_run_from_the_clone(
     clone: Path, tmp_path: Path, line: str

@@ -181,7 +181,7 @@ def test_bad_argument_gives_one_sentence_and_exit_2(
     _assert_one_sentence(code, *capsys.readouterr())
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, besides=("s5t",))
 @pytest.mark.parametrize("base", ["gsymplectic-n", "stormer-verlet", "yoshida-4", "s5t-w3", "ab-2"])
 def test_the_documents_the_bad_ones_are_made_of_are_good(
     base: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

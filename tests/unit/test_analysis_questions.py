@@ -37,6 +37,7 @@ def test_roots_of_unity_of_orders_7_and_5_are_decided_together(tmp_path: Path) -
     assert [g["mu"] for g in found.growth] == ["exp(12*pi*i/7)/3", "exp(8*pi*i/5)/4"]
 
 
+@pytest.mark.sampled(2, besides=("24",))
 @pytest.mark.parametrize(
     "entry", ["root(2,3)*exp(2*pi*i/7)", "exp(2*pi*i/24)*exp(-2*pi*i/15)", "sqrt(3)*exp(2*pi*i/9)"]
 )

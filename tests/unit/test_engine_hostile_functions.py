@@ -342,7 +342,7 @@ def value_later(t, y):
     return [y[1], -y[0]]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, besides=("reference", "gauss-2"))
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("method", ["rk4", "gauss-2", "tr-bdf2"])
 @pytest.mark.parametrize("f", [raises_later, short_later, value_later])

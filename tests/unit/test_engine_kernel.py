@@ -66,7 +66,7 @@ def test_an_unknown_jacobian_of_a_large_system_leaves_the_fixed_point():
     assert solver == "fixed-point"
 
 
-@pytest.mark.sampled(3, besides=("toda",))
+@pytest.mark.sampled(3, besides=("toda", "double-pendulum"))
 @pytest.mark.parametrize("method", ["g6245", "s4-symmetric", "gauss-2", "sdirk-3"])
 @pytest.mark.parametrize(
     "name", ["pendulum", "kepler", "rigid-body", "double-pendulum", "lotka-volterra-logarithmic", "toda"]

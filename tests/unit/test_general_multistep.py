@@ -106,7 +106,7 @@ def test_paths_need_stages_at_one_time() -> None:
     assert facts_of(load_document(given)).judge("order", 2).verdict is Verdict.HOLDS
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, besides=("12",))
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_recipe_writes_the_shipped_file(name: str) -> None:
     (found,) = recipes.run("general-multistep", {"name": name}).documents

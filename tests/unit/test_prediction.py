@@ -248,6 +248,7 @@ def test_the_example_is_as_printed():
     assert found.attempted and not found.failed
 
 
+@pytest.mark.slow
 def test_a_prediction_does_not_depend_on_units():
     one, other = (
         predict("milne-simpson", problem("scaled-kepler", length=length), 0.02)
@@ -262,6 +263,7 @@ def test_a_solution_that_is_zero_is_not_predicted():
     assert found.verdict == OPEN and found.why == "the solution is zero"
 
 
+@pytest.mark.slow
 def test_an_expansion_that_does_not_settle_says_nothing_of_a_loss():
     # the energy error of these runs is below 0.02 at the end, step 100
     for name in ("t115a-w3", "t115-w3"):
