@@ -135,9 +135,8 @@ class Interval(Ring):
     __hash__ = None  # type: ignore[assignment]
 
 
-@cache
 def rounded(x) -> Interval:
-    """Return an interval around a rational."""
+    """Return an interval around a rational; it is made sooner than found by the hash of one."""
     return Interval(flint.arb(x))
 
 
@@ -324,7 +323,10 @@ class Algebraic(Ring):
         return as_number(self.value + as_scalar(other))
 
     def __mul__(self, other: Number):
-        return as_number(self.value * as_scalar(other))
+        found = self.value * as_scalar(other)
+        if type(found) is Exact and found._q is None and (type(other) is Algebraic or other):
+            return Algebraic(found)  # of two numbers that are not 0
+        return as_number(found)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -364,7 +366,15 @@ def as_scalar(x: Any) -> Exact | Ball:
         return x.as_ball()
     if isinstance(x, Algebraic):
         return x.value
+    if type(x) is Fraction:
+        return _exact(int(x.p), int(x.q))
     return Ball.of_parts(x.re.ball, x.im.ball) if type(x) is _box() else Exact(x)
+
+
+@lru_cache(maxsize=4096)
+def _exact(p: int, q: int) -> Exact:
+    """Return p / q as a number of the package; tables and trees have the same ones often."""
+    return Exact(Fraction(p, q))
 
 
 @cache

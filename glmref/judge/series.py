@@ -43,7 +43,7 @@ class Series:
         self, part: Callable[[str], Component], u: dict[str, list], eta: Callable[[Tree], list]
     ) -> None:
         self.part, self.u, self.eta_of = part, u, eta
-        self.known, self.outputs = {}, {}
+        self.known, self.outputs, self.products = {}, {}, {}
 
     @classmethod
     def of_tables(
@@ -54,8 +54,14 @@ class Series:
         return cls(parts.__getitem__, u or {}, lambda tree: [])
 
     def derivative(self, tree: Tree) -> list:
-        """Return xiD(t), the product of the xi of the children."""
-        return placewise(len(self.part(tree[0]).A[0]), map(self.stages, tree[1]))
+        """Return xiD(t), the product of the xi of the children; that without the last is kept."""
+        colour, children = tree
+        n, before = len(self.part(colour).A[0]), (colour, children[:-1])
+        if len(children) < 3:
+            return placewise(n, map(self.stages, children))
+        if before not in self.products:
+            self.products[before] = self.derivative(before)
+        return placewise(n, (self.products[before], self.stages(children[-1])))
 
     def stages(self, tree: Tree) -> list:
         """Return xi(t) = A xiD(t) + U eta(t), that of its class times the factor."""
@@ -240,6 +246,7 @@ class Solved(Series):
                     self.settle()
                 # of the trees of this order a part before may have looked at the stages
                 self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
+                self.products = {t: x for t, x in self.products.items() if size(t) <= self.order}
             if self.last is None:
                 if self.solved and self.order == self.q + 1:
                     self.raise_stage_order()
@@ -261,9 +268,12 @@ class Solved(Series):
         while self.filled < self.order:
             self.filled += 1
             for t in self.pool(self.filled):
+                if self.solved:
+                    self.eta[t] = [Fraction(0)]
+                    continue
                 c, right = t[0], self.right(t)
                 self.gaps[t] = apply(self.W[c], right)
-                self.eta[t] = [Fraction(0) if self.solved or j == self.k[c] else dot(row, right)
+                self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
 
     def residual(self, tree: Tree) -> list:

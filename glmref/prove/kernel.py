@@ -30,10 +30,13 @@ from ..catalogue.claims import (
     CLAIMS,
     DENSE_END,
     EMBEDDED_DIFFERENCE,
+    FINISHING_ORDER,
     NYSTROM_ORDER,
+    NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
     ROW_SUMS,
+    STARTING_ORDER,
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
@@ -649,6 +652,11 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if not p:
             return Range(0, known.upper, exact=self.exact,
                          reason="the method has no starting series to agree with")  # fmt: skip
+        claim = NYSTROM_STARTING_ORDER if nystrom else STARTING_ORDER
+        compared = "all trees of second-order systems" if nystrom else "all trees"
+        if start is not None and self._is_implied(claim.key, known):
+            return Range(0, p, exact=False, value=p,
+                         reason=f"agrees on {compared} of order {p} or less")  # fmt: skip
         series = self.series[free, nystrom].through(p)
         given = self._start_series(series, p)
         ahead: Scalar = _ZERO
@@ -693,7 +701,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
                 break  # order p + 1, which was not asked for, may determine them
             proved = proved and all(answers)
             lower = q if proved else lower
-        compared = "all trees of second-order systems" if nystrom else "all trees"
         reason = (
             f"agrees on {compared} of order {p} or less"
             if start is not None
@@ -701,6 +708,11 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         )
         upper = known.upper
         return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
+
+    def _is_implied(self, claim: str, known: Range) -> bool:
+        """Return whether the enclosure gives a start or finish the highest order there is."""
+        implied = self.implied.at_least.get(claim) if self.implied else None
+        return implied == known.value == known.upper
 
     def _start_fits(self, series: StartingSeries, p: int, *, nystrom: bool) -> bool:
         """Return whether the trees of the series decide about the start: paths as in _along_paths.
@@ -765,6 +777,9 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             raise ExactnessError("the order of a finish is judged where c = A 1")
         known = self.order_range(free=True)
         p = known.value
+        reason = f"agrees on all trees of order {p} or less"
+        if p and self._is_implied(FINISHING_ORDER.key, known):
+            return Range(0, p, exact=False, value=p, reason=reason)
         (w,) = outputs(self.method.components)
         series = self.series.get((True, False))
         given = {"o": start.u} if series is None else self._start_series(series, p)
@@ -790,7 +805,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
                 answers.append(answer)
             proved = proved and None not in answers
             lower = q if proved else lower
-        reason = f"agrees on all trees of order {p} or less"
         return Range(min(lower, known.lower), known.upper, exact=exact, value=p, reason=reason)
 
 
