@@ -165,7 +165,8 @@ def _many_starts(
     """
     inner, problem = engine.of(start), engine.problem
     t0, evaluations = float(problem.t_span[0]), 0
-    parts = [y0[:, c.columns] for c in inner.components]
+    # trajectories side by side: sums and right-hand sides go along them
+    parts = [np.ascontiguousarray(y0[:, c.columns].T) for c in inner.components]
     slopes = [
         np.zeros((c.B.shape[1], *part.shape))
         for c, part in zip(inner.components, parts, strict=True)
@@ -174,22 +175,24 @@ def _many_starts(
         whose, i = inner.nodes[node]
         rows = [parts[n] + h * _weighted(inner.components[n].A[i], slopes[n]) for n in whose]
         if inner.joint:
-            found = slopes_at(problem, t0 + inner.c[node] * h, np.concatenate(rows, axis=1))
+            found = slopes_at(problem, t0 + inner.c[node] * h, np.concatenate(rows).T).T
             for n in whose:
-                slopes[n][i] = found[:, inner.components[n].columns]
+                slopes[n][i] = found[inner.components[n].columns]
         else:
             function = (problem.dp, problem.dq)[whose[0]]
-            slopes[1 - whose[0]][i] = rows_at(function, rows[0])
+            slopes[1 - whose[0]][i] = rows_at(function, rows[0].T).T
         evaluations += len(y0) * (inner.joint or whose[0] == 0)
     values = np.zeros((len(y0), *engine.shape))
     for c, part, slope in zip(inner.components, parts, slopes, strict=True):
         made = c.V.dot(part[None].reshape(1, -1)).reshape(-1, *part.shape)
         made = made + h * np.stack([_weighted(row, slope) for row in c.B])
-        values[:, : len(made), c.columns] = np.moveaxis(made, 0, 1)
+        values[:, : len(made), c.columns] = made.transpose(2, 0, 1)
     return values, evaluations
 
 
 def _weighted(row: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the sum of slopes (m, N, d) by those weights (m,) that are not zero."""
-    used = np.flatnonzero(row)
-    return np.tensordot(row[used], slopes[used], axes=1)
+    """Return the sum of slopes (m, d, N) by weights (m,), term by term: the same bits for any N."""
+    total = np.zeros(slopes.shape[1:])
+    for j in np.flatnonzero(row):
+        total += row[j] * slopes[j]
+    return total

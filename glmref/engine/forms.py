@@ -210,14 +210,15 @@ class StepForm:
 
     def _moved(self, values: np.ndarray, which: str) -> np.ndarray:
         """Return ``matrix @ values``, term by term: the same bits in any shape."""
-        width, out = values.shape[-1] // len(self.components), np.zeros_like(values, dtype=float)
+        turned = np.ascontiguousarray(values.T)  # (d, r, ..): sums go along the trajectories
+        width, out = len(turned) // len(self.components), np.zeros_like(turned, dtype=float)
         for n, component in enumerate(self.components):
             here = slice(n * width, (n + 1) * width)
             for k, row in enumerate(getattr(component, which)):
                 for j, factor in enumerate(row):
                     if factor:
-                        out[..., k, here] += factor * values[..., j, here]
-        return out
+                        out[here, k] += factor * turned[here, j]
+        return np.ascontiguousarray(out.T)
 
 
 def vanishes(x: Scalar) -> bool:
