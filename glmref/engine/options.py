@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+#: Change of a stage, relative to the state, that quick rounds leave undone.
+QUICK = 2.0**-50
+
 
 @dataclass(frozen=True)
 class Options:
@@ -18,13 +21,12 @@ class Options:
     #: raising.
     interpreted: bool = False
     fused: bool = False  #: Whether the compiler may fuse products and sums.
-    #: Whether rounds of the fixed point end where the next change would be below rounding.
-    quick: bool = False
+    quick: float = 0.0  #: The change at whose prediction rounds of the fixed point end, if not 0.
 
     @classmethod
     def of(cls, arithmetic: str, **others: Any) -> Options:
         """Return options that an ``arithmetic`` of :func:`.kernel.prepare` stands for."""
         return cls(
             compensated=arithmetic != "naive", fused=arithmetic == "fused",
-            quick=arithmetic == "quick", **others,
+            quick=QUICK if arithmetic == "quick" else 0.0, **others,
         )  # fmt: skip

@@ -26,7 +26,6 @@ from .updates import Term, Values, balanced, differences, linear
 NOTHING = 2.0**-64  # change of a stage, relative to the state, that cannot matter: 1/2000 ulp
 ROUND_OFF = 2.0**-47  # change of a stage, relative to the state, that can be rounding
 STALLS = 8  # rounds without decrease after which NOISE takes its place
-QUICK = 2.0**-50  # change of a stage, relative to the state, that quick rounds leave undone
 ROUNDS = 200
 
 PREDICTOR_NODES = 3  # slopes a single stage is extrapolated from
@@ -366,7 +365,7 @@ class StageWriter(NewtonWriter):
     @property
     def quick(self) -> bool:
         """Whether a round ends the stages that leaves a change below rounding to the next one."""
-        return self.options.quick and self.options.solver == "fixed-point"
+        return bool(self.options.quick) and self.options.solver == "fixed-point"
 
     def _compare(self, stages: Sequence[int]) -> None:
         """Leave the loop where Y is settled; else go on from the new Y."""
@@ -375,7 +374,7 @@ class StageWriter(NewtonWriter):
         self.t.total("change", template if len(stages) == 1 else f"({template})", self.watched)
         if self.quick:
             # what is left is the change times its contraction, as the last two changes show it
-            w(f"settled = rounds > 1 and change*change < {QUICK!r}*size*last_change")
+            w(f"settled = rounds > 1 and change*change < {self.options.quick!r}*size*last_change")
         # in the first round there is no Y to compare with
         with w.block("if rounds > 0 and not (nothing < change < last_change):"):
             with w.block(f"if change <= {ROUND_OFF!r}*size:"):
