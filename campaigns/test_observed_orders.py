@@ -33,7 +33,7 @@ def marked(case):
 UNSETTLED = ("tanaka-yamashita-7-6",)
 
 
-@pytest.mark.sampled(1, besides=("gsymplectic", "g6245"))
+@pytest.mark.sampled(1, besides=("gsymplectic", "g6245"), whole=10)
 @pytest.mark.parametrize("case", [marked(case) for case in cases()])
 def test_the_observed_order_is_the_proved_one_and_the_stored_one(case):
     found = observe(case)

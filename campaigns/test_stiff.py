@@ -27,7 +27,7 @@ def distinct_diagonals(method):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(2, whole=5)
 @pytest.mark.parametrize("name", DIAGONALLY_IMPLICIT)
 def test_diagonally_implicit_methods_factor_one_small_matrix_for_each_diagonal(name):
     method, subject = load(name), problem("hires")

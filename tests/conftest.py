@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, settings
 QUICK = 10
 
 #: Cases of a family that are run at all where its mark does not say how many.
-WHOLE = 20
+WHOLE = 12
 
 #: Seconds after which a test that waits for something is failed where it stands.
 PATIENCE = 900
@@ -130,7 +130,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     The sample is drawn by a hash of the names of the cases: it is the same in every run, and a case
     that is added moves no other one but the last. Cases with a name that contains one of ``besides``
-    take long and are not quick before all others are. Of a family only 20 cases are run at all, or
+    take long and are not quick before all others are. Of a family only 12 cases are run at all, or
     m where it has ``whole=m``, the quick ones among them, unless ``GLMREF_LONG`` is set or cases are
     asked for by name.
     """

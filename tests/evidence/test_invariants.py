@@ -132,7 +132,7 @@ def test_a_method_that_is_not_symplectic_loses_the_invariant(name):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1, besides=("gsymplectic",))
+@pytest.mark.sampled(1, besides=("gsymplectic",), whole=6)
 @pytest.mark.parametrize("name", refuted())
 def test_a_broken_file_that_claims_the_property_does_not_keep_it(name):
     method = load(name)

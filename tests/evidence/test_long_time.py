@@ -49,6 +49,7 @@ def test_the_page_shows_the_record(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1, whole=2)
 @pytest.mark.parametrize("name", METHODS)
 def test_a_shorter_run_shows_what_the_record_says(name):
     """A million steps. The exponent comes from seven stretches of sixteen walks: the logarithm of

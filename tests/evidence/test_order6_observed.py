@@ -92,7 +92,7 @@ def test_every_real_general_linear_method_of_order_6_has_a_start() -> None:
     assert all("starting" in document(name) for name in METHODS)
 
 
-@pytest.mark.sampled(1, whole=16)
+@pytest.mark.sampled(1, whole=8)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "case"),

@@ -153,6 +153,7 @@ def test_parasitism_free_methods_stay_bounded_over_a_million_steps(name):
 
 
 @pytest.mark.slow
+@pytest.mark.sampled(1, whole=5)
 @pytest.mark.parametrize(
     "name",
     [n for n in without_growth(6) if shipped(n)["claims"]["order"] == 6 and n not in SPECIAL],

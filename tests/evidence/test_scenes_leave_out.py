@@ -1,6 +1,6 @@
 """What a scene does not ask is neither imported nor evaluated: plans kept to the letter.
 
-The scenes run in a process of their own, cut to a few steps of every third method: what a step
+The scenes run in a process of their own, cut to a few steps of every fifth method: what a step
 loads and evaluates does not hang on how many there are.
 """
 
@@ -27,7 +27,7 @@ def short(scene, steps):
     ask = tuple(q for q in scene.ask if q != "picture")
     return dataclasses.replace(
         scene, h=(h,), steps=(), t_end=steps * h, ask=ask, peers=(), repeats=1, budget=60.0,
-        methods=scene.methods[::3])
+        methods=scene.methods[::5])
 
 told = []
 for name in json.loads(sys.argv[1]):
@@ -92,7 +92,7 @@ def test_every_scene_loads_and_evaluates_exactly_what_its_plan_says():
     check(told)
     assert len(told) >= 22
     counted = sum(row[2] is not None for scene in told for row in scene["rows"])
-    assert counted >= 60
+    assert counted >= 40
 
 
 @pytest.mark.slow

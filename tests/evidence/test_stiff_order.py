@@ -47,7 +47,7 @@ def marked(names):
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, whole=8)
 @pytest.mark.parametrize("name", marked(METHODS))
 def test_the_order_falls_to_what_the_stage_order_allows(name):
     method = load(name)

@@ -245,13 +245,13 @@ def _defects(t: Tableau) -> dict[str, Tableau]:
     stages[2] = list(t.A[1])
     swapped = [list(row) for row in t.A]
     swapped[2][:2] = reversed(swapped[2][:2])
-    found = {
-        "digit": t._replace(A=A),
-        "row": t._replace(A=stages),
-        "entries": t._replace(A=swapped),
-        "weights": t._replace(b=[t.b[1], t.b[0], *t.b[2:]]),
-    }
-    if t.low:
+    found = {}
+    if not t.low:  # once is enough
+        found["digit"] = t._replace(A=A)
+        found["row"] = t._replace(A=stages)
+        found["entries"] = t._replace(A=swapped)
+        found["weights"] = t._replace(b=[t.b[1], t.b[0], *t.b[2:]])
+    else:
         found["error weights"] = t._replace(low=[x - y for x, y in zip(t.b, t.low, strict=True)])
         found["embedded"] = t._replace(low=[t.low[1], t.low[0], *t.low[2:]])
         last = [list(row) for row in t.A]

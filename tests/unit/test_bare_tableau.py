@@ -23,7 +23,7 @@ def write(folder: Path, content: Any, name: str = "mine.json") -> Path:
     return path
 
 
-@pytest.mark.sampled(4, besides=("g6245",))
+@pytest.mark.sampled(4, besides=("g6245",), whole=6)
 @pytest.mark.parametrize(
     "name",
     ["gsymplectic-n", "rk4", "ab-2", "bdf-2-one-leg", "suzuki-verlet-4", "g6245-w3", "pair-4-4",

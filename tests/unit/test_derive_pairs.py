@@ -76,11 +76,10 @@ def test_the_recipe_reproduces_a_shipped_pair():
 
 
 @pytest.mark.slow
-def test_the_recipe_reproduces_every_shipped_pair():
-    derivation = recipes.run("pairs")
-    assert {x["name"]: dict(x) for x in derivation.documents} == {
-        name: document(name) for name in SHIPPED
-    }
+@pytest.mark.sampled(1, whole=4)
+@pytest.mark.parametrize("name", [x for x in SHIPPED if x != "pair-6-7"])
+def test_the_recipe_reproduces_the_other_shipped_pairs(name):
+    assert [dict(x) for x in recipes.run("pairs", {"name": name}).documents] == [document(name)]
 
 
 @pytest.mark.slow

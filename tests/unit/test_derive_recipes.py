@@ -37,7 +37,7 @@ SHIPPED = [
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, whole=1)
 @pytest.mark.parametrize(("c2", "z", "name"), SHIPPED)
 def test_order6_without_a_start_is_the_shipped_file_but_for_it(c2: str, z: str, name: str) -> None:
     result = recipes.run("order6", {"c2": c2, "z": z, "start": "no"})

@@ -58,7 +58,7 @@ def verdicts(capsys: Any, command: str, file: str) -> tuple[int, list[str]]:
     return code, [x["verdict"] for x in json.loads(capsys.readouterr().out)["findings"]]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(1, whole=6)
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys: Any) -> None:
     file = write(tmp_path, DIALECTS[dialect])

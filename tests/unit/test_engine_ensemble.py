@@ -194,7 +194,7 @@ ANY = ("rk4", "ab-3", "gauss-2", "gauss-3", "g6245-w3", "s4-symmetric", "lobatto
 
 
 @pytest.mark.slow
-@pytest.mark.sampled(1, besides=())
+@pytest.mark.sampled(1, whole=8)
 @pytest.mark.parametrize("method", [*SEPARABLE, *ANY])
 @pytest.mark.parametrize("name", LARGE)
 def test_lanes_of_large_systems_have_the_bits_of_single_runs(name, method):
