@@ -165,7 +165,7 @@ def marked(found):
     return [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in found]
 
 
-@pytest.mark.sampled(3, whole=25)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", marked(KEEPING))
 @settings(max_examples=6, deadline=None)
 @given(seed=numbers, h=steps_of)
@@ -293,7 +293,7 @@ def way_back(name, L, seed, h):
 SYMMETRIC = [n for n in claiming("symmetric") if shipped(n)["class"] not in ("lmm", "one-leg")]
 
 
-@pytest.mark.sampled(3, whole=25)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", marked(SYMMETRIC))
 @settings(max_examples=4, deadline=None)
 @given(seed=numbers, h=steps_of)

@@ -168,6 +168,7 @@ def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scen
     assert json.loads(third.communicate(timeout=120)[0])["measured"] == 0
 
 
+@pytest.mark.slow
 def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["run", str(scene), "--output", str(out), "--format", "jsonl"]) == 0

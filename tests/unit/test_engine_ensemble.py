@@ -50,7 +50,7 @@ CASES = [
 ]
 
 
-@pytest.mark.sampled(2, besides=("g6245",))
+@pytest.mark.sampled(2, besides=("g6245", "newton"), whole=6)
 @pytest.mark.parametrize(("method", "name", "solver"), CASES)
 def test_each_lane_has_the_bits_of_a_single_run(method, name, solver):
     of = problem(name)

@@ -327,9 +327,12 @@ def test_unknowns_and_constants_have_one_table_of_names() -> None:
 
 
 def test_the_class_that_uses_most_keys_is_told_from_them() -> None:
+    for kind in BLOCKS:
+        told = class_of_keys(dict.fromkeys(needed_keys(kind)))
+        assert told == ("lmm" if kind == "one-leg" else kind)
     for keys, kind in (
         ("A b", "rk"), ("A b c", "rk"), ("A U B V G", "glm"), ("alpha beta", "lmm"),
-        ("alpha beta G", "one-leg"), ("A b A_hat b_hat", "partitioned-rk"), ("A", ""),
+        ("alpha beta G", "one-leg"), ("A b A_hat b_hat", "partitioned-rk"), ("A", ""), ("a b", ""),
         ("A b b_prime c", "nystrom"), ("alpha gamma b", "rosenbrock"), ("D X V G", "sweep"),
         ("q p", "partitioned"), ("base gamma", "composition"), ("a b first", "splitting"),
     ):  # fmt: skip
