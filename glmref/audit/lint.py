@@ -14,7 +14,7 @@ from ..catalogue.files import document
 from ..catalogue.keys import is_plain
 from ..errors import BudgetError, DataError, GlmrefError, UsageError
 from ..findings import Finding, Verdict
-from ..views.annotations import Level, Remark
+from ..views.sarif import Level, Remark
 from .check import sentence
 from .lexer import ENDINGS
 from .sources import audit, read_source

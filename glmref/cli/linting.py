@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from ..views import annotations
-from ..views.annotations import Level
+from ..views import sarif as formats
+from ..views.sarif import Level
 from ..views.tables import counted
 from .output import BAD_INPUT, FAILED, HOLDS, complain, format_option, say
 
-_FORMATS = {"table": annotations.text, "github": annotations.github, "sarif": annotations.sarif}
+_FORMATS = {"table": formats.text, "github": formats.github, "sarif": formats.sarif}
 
 
 @click.command(short_help="Check the tableaux of a repository, line by line.")
@@ -54,9 +54,9 @@ def lint(
     if found.remarks or form == "sarif":
         say(_FORMATS[form](found.remarks))
     if sarif is not None:
-        sarif.write_text(annotations.sarif(found.remarks) + "\n", encoding="utf-8")
+        sarif.write_text(formats.sarif(found.remarks) + "\n", encoding="utf-8")
     if badge is not None:
-        badge.write_text(annotations.badge(found.tables, found.remarks) + "\n", encoding="utf-8")
+        badge.write_text(formats.badge(found.tables, found.remarks) + "\n", encoding="utf-8")
     levels = [x.level for x in found.remarks]
     counts = ", ".join(counted(levels.count(x), str(x)) for x in Level)
     complain(f"{counted(found.tables, 'table')}: {counts}")
