@@ -51,6 +51,7 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
+from .first_order import along, coupling_of
 from .longtime import energy_deviation
 from .planted import LINEAR, SMALL, follow_part, size_at
 from .saturation import TOO_MUCH, saturation
@@ -577,6 +578,19 @@ class _Pilot:
         part = sum(self.part(b, phi) for b, phi in zip(bundles, starts, strict=True))
         return follow_part(self.method, self.problem, self.h, self.start, np.asarray(part))
 
+    def long(self, b: _Bundle, start: np.ndarray, size: float, level: float) -> _Known | None:
+        """Return a part as a long orbit shows it, ``None`` where its growth is not clear."""
+        engine = stepper_of(self.method, self.problem)
+        coupling = coupling_of(engine, b.zeta, b.left, b.right)
+        found = along(self.problem, self.h, coupling, start)
+
+        def course(to: float) -> _Course:
+            at = found.reached(to / size) if found is not None else None
+            return _OPEN if at is None else _Course(at[1], at[0], at[2])
+
+        one = _Known(b, course, course(level))
+        return None if math.isnan(one.course.steps) else one
+
     def level(self, one: _Known) -> float | None:
         """Return the level at which the energy error stays, ``None`` where it is lost."""
         part = self.part(one.bundle, one.course.late)
@@ -713,6 +727,8 @@ def predict(
             within = expected <= count and at <= count  # the pilot's own steps say when
             if (b.grows and not within) or math.isnan(expected) or at < EARLIER * expected:
                 one = _Known(b, seen, seen(large))
+            if b.grows and math.isnan(one.course.steps):
+                one = pilot.long(b, growing.start, begins or least, large) or one
         rate, lost = float(one.course.rate / h), float(one.course.steps)
         parts.append(ParasiticPart(complex(b.zeta), begins, rate, lost))
         if not math.isnan(one.course.steps):

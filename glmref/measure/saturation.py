@@ -22,9 +22,10 @@ from .longtime import energy_deviation, follow
 TOO_MUCH = 0.1
 #: Size of a planted part, relative to the solution, and that at which its equation ends.
 PLANTED, LARGE = 3e-3, 0.3
-#: Steps for which it is followed, in units of those between these sizes; it is not followed where
-#: that is more numbers than WORK.
-PATIENCE, WORK = 2.5, 5e7
+#: Steps after which growth may have stopped, in units of those between these sizes: in the second
+#: half of the first its equation no longer holds, in that of the last it has not for as long. A
+#: part is not followed where these are more numbers than WORK.
+LENGTHS, WORK = (2.5, 4.0), 8e7
 #: The energy error has grown if it becomes so many times that of the first half of 1/rate steps; it
 #: grows no more if it is in the second half of the run below so many times that of the first.
 GROWN = STOPPED = 2.0
@@ -40,8 +41,10 @@ def saturation(
     energy; ``None`` where it comes to :data:`TOO_MUCH`, does not grow or does not stop, where the
     problem has no energy, or the run would take too long.
     """
-    steps = PATIENCE * math.log(LARGE / PLANTED) / rate if rate > 0 else math.inf
-    if problem.hamiltonian is None or not steps * start.size <= WORK:
+    if problem.hamiltonian is None or not rate > 0:
+        return None
+    lengths = [some * math.log(LARGE / PLANTED) / rate for some in LENGTHS]
+    if not lengths[-1] * start.size <= WORK:
         return None
     planted = start + PLANTED * part
 
@@ -50,16 +53,20 @@ def saturation(
 
     try:
         run = follow(
-            problem, method, h=h, steps=math.ceil(steps), start=lambda *_: planted,
+            problem, method, h=h, steps=math.ceil(lengths[-1]), start=lambda *_: planted,
             lost=lambda some: bool((errors(some) >= TOO_MUCH).any()),
         )  # fmt: skip
     except GlmrefError:
         return None
-    found = errors(run)
-    largest = float(found.max())
-    if not run.completed or run.steps < steps or largest >= TOO_MUCH:
-        return None
-    at = np.abs(run.t - run.t[0]) / abs(h)
-    first, second = (float(found[x].max()) for x in (at <= steps / 2, at > steps / 2))
-    grew = largest > GROWN * float(found[at <= 1 / (2 * rate)].max())
-    return largest if grew and second < STOPPED * first else None
+    found, at = errors(run), np.abs(run.t - run.t[0]) / abs(h)
+    early = float(found[at <= 1 / (2 * rate)].max())
+    for steps in lengths:
+        if run.steps < steps:
+            return None
+        first, second = (
+            float(found[x].max()) for x in (at <= steps / 2, (at > steps / 2) & (at <= steps))
+        )
+        largest = max(first, second)
+        if GROWN * early < largest < TOO_MUCH and second < STOPPED * first:
+            return largest
+    return None
