@@ -27,7 +27,7 @@ def counts() -> str:
     for code, record in audited_codes().items():
         found = [record["counts"].get(x, 0) for x in STATUSES]
         total = [x + y for x, y in zip(total, found, strict=True)]
-        rows.append([code, source(record), sum(found), *found])
+        rows.append([code, source(record), sum(found), *(x or "" for x in found)])
     rows.append(["all", "", sum(total), *total])
     return markdown(["code", "source", "tables", *STATUSES], rows)
 
@@ -35,7 +35,7 @@ def counts() -> str:
 def source(record: Mapping[str, Any]) -> str:
     """Return the commit, date and licence of a code."""
     x = record["source"]
-    return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) of {x['date']}, {x['licence']}"
+    return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) {x['date']}, {x['licence']}"
 
 
 def findings() -> str:

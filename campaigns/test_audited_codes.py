@@ -45,6 +45,7 @@ KNOWN = [
     ("gromacs", "sy_const_5, 5", "question", "the sum of the cubes of the weights is 0.098"),
     ("openmm", "getYoshidaSuzukiWeights, 3", "question", "the cubes of the weights is 0.855"),
     ("jax-md", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
+    ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
 ]
 
 

@@ -29,19 +29,33 @@ _SUM = 1e-9
 def compositions(text: str) -> Iterator[Table]:
     """Yield each list of three weights or more as a splitting, with the line where it begins."""
     lines = text.splitlines()
+    lists: list[tuple[int, list[Number], list[float]]] = []
     for found in _LIST.finditer(text):
         weights = [literal(x) for x in re.findall(_NUMBER, found[1])]
         values = [complex(x.value).real for x in weights]
         palindrome = all(abs(x - y) < _SUM for x, y in zip(values, reversed(values), strict=True))
-        if len(values) < 3 or not palindrome or abs(sum(values) - 1) > _SUM:
+        if len(values) >= 3 and palindrome and abs(sum(values) - 1) <= _SUM:
+            lists.append((text.count("\n", 0, found.start()) + 1, weights, values))
+    drifts = [_drifts(values) for _, _, values in lists]
+    for line, weights, values in lists:
+        if any(_alike(values, x) for x in drifts):
             continue
-        line = text.count("\n", 0, found.start()) + 1
         near = lines[max(0, line - 1 - _ABOVE) : line]
         if not any(map(_WORDS.search, near)):
             continue
         names = [x for row in reversed(near) for x in _NAME.findall(row)]
         name = f"{names[0] if names else 'weights'}, {len(values)}"
         yield of_weights(name, line, weights)
+
+
+def _drifts(weights: list[float]) -> list[float]:
+    """Return the drifts of Störmer's method composed with weights, which a code may list, too."""
+    half = [x / 2 for x in weights]
+    return [half[0], *map(sum, pairwise(half)), half[-1]]
+
+
+def _alike(x: list[float], y: list[float]) -> bool:
+    return len(x) == len(y) and all(abs(u - v) < _SUM for u, v in zip(x, y, strict=True))
 
 
 def of_weights(name: str, line: int, weights: list[Number]) -> Table:

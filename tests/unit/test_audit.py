@@ -642,6 +642,18 @@ def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> 
     ]
 
 
+def test_drifts_beside_the_weights_of_a_composition_are_no_weights() -> None:
+    """Yoshida (1990), order 4: the four drifts sum to 1 and read the same backwards, too."""
+    text = (
+        "// symplectic steps of Yoshida\n"
+        "double c[4] = {0.6756035959798289, -0.1756035959798288, -0.1756035959798288, "
+        "0.6756035959798289};\n"
+        "double d[3] = {1.3512071919596578, -1.7024143839193153, 1.3512071919596578};\n"
+    )
+    found = judged(text, "weights")
+    assert [(x["line"], x["found"], x["status"]) for x in found.values()] == [(3, 4, "found")]
+
+
 def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> None:
     other = (
         source("chains.cpp")
