@@ -135,11 +135,8 @@ class Solved(Series):
 
     def __init__(self, method: Method, identity_mode: bool, nystrom: bool | str) -> None:
         self.method, self.nystrom = method, nystrom
-        self.free, self.last, self.order, self.filled = not identity_mode, None, 0, 0
-        self.loose = False  # whether principal parts of a lower order are not the only ones
-        self.W, self.N, self.lift, self.eta, self.k, self.w, parts = {}, {}, {}, {}, {}, {}, {}
-        self.gaps, self.rights, self.parts = {}, {}, parts
-        super().__init__(parts.__getitem__, {}, self.cut_value)
+        self.begin(not identity_mode)
+        parts = self.parts
         plain = as_reals if method.numbers.unknowns else lambda x: x
         for c, m in method.parts.items():
             require(is_exact(m.V), "V holds decimals")
@@ -158,6 +155,14 @@ class Solved(Series):
         #: whether the values are the solution itself
         self.solved = identity_mode and all(m.r == 1 for m in method.parts.values())
         self.share_stages()
+
+    def begin(self, free: bool) -> None:
+        """Stand before the first order, with no part yet."""
+        self.free, self.last, self.order, self.filled = free, None, 0, 0
+        self.loose = False  # whether principal parts of a lower order are not the only ones
+        self.W, self.N, self.lift, self.eta, self.k, self.w = {}, {}, {}, {}, {}, {}
+        self.gaps, self.rights, self.parts = {}, {}, {}
+        super().__init__(self.parts.__getitem__, {}, self.cut_value)
 
     def share_stages(self) -> None:
         """Take the stages that other weights have found: with eta 0 they depend on A alone."""

@@ -20,17 +20,16 @@ from math import factorial
 from typing import Any
 
 from ..errors import UsageError
-from ..exact import Exact, Scalar
+from ..exact import Exact
 from ..method.component import ROOTED, Palette
 from ..method.model import Method
 from ..method.stage_order import is_shared
-from .coefficients import Coefficient, combination, is_zero, plus, scalars, times
+from .coefficients import Coefficient, combination, is_zero, plus, times
 from .starting_series import tableau_series
 from .trees import (
     Tree,
     contractions,
     edge_cuts,
-    pruned,
     single,
     trees,
     trees_up_to,
@@ -228,32 +227,6 @@ def inverse(series: Series) -> Series:
         When ``series`` is not scalar with empty coefficient 1.
     """
     return exponential(_logarithm(series).map(partial(times, -1)))
-
-
-def shift(series: Series, time: Any = 1) -> Series:
-    """Return ``E^time series``: follow the exact flow for ``time * h``, then apply the series.
-
-    The same as ``compose(flow(order, time), series)``, by counting growth orders instead of cuts
-    (see :func:`~glmref.theory.trees.pruned`).
-    """
-    values: dict[Tree, Coefficient] = {}
-    powers: list[Any] = [1]
-    for _ in range(series.order):
-        powers.append(times(time, powers[-1]))
-
-    @cache
-    def weight(removed: int, ways: int, size: int) -> Scalar:
-        return scalars([times(Fraction(ways, size), powers[removed])])[0]
-
-    known = series.support()
-    for t in trees_up_to(series.order, series.palette):
-        terms = [(weight(t.order, 1, t.density), series.empty(t.colour))]
-        for kept, ways in pruned(t).items():
-            if kept in known:
-                removed = t.order - kept.order
-                terms.append((weight(removed, ways, factorial(removed)), known[kept]))
-        values[t] = combination(terms)
-    return Series(values, series._empty, series.order, series.palette)
 
 
 def substitute(field: Series, series: Series) -> Series:

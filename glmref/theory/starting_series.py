@@ -410,23 +410,18 @@ def _solver() -> Any:
         """The series of the judge where u, N, W, the output and the trees are given."""
 
         def __init__(self, of: StartingSeries) -> None:
-            self.of, self.free, self.order, self.filled = of, of.free, 0, 0
-            self.last, self.loose, self.simple, self.k = None, False, of.simple, {}
-            self.eta, self.gaps, self.rights, parts = {}, {}, {}, {}
-            self.u, self.w, self.W, self.N, self.lift = {}, {}, {}, {}, {}
+            self.of, self.simple = of, of.simple
+            self.begin(of.free)
             for colour, c in of.components.items():
                 self.u[colour], self.w[colour], *self.N[colour] = as_numbers((c.u, c.output, *c.N))
                 self.W[colour], self.lift[colour], A, U, B = map(
                     as_numbers, (c.W, c.lift, c.A, c.U, c.B)
                 )
                 self.k[colour] = None
-                parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
-            self.parts = parts
-            self.method = SimpleNamespace(
-                palette=tuple(of.palette.items()), parts=parts, separable=not is_shared(of.palette)
-            )
-            self.solved = not of.free and all(m.r == 1 for m in parts.values())
-            series.Series.__init__(self, parts.__getitem__, self.u, self.cut_value)
+                self.parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
+            palette, separable = tuple(of.palette.items()), not is_shared(of.palette)
+            self.method = SimpleNamespace(palette=palette, parts=self.parts, separable=separable)
+            self.solved = not of.free and all(m.r == 1 for m in self.parts.values())
             self.share_stages()
 
         def pool(self, order: int) -> list:

@@ -11,7 +11,7 @@ from glmref.exact import Exact, exact, linalg, root_of_unity
 from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM, StartingMethod
 from glmref.theory.order import order_of
-from glmref.theory.series import Series, shift
+from glmref.theory.series import Series, compose, flow
 from tests.bseries import elementary_weights
 
 from .exactly import (
@@ -293,9 +293,9 @@ def test_order_with_a_starting_method_is_the_printed_difference() -> None:
     short = elementary_weights(matrix(explicit), weights, 5, u=u)
     none = Series({}, u, 5)
     for start, orders in ((short, (5, 4)), (none, (4, 2))):
-        after, exact_flow = after_step(n, start), shift(start)
+        after, exact_flow = after_step(n, start), compose(flow(5), start)
         assert tuple(first_difference(after, exact_flow, k) for k in (0, 1)) == orders
     full = order_of(n, principal="identity").eta
     assert full is not None and full.order == 4
-    after, exact_flow = after_step(n, full), shift(full)
+    after, exact_flow = after_step(n, full), compose(flow(full.order), full)
     assert [first_difference(after, exact_flow, k) for k in (0, 1)] == [5, 5]

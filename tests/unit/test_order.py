@@ -103,12 +103,12 @@ def test_starting_series_of_g4123_is_that_of_the_literature():
 
 def test_the_starting_series_satisfies_the_definition():
     # M S = S E, written out with series of another module
-    from glmref.theory.series import shift
+    from glmref.theory.series import compose, flow
 
     method = load("g4123")
     result = order_of(method)
     assert result.eta is not None
-    moved = shift(result.eta)
+    moved = compose(flow(result.order), result.eta)
     xi = {}
     for t in trees_up_to(result.order):
         slopes = [1] * method.s
