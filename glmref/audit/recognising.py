@@ -436,12 +436,13 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
         if unread and not made and not any(x.line in own for x in found):
             found = [*found, unread[0]]
-        weights = {key_of(x.b) for x in made}
+        # ones alone are the weights of many methods
+        weights = {key for x in made if set(key := key_of(x.b)) - {0.0, 1.0}}
         named = [x for x in found if (x.line in own and (x.named or x.unread))
                  or (not x.unread and key_of(x.b) in weights)]  # fmt: skip
         read = [x for x in named if not x.unread]
         for x, y in product(made, read):  # the same method: what is said of it is kept
-            if key_of(x.b) == key_of(y.b):
+            if key_of(x.b) == key_of(y.b) and key_of(x.b) in weights:
                 x.name, x.line, x.sure, y.computed = y.name, y.line, y.sure, True
                 x.order = y.order if y.order is not None else x.order
         made = [x for x in made if not (x.guessed and read)
