@@ -148,6 +148,15 @@ def _meant(
             "the last row of A, or that of an estimate, is taken for weights, as no others are read"
         )
         return "unread"
+    if (
+        status in ("wrong", "question")
+        and found == 0
+        and any(table.c)
+        and not (explained or rows or one_row_apart(method) or _computed(table, method))
+        and method.gap > method.coarse
+    ):
+        remarks.append("c is not the sums of the rows either: this may be no tableau")
+        return "unread"
     if status in ("wrong", "question") and not table.sure and not (
         explained or rows or one_row_apart(method) or (found == 0 and _computed(table, method))
     ):  # fmt: skip

@@ -318,3 +318,41 @@ def test_a_right_step_that_a_call_completes_is_not_accused(call: str, tmp_path: 
     path.write_text(COMPLETED.format("z = z + h / 3 * k3 + h / 3 * k4"))
     (found,) = audit(path, compare=False)
     assert found["status"] in ("wrong", "question")
+
+
+#: Weights, nodes and one of two matrices of a Nystrom method in a form of its own.
+NYSTROM_BESIDE = """
+class Verlet(RungeKuttaNystrom):
+    order = 2
+    nodes = np.array([1.0, 1.0])
+    weights = np.array([1 / 2, 0])
+    matrix = np.zeros([2, 2])
+    matrix[1, 1] = 1
+    weights_bar = np.array([1 / 2, 0])
+    matrix_bar = np.zeros([2, 2])
+"""
+#: A method, and the step of another one whose weights are ones, too.
+CHOICE = """
+class RungeKuttaMidpoint:
+    def __init__(self, order):
+        self.order = order
+        if self.order == 1:
+            self.A = np.array([[0, 0], [0, 0.5]])
+            self.A_hat = np.array([[0, 0], [0.5, 0]])
+            self.b = np.array([0, 1])
+            self.b_hat = np.array([0, 1])
+
+class RungeKuttaSplit:
+    def step(self, y, h):
+        k1 = self.f_slow(y)
+        k2 = self.f_slow(y + h / 3 * k1)
+        k3 = self.f_slow(y + h / 2 * k2)
+        return y + h * k1 + h * k3
+"""
+
+
+@pytest.mark.parametrize("text", [NYSTROM_BESIDE, CHOICE])
+def test_what_may_be_no_tableau_is_not_accused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "methods.py").write_text(f"import numpy as np\n{text}")
+    found = audit(tmp_path, compare=False)
+    assert not [x for x in found if x["status"] in ("wrong", "question")]
