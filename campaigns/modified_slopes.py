@@ -3,8 +3,8 @@
 The function that the outputs conserve, taken over trees through order n, drifts by C h^n on an
 orbit, by C h^(n + 1) where its next term is zero too, as with symmetric methods and odd n. Runs
 begin with the values on which a method acts as its one-step method, so that parasitic parts stay
-below what is measured; of long runs what differences of high order show of parasitic parts is
-subtracted until they are gone.
+below what is measured; what differences of high order show of these is subtracted until they are
+gone.
 
     python -m campaigns.modified_slopes data/measurements/modified-slopes.json
 """
@@ -32,31 +32,22 @@ from glmref.problems.model import Problem
 from glmref.scenes.modified import Modified
 
 METHODS = ("gauss-2", "gsymplectic-n", "s4-symmetric", "s5z-w3", "stormer-verlet", "pair-4-4")
-#: Problem, larger of two step sizes as a reciprocal, and steps of that size.
-PROBLEMS: Mapping[str, tuple[Callable[[], Problem], int, int]] = {
-    "pendulum": (lambda: problem("pendulum"), 10, 200),
-    "henon-heiles": (lambda: problem("henon-heiles"), 10, 200),
-    "kepler, e = 1/10": (lambda: problem("kepler", eccentricity="1/10"), 20, 200),
-    "lotka-volterra-logarithmic": (lambda: problem("lotka-volterra-logarithmic"), 40, 240),
-    "toda, 3 sites": (lambda: problem("toda", sites=3), 20, 200),
-}
-#: The same of long runs. Parasitic parts grow, so that h is small, and at its usual start the orbit
-#: of Hénon and Heiles is chaotic, so that two runs part.
-LONG: Mapping[str, tuple[Callable[[], Problem], int, int]] = {
-    "pendulum": (PROBLEMS["pendulum"][0], 100, 100_000),
+#: Problem, and the larger of two step sizes as a reciprocal: small, since parasitic parts grow. At
+#: its usual start the orbit of Hénon and Heiles is chaotic, so that two runs part.
+PROBLEMS: Mapping[str, tuple[Callable[[], Problem], int]] = {
+    "pendulum": (lambda: problem("pendulum"), 100),
     "henon-heiles, half the start": (
         lambda: problem("henon-heiles", q2="3/20", p1="9/50", p2="11/100"),
         100,
-        100_000,
     ),
-    "kepler, e = 1/10": (PROBLEMS["kepler, e = 1/10"][0], 200, 100_000),
-    "lotka-volterra-logarithmic": (PROBLEMS["lotka-volterra-logarithmic"][0], 200, 100_000),
-    "toda, 3 sites": (PROBLEMS["toda, 3 sites"][0], 200, 100_000),
+    "kepler, e = 1/10": (lambda: problem("kepler", eccentricity="1/10"), 200),
+    "lotka-volterra-logarithmic": (lambda: problem("lotka-volterra-logarithmic"), 200),
+    "toda, 3 sites": (lambda: problem("toda", sites=3), 200),
 }
+#: Steps of the larger size, after how many parts of them the energies are looked at, and digits.
+STEPS, SAMPLES, DIGITS = 100_000, 10, 60
 #: Trees are taken through these orders; order 1 is H itself.
 ORDERS = (1, 5, 7, 9)
-#: States looked at after the first, in a short and in a long run.
-DIGITS, SAMPLES = 60, (20, 10)
 
 
 @cache
@@ -64,25 +55,23 @@ def _modified(name: str, order: int = ORDERS[-1] + 2) -> Modified:
     return modified(load(name), order)
 
 
-def drifts(name: str, on: str, halvings: int, *, long: bool) -> tuple[list[float], float]:
+def drifts(name: str, on: str, halvings: int) -> tuple[list[float], float]:
     """Return the largest drift of the modified energy of each order over the samples of a run.
 
     Then the largest parasitic part that the values carry at the end.
     """
-    make, parts, steps = (LONG if long else PROBLEMS)[on]
-    found, target, samples = _modified(name), make(), SAMPLES[long]
+    make, parts = PROBLEMS[on]
+    found, target = _modified(name), make()
     engine = stepper(load(name), target, digits=DIGITS)
     with mpmath.workdps(DIGITS):
         h = mpmath.mpf(1) / (parts << halvings)
-        series = _modified(name, 3) if long else found
-        start = series.start_at(target, engine.problem.y0, h, digits=DIGITS)
+        start = _modified(name, 3).start_at(target, engine.problem.y0, h, digits=DIGITS)
         run = Run(engine, Fraction(1, parts << halvings), np.vectorize(rounded, "O")(start))
-        if long:
-            run.purify()
+        run.purify()
         energies = []
-        for n in range(samples + 1):
+        for n in range(SAMPLES + 1):
             if n:
-                run.advance((steps << halvings) // samples)
+                run.advance((STEPS << halvings) // SAMPLES)
             y = engine.solution(np.vectorize(number, "O")(run.values))
             energies.append([found.energy_at(target, y, h, order=k, digits=DIGITS) for k in ORDERS])
         left = float(max(abs(number(x)) for x in run.parasitic().ravel()))
@@ -92,9 +81,9 @@ def drifts(name: str, on: str, halvings: int, *, long: bool) -> tuple[list[float
 
 def row(case: Case) -> dict[str, Any]:
     """Measure one method on one problem with both step sizes."""
-    name, on, long = case["method"], case["problem"], case["steps"] > 1000
-    found, left = zip(*(drifts(name, on, k, long=long) for k in (0, 1)), strict=True)
-    return {"drifts": list(found)} | ({"parasitic": list(left)} if long else {})
+    pairs = (drifts(case["method"], case["problem"], k) for k in (0, 1))
+    found, left = zip(*pairs, strict=True)
+    return {"drifts": list(found), "parasitic": list(left)}
 
 
 def slopes(x: Mapping[str, Any]) -> list[float]:
@@ -115,25 +104,24 @@ def expected(name: str) -> list[int]:
 
 def cases() -> list[dict[str, Any]]:
     """List the runs."""
-    chosen = [(name, problems) for problems in (PROBLEMS, LONG) for name in METHODS]
     return [
         {
             "method": name,
             "problem": on,
             "fingerprint": fingerprint(name),
-            "steps": steps,
-            "h": 1 / p,
+            "steps": STEPS,
+            "h": 1 / parts,
         }
-        for name, problems in chosen
-        for on, (_, p, steps) in problems.items()
+        for name in METHODS
+        for on, (_, parts) in PROBLEMS.items()
     ]
 
 
 NOTE = (
     f"drifts: largest change of the modified energy over trees through order {ORDERS} at "
-    f"{SAMPLES[0] + 1} states of a run in {DIGITS} digits, {SAMPLES[1] + 1} in runs of "
-    "100,000 steps, with the step size h and so many steps, then with half of it and twice as "
-    "many. parasitic: largest entry of the parasitic part of the values at the end of both."
+    f"{SAMPLES + 1} states of a run in {DIGITS} digits, with the step size h and so many steps, "
+    "then with half of it and twice as many. parasitic: largest entry of the parasitic part of the "
+    "values at the end of both."
 )
 HEAD = {
     "format": "glmref-measurement-1",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns.fixed_point import BITS, Run, compiled, number, rounded, units, words
-from campaigns.modified_slopes import LONG
+from campaigns.modified_slopes import PROBLEMS
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
 from glmref.problems.formula import Formula
@@ -38,7 +38,7 @@ def test_words_are_whole_numbers_of_either_sign():
 @pytest.mark.parametrize("method", ["gauss-2", "s5z-w3", "pair-4-4", "stormer-verlet"])
 @pytest.mark.parametrize("on", ["kepler, e = 1/10", "toda, 3 sites"])
 def test_steps_are_those_of_the_reference_engine(method: str, on: str):
-    make, parts, _ = LONG[on]
+    make, parts = PROBLEMS[on]
     engine = stepper(load(method), make(), digits=70)
     with mpmath.workdps(70):
         values = np.full(engine.shape, mpmath.mpf(0), dtype=object)
@@ -54,7 +54,7 @@ def test_steps_are_those_of_the_reference_engine(method: str, on: str):
 
 @pytest.mark.slow
 def test_what_has_no_parasitic_part_begins_where_it_is_put():
-    make, parts, _ = LONG["pendulum"]
+    make, parts = PROBLEMS["pendulum"]
     engine = stepper(load("gauss-2"), make(), digits=60)
     values = np.array([[rounded(x) for x in engine.problem.y0]], dtype=object)
     run = Run(engine, Fraction(1, parts), values.copy())
