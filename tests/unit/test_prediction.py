@@ -102,9 +102,23 @@ def test_growth_of_first_order_where_no_orbit_is_periodic_is_seen_in_runs_that_b
     assert found.verdict == LOST and found.departure is not None
     for level, steps in (found.departure, (0.1, found.steps)):
         assert steps * h == pytest.approx(run.t[np.argmax(error > level)], rel=0.1)
-    # slower than clear in so many steps
-    slow = predict("gsymplectic-n", "henon-heiles", 0.05, 1e6)
+    # slower than clear in so many steps, and along a long orbit
+    regular = problem("henon-heiles", q2="3/20", p1="9/50", p2="11/100")
+    slow = predict("gsymplectic-n", regular, 0.05, 1e6)
     assert slow.verdict == OPEN and "not periodic" in slow.why and slow.departure is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "seen"), [("milne-simpson-one-leg", 27_440), ("gsymplectic-n", 4_612_096)]
+)
+def test_growth_of_first_order_on_a_chaotic_orbit_is_followed_along_a_long_one(
+    name: str, seen: int
+) -> None:
+    """Steps of the loss are those of `parasitic-losses`."""
+    found = predict(name, "henon-heiles", 0.05, 5e5)
+    assert found.verdict == LOST and found.steps is not None
+    assert seen / 2 < found.steps < seen * 2
 
 
 def _followed(sizes):
@@ -176,10 +190,10 @@ def test_no_saturation_where_a_condition_is_missing():
     for other in (-rate, 0.0, math.nan, 1e-9):
         assert saturation(s5, orbit, 0.1, start, part, other) is None
     assert saturation(s5, orbit, 0.1, start, 0 * part, rate) is None  # nothing is planted
-    assert saturation(s5, orbit, 0.1, start, part, 2.5 * rate) is None  # it has not stopped by then
+    assert saturation(s5, orbit, 0.1, start, part, 4 * rate) is None  # it has not stopped by then
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(saturating, "STOPPED", math.inf)
-        assert saturation(s5, orbit, 0.1, start, part, 2.5 * rate) is not None
+        assert saturation(s5, orbit, 0.1, start, part, 4 * rate) is not None
     start = first(linear, n)
     assert saturation(n, linear, 0.1, start, np.ones_like(start), 0.01) is None  # nothing grows
     start = first(PENDULUM, n)
