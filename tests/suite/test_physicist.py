@@ -51,7 +51,8 @@ def test_five_commands_lead_from_h_to_a_c_file_that_reproduces_the_run(tmp_path)
     carry_out(asked[0], tmp_path, python)
     found = json.loads((tmp_path / "out" / "double-pendulum.json").read_text())
     take = found["recommended"]
-    assert take is not None and take != "s5i1-w3"
+    (runs,) = (x["long_runs"] for x in found["candidates"] if x["method"] == take)
+    assert runs not in ("lost", "grows")  # what is lost may be the fastest
     outputs = [
         carry_out(line.replace("gauss-4", take).replace("gauss_4", take.replace("-", "_")),
                   tmp_path, python)
