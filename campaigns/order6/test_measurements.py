@@ -54,6 +54,7 @@ def test_a_disturbed_round_does_not_move_the_median() -> None:
     assert at_error(calm, 1e-6) == at_error(disturbed, 1e-6)
 
 
+@pytest.mark.slow
 def test_a_comparison_finds_both_targets_and_the_order() -> None:
     case = Case("pendulum", lambda: problem("pendulum", q0="1/2"), 5.0, 8)
     found = Comparison(case, ["gauss-3", "s5i1-w3"])

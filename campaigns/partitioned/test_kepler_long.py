@@ -221,6 +221,7 @@ def test_new_starts_keep_every_run_bounded_but_those_the_page_names():
     assert not set(bounded(stored["runs"])) & set(RESTARTED) - {"pair-6-10"}
 
 
+@pytest.mark.slow
 def test_the_beginning_of_a_run_is_that_of_the_record():
     """The same path: rounding of other machines moves an energy error of 1e-10 by far less."""
     for name in ("blanes-moan-rkn-6-14", "gauss-3", "pair-rkn-6-8b"):

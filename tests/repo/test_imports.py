@@ -123,6 +123,7 @@ def inside() -> dict[str, set[str]]:
     return uses()[0]
 
 
+@pytest.mark.slow
 def test_every_room_stands_in_the_table_and_no_other() -> None:
     assert set(HEIGHT) == set(inside())
     assert len(LAYERS) <= 9

@@ -34,6 +34,7 @@ def test_every_hostile_peer_ends_with_a_sentence() -> None:
     assert f"{count} peers, seed 11" in done.stdout and "0 violations" in done.stdout
 
 
+@pytest.mark.slow
 def test_the_attack_sees_a_process_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     # without its group and its mark a child that a peer leaves behind runs on: the attack must say so
     monkeypatch.setattr("os.killpg", lambda group, number: None)

@@ -159,6 +159,7 @@ def test_an_answer_that_comes_late_is_not_that_to_the_next_question(tmp_path: Pa
     assert len(told) == 1 and "without being asked" in told[0]
 
 
+@pytest.mark.slow
 def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

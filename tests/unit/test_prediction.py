@@ -272,6 +272,7 @@ def test_a_prediction_does_not_depend_on_units():
     assert one.steps == pytest.approx(other.steps, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_solution_that_is_zero_is_not_predicted():
     found = predict("g6245-w3", problem("pendulum", q0=0), 0.1, t_end=30)
     assert found.verdict == OPEN and found.why == "the solution is zero"

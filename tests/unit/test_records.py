@@ -356,6 +356,7 @@ def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_each_bit_of_a_line_that_flips_is_seen(tmp_path):
     path = tmp_path / "records.jsonl"
     lines(path, made(TASKS[0], {"error": 1.2345e-08, "seconds": 0.0019999999999999914, **DONE}))
