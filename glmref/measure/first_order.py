@@ -73,13 +73,13 @@ def coupling_of(engine: Stepper, zeta: complex, left: np.ndarray, right: np.ndar
     r, d = engine.shape
     L, R = left.reshape(-1, r, d), right.reshape(r, d, -1)
     found = np.zeros((len(L), d, d, R.shape[-1]), dtype=complex)
-    parts = [(c, np.arange(d)[c.columns]) for c in engine.components[: len(engine.parts)]]
-    for a, to in parts:
-        for b, by in parts:
+    parts = engine.components[: len(engine.parts)]
+    for a in parts:
+        for b in parts:
             if a is not b or engine.joint:
                 BU = np.array(a.B, dtype=float) @ np.array(b.U, dtype=float)
-                x = np.einsum("arj,rs,skb->ajkb", L[:, : len(BU), to], BU, R[: BU.shape[1], by])
-                found[np.ix_(range(len(L)), to, by, range(R.shape[-1]))] = x / zeta
+                x = L[:, : len(BU), a.columns], BU, R[: BU.shape[1], b.columns]
+                found[:, a.columns, b.columns] = np.einsum("arj,rs,skb->ajkb", *x) / zeta
     return np.real(found) if isinstance(zeta, float) else found
 
 
