@@ -18,11 +18,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..engine.kept import expressed
 from ..engine.reference import Stepper
+from ..engine.runners import slopes_at
 from ..engine.solve import solve
 from ..problems.model import Problem
+from ..problems.user_functions import UserFunction
 from .longtime import energy_deviation
 
+#: Part of a value by which it is moved for a central difference: its square and the inverse times
+#: 1e-16 are the errors, 1e-10 and 1e-11.
+NUDGE = 1e-5
 #: Numbers of the matrices of all steps of the orbit, and of those taken at once.
 NUMBERS, BLOCK = 1 << 24, 1 << 20
 #: Steps between two sizes that are kept.
@@ -89,7 +95,7 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
     Parameters
     ----------
     problem : Problem
-        Autonomous, with an energy.
+        Autonomous, with an energy; Python that cannot be recorded as formulas takes too long.
     h : float
         Step size of the run.
     coupling : np.ndarray
@@ -101,6 +107,7 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
     if not blocks:
         return None
     at_once = blocks * CHUNK
+    problem = expressed(problem)
     orbit = _orbit(problem, h, at_once * (NUMBERS // BLOCK))
     if orbit is None:
         return None
@@ -112,12 +119,17 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
         some = y[first : first + at_once + 1]
         J = _jacobians(problem, (some[1:] + some[:-1]) / 2)
         half = np.tensordot(J, coupling, ([1, 2], [1, 2])) * (longer * h / 2)
-        moves = np.linalg.solve(one - half, one + half)
+        try:
+            moves = np.linalg.solve(one - half, one + half)
+        except np.linalg.LinAlgError:  # a step is too long for the part
+            return None
         for _ in range(CHUNK.bit_length() - 1):
             moves = moves[1::2] @ moves[::2]
         for move in moves:
             phi = move @ phi
             size = float(np.linalg.norm(phi))
+            if not 0 < size < math.inf:
+                return None
             phi = phi / size
             logs.append(logs[-1] + math.log(size))
             parts.append(phi)
@@ -127,7 +139,8 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
 
 def _orbit(problem: Problem, h: float, count: int) -> tuple[np.ndarray, int] | None:
     """Return states (count + 1, d) of an orbit, and its steps in steps of the run."""
-    if problem.hamiltonian is None:
+    functions = (problem.f, problem.dq, problem.dp)
+    if problem.hamiltonian is None or any(isinstance(x, UserFunction) for x in functions):
         return None
     method, longer = SPLITTING if problem.separable else IMPLICIT, LONGER
     while longer:
@@ -144,11 +157,16 @@ def _orbit(problem: Problem, h: float, count: int) -> tuple[np.ndarray, int] | N
 
 def _jacobians(problem: Problem, y: np.ndarray) -> np.ndarray:
     """Return df/dy at states (N, d), by central differences: (N, d, d)."""
-    nudges = 1e-5 * np.maximum(np.abs(y).max(axis=0), 1e-300)
+    nudges = nudges_of(y)
     found = np.empty((*y.shape, y.shape[1]))
     for k, nudge in enumerate(nudges):
         move = nudge * np.eye(len(nudges))[k]
-        plus, minus = (problem.f(0.0, x.T) for x in (y + move, y - move))
-        for j, (p, q) in enumerate(zip(plus, minus, strict=True)):
-            found[:, j, k] = (p - q) / (2 * nudge)
+        plus, minus = (slopes_at(problem, 0.0, x) for x in (y + move, y - move))
+        found[:, :, k] = (plus - minus) / (2 * nudge)
     return found
+
+
+def nudges_of(values: np.ndarray) -> np.ndarray:
+    """Return by how much each of d numbers is moved for a central difference, from (.., d)."""
+    sizes = np.max(np.abs(values), axis=tuple(range(values.ndim - 1)))
+    return NUDGE * np.where(sizes > 0, sizes, max(float(np.max(sizes)), 1e-300))

@@ -51,7 +51,7 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
-from .first_order import along, coupling_of
+from .first_order import along, coupling_of, nudges_of
 from .longtime import energy_deviation
 from .planted import LINEAR, SMALL, follow_part, size_at
 from .saturation import TOO_MUCH, saturation
@@ -82,9 +82,6 @@ SMOOTH = 3.0
 DEPARTED, ROUNDED = 10, 1e-14
 #: Parts of the size of the solution: beyond it an orbit has left, within it it has come back.
 AWAY, NEAR = 0.1, 1e-3
-#: Part of a value by which it is moved for a central difference: its square and the inverse times
-#: 1e-16 are the errors, 1e-10 and 1e-11.
-NUDGE = 1e-5
 #: A growth parameter below it is zero but for the digits of the tableau.
 NO_GROWTH = 1e-9
 #: Steps beyond which no loss is looked for; a loss before so many is at once.
@@ -261,8 +258,7 @@ def _bundle(z: complex, halves: Sequence[Any], engine: Stepper) -> _Bundle:
 def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray) -> np.ndarray:
     """Differentiate the step at many values (N, r, d) by central differences: (N, n, n)."""
     count, n = len(values), values[0].size
-    sizes = np.max(np.abs(values), axis=(0, 1))
-    nudges = NUDGE * np.where(sizes > 0, sizes, max(float(np.max(sizes)), 1e-300))
+    nudges = nudges_of(values)
     shape = (n, *values.shape[1:])
     moves = np.eye(n).reshape(shape) * nudges
     moved = np.stack([values[:, None] + moves, values[:, None] - moves]).reshape(-1, *shape[1:])

@@ -23,8 +23,8 @@ TOO_MUCH = 0.1
 #: Size of a planted part, relative to the solution, and that at which its equation ends.
 PLANTED, LARGE = 3e-3, 0.3
 #: Steps after which growth may have stopped, in units of those between these sizes: in the second
-#: half of the first its equation no longer holds, in that of the last it has not for as long. A
-#: part is not followed where these are more numbers than WORK.
+#: half of them the part has been large, so that its equation does not hold. It is not followed
+#: where the last are more numbers than WORK.
 LENGTHS, WORK = (2.5, 4.0), 8e7
 #: The energy error has grown if it becomes so many times that of the first half of 1/rate steps; it
 #: grows no more if it is in the second half of the run below so many times that of the first.

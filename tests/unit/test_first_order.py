@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from glmref.measure import first_order
 from glmref.measure.first_order import FirstOrder, along, coupling_of
 from glmref.measure.prediction import _on_values
 from glmref.problems import problem
+from glmref.problems.model import Problem
 
 
 @pytest.mark.parametrize("name", ["milne-simpson", "gsymplectic-n", "g6245", "multistep-general-8"])
@@ -84,3 +87,17 @@ def test_growth_goes_on_beyond_the_orbit_where_it_is_clear(
 def test_a_system_of_many_components_has_no_long_orbit() -> None:
     large = problem("toda", sites=256)
     assert along(large, 0.1, identity(2), np.ones(large.dimension)) is None
+
+
+def test_python_that_takes_one_state_is_differentiated_and_not_followed_for_long() -> None:
+    """A right-hand side with a choice cannot be recorded; one component is zero all along."""
+
+    def f(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], -math.sin(y[0]) if y[0] < 9 else 0.0, 2 * y[0] + 3 * y[2]]
+
+    given = Problem(f=f, y0=(1, 0, 0), hamiltonian=lambda y: y[1] ** 2 / 2 - np.cos(y[0]))
+    y = np.array([[0.5, 1.0, 0.0], [1.5, -1.0, 0.0]])
+    found = first_order._jacobians(given, y)
+    for J, (q, *_) in zip(found, y, strict=True):
+        assert J == pytest.approx(np.array([[0, 1, 0], [-math.cos(q), 0, 0], [2, 0, 3]]), abs=1e-9)
+    assert along(given, 0.1, identity(3), np.ones(3)) is None
