@@ -197,8 +197,9 @@ class Collector:
                     depth = max(0, depth - 1)
                 elif x.text == "{":
                     head = [t for t in toks[start:k] if t.kind != "line"]
-                    if k in partner and not self._opens(head, k, k in holding, depth):
-                        k = partner[k] + 1
+                    end = partner.get(k, -1)
+                    if end > 0 and not self._opens(head, k, end, k in holding, depth):
+                        k = end + 1
                         if self.language.name == "rust" and k < len(toks) and toks[k].text == "}":
                             self._statement(toks[start:k])
                             start = k
@@ -216,8 +217,8 @@ class Collector:
             k += 1
         self._statement(toks[start:])
 
-    def _opens(self, head: Sequence[Token], k: int, holds: bool, depth: int) -> bool:
-        """Return whether a brace begins a block of statements."""
+    def _opens(self, head: Sequence[Token], k: int, end: int, holds: bool, depth: int) -> bool:
+        """Return whether the brace at k, closed at ``end``, begins a block of statements."""
         words = {t.text for t in head if t.kind == "name"}
         before = head[-1].text if head else ""
         if holds and before != "=":
@@ -229,6 +230,13 @@ class Collector:
         after = next((t for t in self.tokens[k + 1 : k + 4] if t.kind != "line"), None)
         if after is not None and (after.kind == "number" or after.text in ("{", "-", "[", "}")):
             return not head
+        if (
+            head
+            and head[-1].kind == "name"
+            and self.tokens[end + 1 : end + 2]
+            and (self.tokens[end + 1].text == ";")
+        ):  # ``array<T, 2> b{T(1) / 2, 0.5};``
+            return False
         return not any(t.text == "=" for t in head) and self.language.name != "rust"
 
     def _open(self, head: Sequence[Token], line: int, depth: int) -> None:

@@ -149,7 +149,22 @@ def arrays(block: Block, language: Language) -> list[Array]:
     for stem, entries in scalars.items():
         if stem not in lists or len(entries) > 1:
             found += _of_scalars(stem, entries)
+    _suffixed(found)
     return sorted(found, key=lambda x: x.at)
+
+
+def _suffixed(found: list[Array]) -> None:
+    """Give ``ag``, ``bg`` and ``cg`` their roles: a matrix and weights that differ in a letter."""
+    groups: dict[str, dict[str, Array]] = {}
+    for x in found:
+        if len(x.name) > 1 and not x.role and x.name[0] in "aAbBcC":
+            groups.setdefault(x.name[1:], {}).setdefault(x.name[0].lower(), x)
+    for stem, given in groups.items():
+        A, b = given.get("a"), given.get("b")
+        if A is None or b is None or A.flat or not b.flat or len(A.value) != len(b.value):
+            continue
+        for letter, x in given.items():
+            x.stem, x.role = stem.strip("_").lower(), "A" if letter == "a" else letter
 
 
 def _base(block: Block, language: Language) -> int:

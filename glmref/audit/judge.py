@@ -30,6 +30,7 @@ from ..prove.wrong_entry import (
     one_row_apart,
     unordered,
     vector,
+    weight,
 )
 from ..system.budget import limited
 from .nearest_method import Library
@@ -138,6 +139,7 @@ def _meant(
         return "unread"
     found = record["found"]
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= 2
+    explained = explained or any(" is that of " in x for x in remarks)
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
     entry = len(record.get("correction", ())) == 1 and one_row_apart(method)
     entry = entry or any(x.startswith("with error weight") for x in remarks)
@@ -199,6 +201,8 @@ _ENTRY = re.compile(r"(a|alpha|gamma|beta|b|c|A|B)(_implicit|_prime)?\[(\d+)\](?
 def _place(table: Table, entry: str) -> tuple[int, str] | None:
     """Return the line and the text of an entry by its name, where its reader noted them."""
     m = _ENTRY.fullmatch(entry)
+    if entry.startswith("w["):  # a weight of a composition, whose kicks are its weights
+        return table.b[1][int(entry[2:-1]) - 1].place
     if m is None:
         return None
     part, i = int(m[2] is not None or m[1] in ("gamma", "beta", "B")), int(m[3]) - 1
@@ -244,6 +248,9 @@ def _order(
             remarks.append(
                 f"the sum of the cubes of the weights is {cubes:.3g}, for order 4 it is 0"
             )
+            mended = weight(method, 4)
+            if mended:
+                record["correction"] = mended
             return "question"
         return "found"
     looked = min(declared, len(found.sizes))

@@ -37,7 +37,10 @@ _STEPS = re.compile(
 _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
 _ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
 #: Names of the first and second steps of a splitting.
-_FLOWS = (("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"))
+_FLOWS = (
+    ("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"), ("x", "v"), ("x", "p"),
+    ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"),
+)  # fmt: skip
 _LAST_LETTER = re.compile(r"(?:.*[_\d])?([a-z])$", re.IGNORECASE)
 
 
@@ -59,15 +62,23 @@ def _numbers(*arrays: Array) -> None:
                 raise Unread(f"an entry of {x.name or 'an array'} is not read: {y}")
 
 
+def _word(x: Array) -> str:
+    """Return a name without what says that it is one of coefficients."""
+    return re.sub(
+        r"[_ ]?(?:coeffs?|coefs?|coefficients|vals|vec)$", "", x.name, flags=re.IGNORECASE
+    )
+
+
 def _letter(x: Array) -> str:
     """Return the letter or word that a name ends with, ``rk4a`` as ``a``."""
-    word = re.sub(r"[_ ]?(?:coeffs?|coefficients|vals|vec)$", "", x.name, flags=re.IGNORECASE)
+    word = _word(x)
     last = _LAST_LETTER.match(word)
     return (last[1] if last else re.split(r"[_.]", word)[-1]).lower()
 
 
 def _stem(x: Array) -> str:
-    return x.name[: len(x.name) - len(_letter(x))].lower()
+    word = _word(x)
+    return word[: len(word) - len(_letter(x))].lower()
 
 
 @lru_cache(maxsize=16)
@@ -99,7 +110,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         if steps and _says(_SPLITTING, text):
             found += steps
         if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
-            found += _compositions(block, vectors)
+            found += _compositions(block, vectors, text)
     if not found:
         found += _multistep(block, made)
     return found
@@ -447,11 +458,11 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
 # --- multistep ------------------------------------------------------------------------------------
 
 
-def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
+def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Found]:
     """Yield weights of a composition that read the same backwards, or half of them.
 
-    Half of them are known by their sum and that of their cubes, 1 and 0, which a list of other
-    numbers has not; with a word, or with the number of steps beside them, by one of the two.
+    They are known by their sum and that of their cubes, 1 and 0, which a list of other numbers has
+    not; with a word, or half of them with the number of steps beside them, by one of the two.
     """
     steps = {whole_number(x.value) for x in block.items if re.search("stage|step", x.name)}
     for x in vectors:
@@ -460,8 +471,13 @@ def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
         same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
         full = len(values) > 2 and len(values) % 2 == 1 and _letter(x) not in ("b", "c", "d")
         given: list[Any] = []
+        sure = True
         if word and full and sum(same) >= len(same) - 2 and min(values) <= 0:
             given = x.value if abs(sum(values) - 1) <= LOOSE or all(same) else []
+        elif full and sum(same) >= len(same) - 2 and min(values) < 0:
+            gaps = abs(sum(values) - 1), abs(sum(y**3 for y in values))
+            sure = all(same) and max(gaps) < LOOSE
+            given = x.value if sure or (max(gaps) < 0.5 and _says(_WEIGHTS, text)) else []
         n = max((k for k, y in enumerate(values, 1) if y), default=0)
         half = [*values[:n], *values[: max(0, n - 1)][::-1]]
         if not given and n > 1 and min(half) < 0 < max(half):
@@ -473,9 +489,9 @@ def _compositions(block: Block, vectors: list[Array]) -> Iterator[Found]:
         if not given:
             continue
 
-        def make(table: Table, given: list[Any] = given) -> None:
+        def make(table: Table, given: list[Any] = given, sure: bool = sure) -> None:
             made = of_weights("", 0, given)
-            table.kind, table.b = made.kind, made.b
+            table.kind, table.b, table.sure = made.kind, made.b, table.sure and sure
 
         yield from _guarded("", x.line, [x], make)
 
@@ -505,8 +521,10 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
         if len(broken) < 2 or small or any(not isinstance(y, Number) for r in rows for y in r):
             continue
         sums = [abs(sum(map(size, r)) - 1) < LOOSE for r in rows]
-        if 2 * sum(sums) >= len(sums) and adams:
-            yield _of_steps(block, [x], [([], r) for r in rows], 1)
+        steps = _of_steps(block, [x], [([], r) for r in rows], 1) if adams else None
+        one = max(map(len, rows)) > 2  # of two entries one can always be mended
+        if steps and (2 * sum(sums) >= len(sums) or (one and "question" in steps.table.unread)):
+            yield steps
         else:
             table = Table(x.name, x.line, last=x.last, general=True)
             table.unread = "the coefficients of a multistep method, in a form that is not read"

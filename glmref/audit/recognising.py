@@ -792,7 +792,8 @@ def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
         strict = x.b is not None and not x.array.flat and _strict(x.reading.A)
         return named and about and (known or strict)
     if named and x.b is not None:
-        return about and (x.order >= 2 or x.match >= MOST_ROWS or node)
+        weights = x.order > 0 and x.b.role == "b" and x.b.stem == x.array.stem
+        return about and (x.order >= 2 or x.match >= MOST_ROWS or node or (weights and s > 2))
     if x.array.name == "" and x.b is not None and x.b.name == "" and not about:
         return False
     if x.order == 1 and named:  # weights in the last row, of a method with a wrong row
@@ -920,6 +921,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
         table.guessed = x.b.guessed or role_of(x.b.name)[1] == "embedded"
     if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
         table.sure = False
+    if x.order == 1 and x.match < MOST_ROWS and not _strict(x.reading.A):
+        table.sure = False  # the names alone say what it is
     _further(table, x, near)
     return table
 

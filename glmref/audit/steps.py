@@ -569,10 +569,24 @@ def _row(
 
 
 def _drop(table: Table) -> None:
-    """Leave out stages that nothing uses."""
+    """Leave out stages that nothing uses.
+
+    In a step of order 1 one may have been meant to be used, if it is no slope at the new value.
+    """
     A, b, c = table.A[0], table.b[0], table.c[0]
     rows = [*A, b, *table.errors, *(r for _, r, _ in table.rows)]
-    keep = [j for j in range(len(b)) if any(r[j].value != 0 for r in rows)] or [0]
+    moment = sum((x.value * y.value for x, row in zip(b, A, strict=True) for y in row), _ZERO)
+    low = abs(complex(moment) - 0.5) > _SUM / 10
+    keep = [
+        j
+        for j in range(len(b))
+        if any(r[j].value != 0 for r in rows)
+        or (
+            low
+            and any(x.value != 0 for x in A[j])
+            and any(x.value != y.value for x, y in zip(A[j], b, strict=True))
+        )
+    ] or [0]
     table.A = [[[A[i][j] for j in keep] for i in keep]]
     table.b = [[b[j] for j in keep]]
     table.c = [[c[j] for j in keep] if c is not None else None]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any, Protocol
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER
@@ -364,6 +364,8 @@ def correction(method: Trial, declared: int) -> list[dict[str, str]]:
     """
     if method.kind == "glm":  # its rows of weights are sums of rows of B
         return []
+    if method.kind == "composition":
+        return weight(method, declared)
     better = abscissa(method, declared)
     if better or declared > 8 or len(method.b[0]) > 16:
         return better
@@ -386,6 +388,29 @@ def correction(method: Trial, declared: int) -> list[dict[str, str]]:
     except BudgetError:
         pass
     return better[:3]
+
+
+def weight(method: Trial, declared: int) -> list[dict[str, str]]:
+    """Return the one weight of a composition that gives the declared order.
+
+    It is the one on the other side of the palindrome, or what makes the sum of all of them 1.
+    """
+    before, found = method.b, []
+    w = before[1][:-1]
+    missing = Exact(1) - sum(w, Exact(0))
+    for k, x in enumerate(w):
+        other = len(w) - 1 - k
+        new = x + missing if other == k else w[other]
+        if abs(complex(new - x)) <= method.coarse:
+            continue
+        kicks = [*w[:k], new, *w[k + 1 :], before[1][-1]]
+        half = [v / 2 for v in kicks[:-1]]
+        method.b = [[half[0], *(u + v for u, v in pairwise(half)), half[-1]], kicks]
+        got = reach(method.scheme(), declared, stop=0.5 * method.scale)
+        if got.size(declared) <= method.coarse:
+            found.append({"entry": f"w[{k + 1}]", "is": _long(x), "should be": _long(new)})
+    method.b = before
+    return found
 
 
 def abscissa(method: Trial, declared: int) -> list[dict[str, str]]:

@@ -24,6 +24,7 @@ class Case(NamedTuple):
     wrong: str
     said: str
     more: tuple[tuple[str, str], ...] = ()
+    compare: bool = False  #: Whether a method of the catalogue is what says it.
 
 
 ZONNEVELD = source("zonneveld.c")
@@ -40,6 +41,12 @@ BOGACKI = source("bogacki.hpp")
 SUZUKI = source("suzuki.txt")
 ELSEWHERE = source("elsewhere.cpp")
 GAUSS = source("gauss.txt")
+CASH_KARP = source("cash_karp.hpp")
+SUFFIXES = source("suffixes.f90")
+WEIGHTS = source("weights.java")
+BASHFORTH = source("bashforth.rs")
+CLASSICAL = source("classical.m")
+RUTH = source("ruth.txt")
 CASES = {
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
@@ -61,12 +68,18 @@ CASES = {
         "bs.hpp", BOGACKI, "bhat4 = Real(1) / 8", "bhat4 = Real(-1) / 8", "bhat"
     ),
     "composition": Case("y.py", SUZUKI, "-1.17767998417887, 0.2355", "-1.17767989417887, 0.2355",
-                        "the order is 0"),
+                        "w[5]"),
     "order elsewhere": Case(
         "t.cpp", ELSEWHERE, "{0, 0.5}, {0, 0, 1}", "{0, 0.25}, {0, 0, 1}", "a[3][2]",
         (("reg.cpp", "// orders\nint classic_order() { return 4; }\n"),),
     ),
     "two stages": Case("g.py", GAUSS, "1 / 4 + np", "1 / 4 - np", "a[2][1]"),
+    "C++ braces": Case("ck.hpp", CASH_KARP, "253)/4096", "253)/4069", "a[6][5]"),
+    "Fortran suffixes": Case("g.f90", SUFFIXES, "s15/15.0_dp, &", "s15/51.0_dp, &", "a[3][2]"),
+    "Java weights": Case("w.java", WEIGHTS, "0.4144907717943757}", "0.4149407717943757}", "w[5]"),
+    "Rust Adams": Case("ab.rs", BASHFORTH, "1274.0", "1247.0", "entry 4"),
+    "MATLAB step": Case("rk4.m", CLASSICAL, "k4)", "k3)", "b[4]", (), True),
+    "drifts and kicks": Case("fr.py", RUTH, "[w1, w0, w1]", "[w1, w1, w0]", "forest-ruth-4", (), True),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
 
@@ -76,7 +89,7 @@ def _audited(folder: Path, case: Case, text: str) -> list[dict]:
     for name, other in case.more:
         (folder / name).write_text(other, "utf-8")
     (folder / case.path).write_text(text, "utf-8")
-    return list(audit(folder, compare=False))
+    return list(audit(folder, compare=case.compare))
 
 
 #: Cases whose corrections are found soon.
