@@ -40,6 +40,11 @@ def compositions(text: str) -> Iterator[Table]:
     for line, weights, values in lists:
         if any(_alike(values, x) for x in drifts):
             continue
+        beside = [
+            x for n, _, x in lists if abs(n - line) < _ABOVE and abs(len(x) - len(values)) == 1
+        ]
+        if any(not _alike(x, _drifts(values)) for x in beside):  # steps of two flows
+            continue
         near = lines[max(0, line - 1 - _ABOVE) : line]
         if not any(map(_WORDS.search, near)):
             continue

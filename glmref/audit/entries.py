@@ -38,10 +38,10 @@ def of_subject(text: str) -> bool:
 _ROLES: dict[str, str] = {}
 for _role, _words in {
     "A": "a aa amat amatrix acoef acoeffs acoefs acoefficients alower matrix geta rka staticA ai "
-         "ae aij aexp aimp aexplicit aimplicit butcher runge at ahat stages ark "
+         "ae aij aex aim aexp aimp aexplicit aimplicit butcher runge at ahat stages ark "
          "tableauintermediate",
     "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
-         "bhigh b1 tableaufinal bexp bimp bexplicit bimplicit w",
+         "bhigh b1 tableaufinal bex bim bexp bimp bexplicit bimplicit w",
     "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
          "abscissa times ci ch ah",
     "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "

@@ -112,7 +112,9 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         remarks.append("the order is 0: the weights do not sum to 1")
         named = any(table.c) or not (table.general and table.kind != "rk")
         tableau = table.order is not None or (named and method.gap <= method.coarse)
-        status = "wrong" if tableau else "question" if _computed(table, method) else "unread"
+        mended = table.kind == "composition" and bool(record.get("correction"))
+        likely = mended or _computed(table, method)
+        status = "wrong" if tableau else "question" if likely else "unread"
         if status == "unread":
             said = "c is not the sums of the rows either" if any(table.c) else "there is no c"
             remarks.append(f"{said}: this may be no tableau")

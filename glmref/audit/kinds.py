@@ -37,10 +37,11 @@ _STEPS = re.compile(
 _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
 _ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
 #: Names of the first and second steps of a splitting.
-_FLOWS = (
-    ("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"), ("x", "v"), ("x", "p"),
-    ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"),
-)  # fmt: skip
+_FLOWS = (("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"))
+#: Names of states: steps only where both sum to 1, or the name says that these are coefficients.
+_STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
+#: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
+_NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
 _LAST_LETTER = re.compile(r"(?:.*[_\d])?([a-z])$", re.IGNORECASE)
 
 
@@ -103,7 +104,9 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     vectors = [x for x in made if x.flat]
     for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
         found += rule(block, matrices, vectors)
-    if not matrices:
+    steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
+    vectors += [y for x in steps for y in _columns(x)]
+    if len(matrices) == len(steps):
         storage = _low_storage(vectors)
         found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
         steps = [] if found else list(_splitting(vectors))
@@ -114,6 +117,18 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     if not found:
         found += _multistep(block, made)
     return found
+
+
+def _length(row: Any) -> int:
+    return len(row) if isinstance(row, list) else 0
+
+
+def _columns(x: Array) -> list[Array]:
+    """Return the steps of two flows that a list of pairs holds."""
+    return [
+        Array(f"{x.name}_{letter}", [row[k] for row in x.value], x.line, x.last, x.at, x.lost)
+        for k, letter in enumerate("ab")
+    ]
 
 
 def _square(x: Array, *, strict: bool = False) -> Rows | None:
@@ -436,14 +451,18 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
 
 def _splitting(vectors: list[Array]) -> Iterator[Found]:
     """Yield steps of two flows that each sum to 1."""
-    for x in vectors:
-        word = next((q for p, q in _FLOWS if _letter(x) == p), "")
-        y = next((z for z in vectors if word and _letter(z) == word and _stem(z) == _stem(x)), None)
+    names = [_NUMBERED.fullmatch(_word(x).lower()) for x in vectors]
+    ends = [(m[2], m[1] + m[3]) if m else (_letter(x), _stem(x))
+            for m, x in zip(names, vectors, strict=True)]  # fmt: skip
+    for x, (letter, stem) in zip(vectors, ends, strict=True):
+        others = {(q, stem) for p, q in (*_FLOWS, *_STATES) if letter == p}
+        y = next((z for z, end in zip(vectors, ends, strict=True) if end in others), None)
         if y is None or abs(len(x.value) - len(y.value)) > 1 or len(x.value) + len(y.value) < 4:
             continue
         good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
         whole = all(size(v) % 1 == 0 for v in (*x.value, *y.value))
-        if not any(good) or whole:
+        sure = letter in dict(_FLOWS) or _word(x) != x.name
+        if not (any(good) if sure else all(good)) or whole:
             continue
 
         def make(table: Table, x: Array = x, y: Array = y) -> None:
@@ -452,7 +471,8 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             table.kind = "splitting"
             table.b = [first.value, [*second.value, *([ZERO] * (n - len(second.value)))]]
 
-        yield from _guarded("", min(x.line, y.line), [x, y], make)
+        name = x.name[:-2] if x.at == y.at else ""  # of a list of pairs
+        yield from _guarded(name, min(x.line, y.line), [x, y], make)
 
 
 # --- multistep ------------------------------------------------------------------------------------
@@ -477,7 +497,8 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
         elif full and sum(same) >= len(same) - 2 and min(values) < 0:
             gaps = abs(sum(values) - 1), abs(sum(y**3 for y in values))
             sure = all(same) and max(gaps) < LOOSE
-            given = x.value if sure or (max(gaps) < 0.5 and _says(_WEIGHTS, text)) else []
+            likely = max(gaps) < 0.5 and _says(_WEIGHTS, text) and not _other_flow(x, vectors)
+            given = x.value if sure or likely else []
         n = max((k for k, y in enumerate(values, 1) if y), default=0)
         half = [*values[:n], *values[: max(0, n - 1)][::-1]]
         if not given and n > 1 and min(half) < 0 < max(half):
@@ -494,6 +515,14 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
             table.kind, table.b, table.sure = made.kind, made.b, table.sure and sure
 
         yield from _guarded("", x.line, [x], make)
+
+
+def _other_flow(x: Array, vectors: list[Array]) -> bool:
+    """Return whether steps of another flow stand beside steps: one more or less, with sum 1."""
+    return any(
+        abs(len(y.value) - len(x.value)) == 1 and abs(sum(map(size, y.value)) - 1) < LOOSE
+        for y in vectors
+    )
 
 
 _WEIGHTS = re.compile(r"suzuki|yoshida|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE)

@@ -921,7 +921,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
         table.guessed = x.b.guessed or role_of(x.b.name)[1] == "embedded"
     if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
         table.sure = False
-    if x.order == 1 and x.match < MOST_ROWS and not _strict(x.reading.A):
+    alone = x.match < MOST_ROWS and x.c is None and x.reading.c is None
+    if x.order == 1 and alone and not _strict(x.reading.A):
         table.sure = False  # the names alone say what it is
     _further(table, x, near)
     return table

@@ -262,8 +262,12 @@ def _read(
         x for x in special
         if x.kind != "composition" or not any(low < x.line <= high for low, high in spans)
     ]  # fmt: skip
-    made = [x.line for x in special if x.kind == "composition"]
-    found = [x for x in found if x.kind != "composition" or all(abs(x.line - n) > 3 for n in made)]
+    made = [(x.line, len(x.b[0])) for x in special if x.kind == "composition"]
+    found = [
+        x for x in found
+        if x.kind != "composition" or x.unread
+        or not any(abs(x.line - n) < 4 and len(x.b[0]) == m for n, m in made)
+    ]  # fmt: skip
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
     read_at = [x.line for x in found if not x.unread]
     for x in special:

@@ -47,6 +47,8 @@ WEIGHTS = source("weights.java")
 BASHFORTH = source("bashforth.rs")
 CLASSICAL = source("classical.m")
 RUTH = source("ruth.txt")
+THERMOSTAT = source("thermostat.txt")
+SYMPLECTIC = source("symplectic.rs")
 CASES = {
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
@@ -80,6 +82,9 @@ CASES = {
     "Rust Adams": Case("ab.rs", BASHFORTH, "1274.0", "1247.0", "entry 4"),
     "MATLAB step": Case("rk4.m", CLASSICAL, "k4)", "k3)", "b[4]", (), True),
     "drifts and kicks": Case("fr.py", RUTH, "[w1, w0, w1]", "[w1, w1, w0]", "forest-ruth-4", (), True),
+    "one list of several": Case("nhc.py", THERMOSTAT, "0.65796308", "0.65769308", "w[3]"),
+    "pairs of steps": Case("s.rs", SYMPLECTIC, "7.0/24", "7.0/42", "b[3]"),
+    "steps with a number": Case("s.rs", SYMPLECTIC, "0.7563200005", "0.7536200005", "b[3]"),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
 
@@ -369,3 +374,22 @@ def test_what_may_be_no_tableau_is_not_accused(text: str, tmp_path: Path) -> Non
     (tmp_path / "methods.py").write_text(f"import numpy as np\n{text}")
     found = audit(tmp_path, compare=False)
     assert not [x for x in found if x["status"] in ("wrong", "question")]
+
+
+SMOOTHED = (
+    "# Yoshida's integrators, and what smooths their output\n"
+    "FILTER = [-3/35, 12/35, 17/35, 12/35, -3/35]\n"
+    "class Splitting:\n"
+    "    moves = [0.0792036964311957, 0.353172906049774, -0.0420650803577195, 0.2193769557534996,\n"
+    "             -0.0420650803577195, 0.353172906049774, 0.0792036964311957]\n"
+    "    pushes = [0.209515106613362, -0.143851773179818, 0.434336666566456, 0.434336666566456,\n"
+    "              -0.143851773179818, 0.209515106613362]\n"
+    "POINTS = [(0.1127, 5/18), (0.5, 4/9), (0.8873, 5/18)]\n"
+)
+
+
+def test_other_lists_with_a_palindrome_and_the_sum_1_are_no_weights(tmp_path: Path) -> None:
+    """A filter of Savitzky and Golay, the kicks of a splitting, and weights of a quadrature."""
+    (tmp_path / "yoshida.py").write_text(SMOOTHED)
+    found = [x for x in audit(tmp_path, compare=False) if x["status"] in ("wrong", "question")]
+    assert not found
