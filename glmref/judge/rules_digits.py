@@ -52,12 +52,16 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Weights:
-    """A row of weights, in units b, b A by colour, and bounds of residuals by tree."""
+    """A row of weights, in units b, b A by colour, and bounds of residuals by tree.
+
+    `most` has those of whole orders, from above only: see :meth:`Sizes.bound`.
+    """
 
     row: list[Fraction]
     b: Fixed
     before: dict[str, Fixed]
     known: dict[Tree, tuple[int, int]]
+    most: dict[Tree, int]
 
 
 class Sizes:
@@ -88,7 +92,7 @@ class Sizes:
         """Return a row of rational weights in units, and what is found with it."""
         key = tuple(row)
         if key not in self.rows:
-            self.rows[key] = Weights(row, Fixed(self.whole(row), 1), {}, {})
+            self.rows[key] = Weights(row, Fixed(self.whole(row), 1), {}, {}, {})
         return self.rows[key]
 
     def before(self, weights: Weights, colour: str) -> Fixed:
@@ -101,7 +105,7 @@ class Sizes:
             known[colour] = Fixed([y >> self.bits for y in row], (error >> self.bits) + 2)
         return known[colour]
 
-    def phi(self, tree: Tree, keep: bool = True) -> Fixed:
+    def phi(self, tree: Tree) -> Fixed:
         """Return the product over the children of A Phi(child)."""
         colour, children = tree
         if not children:
@@ -114,9 +118,7 @@ class Sizes:
             # |(x + d)(y + e) - x y| <= |x| ry + |y| rx + rx ry; the shift loses less than 1
             error = x.size * y.radius + y.size * x.radius + x.radius * y.radius
             values = [a * b >> self.bits for a, b in zip(x.values, y.values, strict=True)]
-            found = Fixed(values, (error >> self.bits) + 2)
-            if keep:
-                self.phis[tree] = found
+            found = self.phis[tree] = Fixed(values, (error >> self.bits) + 2)
         return found
 
     def below(self, tree: Tree) -> Fixed:
@@ -137,7 +139,7 @@ class Sizes:
                 image = Fixed([y >> self.bits for y in row], (error >> self.bits) + 2)
                 self.images[t] = image
 
-    def residual(self, tree: Tree, weights: Weights, keep: bool = True) -> tuple[int, int]:
+    def residual(self, tree: Tree, weights: Weights) -> tuple[int, int]:
         """Return bounds of |b Phi(tree) - 1 / gamma(tree)| in units.
 
         Of a tree with one branch b Phi(tree) is (b A) Phi(branch).
@@ -146,12 +148,47 @@ class Sizes:
         if found is None:
             alone = len(tree[1]) == 1
             b = self.before(weights, tree[1][0][0]) if alone else weights.b
-            x = self.phi(tree[1][0] if alone else tree, keep)
+            x = self.phi(tree[1][0] if alone else tree)
             error = len(x.values) * (b.size * x.radius + b.radius * (x.size + x.radius))
             gap = sum(map(mul, b.values, x.values)) >> self.bits
             gap, error = abs(gap - self.one // gamma(tree)), (error >> self.bits) + 3
             found = weights.known[tree] = max(gap - error, 0), gap + error
         return found
+
+    def bound(self, level: list[Tree], weights: dict[str, Weights]) -> None:
+        """Bound the residuals of trees of one order from above, all in products of matrices.
+
+        b Phi(t) is sum b_i x_i y_i, x of the tree without the last branch and y of that branch. If
+        none is off by more than r, the product is by (b + rb) (x + rx) (y + ry) - b x y at most.
+        """
+        groups: dict[tuple, dict[Tree, dict[Tree, Tree]]] = {}
+        for tree in level:
+            alone = len(tree[1]) == 1
+            colour, children = tree[1][0] if alone else tree
+            if len(children) > 1 and tree not in weights[tree[0]].most:
+                key = tree[0], colour if alone else "", size(children[-1])
+                before = groups.setdefault(key, {}).setdefault((colour, children[:-1]), {})
+                before[children[-1]] = tree
+        for (root, below, _), trees in groups.items():
+            row, most = weights[root], weights[root].most
+            b = self.before(row, below) if below else row.b
+            firsts = [self.phi(t) for t in trees]
+            place = {t: k for k, t in enumerate(dict.fromkeys(t for x in trees.values() for t in x))}
+            lasts = [self.below(t) for t in place]
+            rows = [list(map(mul, b.values, x.values)) for x in firsts]
+            products = products_of_whole(rows, [y.values for y in lasts])
+            for x, branches, found in zip(firsts, trees.values(), products, strict=True):
+                for branch, tree in branches.items():
+                    y, n = lasts[place[branch]], len(b.values)
+                    error = (b.size + b.radius) * (x.size + x.radius) * (y.size + y.radius)
+                    error = n * (error - b.size * x.size * y.size) >> 2 * self.bits
+                    gap = (found[place[branch]] >> 2 * self.bits) - self.one // gamma(tree)
+                    most[tree] = abs(gap) + error + 3
+
+    def most(self, tree: Tree, weights: Weights) -> int:
+        """Return a bound of the residual from above, that of its order where it is known."""
+        found = weights.most.get(tree)
+        return self.residual(tree, weights)[1] if found is None else found
 
     def exactly(self, tree: Tree, weights: Weights) -> Fraction:
         """Return |b Phi(tree) - 1 / gamma(tree)| itself in units."""
@@ -214,10 +251,10 @@ class DigitsCase(Case):
         fine = is_coloured(tree, palette) and stands(tree, self.base.system)
         return fine and (is_nystrom(tree) or not nystrom)
 
-    def residual(self, name: str, tree: Tree, limit: Fraction, keep: bool = True) -> tuple:
+    def residual(self, name: str, tree: Tree, limit: Fraction) -> tuple:
         """Return bounds of a residual in units, itself where the limit is between them."""
         weights = self.weights[name][tree[0]]
-        low, high = self.sizes.residual(tree, weights, keep)
+        low, high = self.sizes.residual(tree, weights)
         if low <= limit < high:
             low = high = self.sizes.exactly(tree, weights)
         return low, high
@@ -225,7 +262,7 @@ class DigitsCase(Case):
     def exceeds(self, name: str, tree: Tree, limit: Fraction) -> bool:
         """Tell whether the residual of a tree is above a number."""
         limit = limit * self.sizes.one
-        return self.residual(name, tree, limit, keep=False)[0] > limit
+        return self.residual(name, tree, limit)[0] > limit
 
     def none_above(self, name: str, low: int, high: int, limit: Fraction) -> bool | Fails:
         """Tell whether no residual of these orders is above a number."""
@@ -234,8 +271,11 @@ class DigitsCase(Case):
             level = pool_of(self.base, order, self.method.kind == "nystrom")
             if order < high - 1:
                 self.sizes.prepare(level)
+            elif order >= low:
+                self.sizes.bound(level, self.weights[name])
             for tree in level if order >= low else ():
-                if self.residual(name, tree, limit, keep=order < high)[1] > limit:
+                most = self.sizes.most(tree, self.weights[name][tree[0]])
+                if most > limit and self.residual(name, tree, limit)[1] > limit:
                     return Fails(tree)
         return True
 

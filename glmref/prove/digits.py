@@ -122,10 +122,10 @@ class _Residuals:
         """Return weights by colour, with what is known of their residuals."""
         return {c: self.found.weights(_rational(row)) for c, row in b.items()}
 
-    def residual(self, t: Plain, b: Mapping[str, Any], *, keep: bool = False) -> tuple[int, int]:
+    def residual(self, t: Plain, b: Mapping[str, Any]) -> tuple[int, int]:
         """Return bounds of ``|b Phi(t) - 1 / gamma(t)|``, in units."""
         spend()
-        low, high = self.found.residual(t, b[t[0]], keep)
+        low, high = self.found.residual(t, b[t[0]])
         return int(low), int(high)
 
     def exactly(self, t: Plain, b: Mapping[str, Any]) -> Fraction:
@@ -150,13 +150,15 @@ class _Residuals:
         """Return the text of a tree."""
         return str(parse_tree(self.judge.trees.show(t)))
 
-    def through(self, order: int) -> Iterator[tuple[Plain, bool]]:
-        """Yield trees through an order, and whether what is found of them serves higher orders."""
+    def through(self, order: int, b: Mapping[str, Any]) -> Iterator[Plain]:
+        """Yield trees through an order; residuals of the last two are bounded from above."""
         for n in range(1, order + 1):
             level = self.level(n)
             if n < order - 1:
                 self.found.prepare(level)
-            yield from ((t, n < order) for t in level)
+            else:
+                self.found.bound(level, b)
+            yield from level
 
     def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:
         """Compare the residuals of the weights by colour with what is declared."""
@@ -166,10 +168,12 @@ class _Residuals:
         low: int | Fraction = 0
         high: int | Fraction = 0
         largest: Plain | None = None
-        for t, keep in self.through(order):
+        for t in self.through(order, b):
+            if self.found.most(t, b[t[0]]) < low:
+                continue
             x: int | Fraction
             y: int | Fraction
-            x, y = self.residual(t, b, keep=keep)
+            x, y = self.residual(t, b)
             if x <= limit < y or x <= step < y:  # it may be that number itself
                 x = y = self.exactly(t, b)
             if x > limit and x > most:
@@ -186,7 +190,7 @@ class _Residuals:
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
             if low and rounded_up(Fraction(low, self.one)) != rounded_up(Fraction(high, self.one)):
-                unsure = (t for t, _ in self.through(order) if self.residual(t, b)[1] > low)
+                unsure = (t for t in self.through(order, b) if self.residual(t, b)[1] > low)
                 high = max(low, *(self.exactly(t, b) for t in unsure))
             shown = rounded_up(Fraction(high, self.one))
             reason = f"the residuals through order {order} are at most {shown}"
@@ -200,7 +204,7 @@ class _Residuals:
 
     def vanish(self, b: Mapping[str, Any], order: int) -> bool:
         """Return whether all conditions through an order hold exactly."""
-        return all(self.exactly(t, b) == 0 for t, _ in self.through(order))
+        return all(self.exactly(t, b) == 0 for t in self.through(order, b))
 
     def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
         """Return the largest residual through each order, last the first that is no rounding."""
@@ -210,7 +214,7 @@ class _Residuals:
             largest, conditions = found[-1], 0
             for t in self.level(n):
                 conditions += 1
-                x, y = (Fraction(z, self.one) for z in self.residual(t, b, keep=True))
+                x, y = (Fraction(z, self.one) for z in self.residual(t, b))
                 if y > largest:
                     sure = rounded_up(x) == rounded_up(y)
                     largest = y if sure else max(largest, self.exactly(t, b) / self.one)
