@@ -409,6 +409,17 @@ def fast_judge() -> ModuleType:
 
 
 @contextmanager
+def kept_whole() -> Iterator[ModuleType]:
+    """Let what :func:`fast_judge` keeps be completed, or forget it where the budget is spent."""
+    found = fast_judge()
+    try:
+        yield found
+    except BudgetError:  # a series may have been left half made
+        found.proof.record_of.cache_clear()
+        raise
+
+
+@contextmanager
 def consulted() -> Iterator[ModuleType]:
     """Work with :func:`fast_judge` at the precision of its intervals.
 
@@ -417,13 +428,8 @@ def consulted() -> Iterator[ModuleType]:
     BudgetError
         Where the budget in force is spent, see :mod:`glmref.system.budget`.
     """
-    found = fast_judge()
-    with flint.ctx.workprec(PRECISION):
-        try:
-            yield found
-        except BudgetError:  # a series may have been left half made
-            found.proof.record_of.cache_clear()
-            raise
+    with kept_whole() as found, flint.ctx.workprec(PRECISION):
+        yield found
 
 
 def verdict(certificate: Mapping[str, object]) -> tuple[bool, str]:

@@ -95,6 +95,18 @@ class Record:
             self.memory[key] = make()
         return self.memory[key]
 
+    def series(
+        self, method: Method, identity_mode: bool, nystrom: bool | str, about: tuple = (None,)
+    ) -> Solved:
+        """Return the starting series of the method, or of another with what tells it apart."""
+        key = ("series", identity_mode, nystrom, *about_of(method, *about))
+        return self.known(key, lambda: Solved(method, identity_mode, nystrom))
+
+
+def about_of(method: Method, row: str | None, *replaced: Replaced) -> tuple:
+    """Return what tells the methods of one record apart: row, system, colours, what replaced it."""
+    return row, method.system, *method.parts, *replaced
+
 
 @lru_cache(maxsize=1)
 def numbers_of(field: str) -> Numbers:
@@ -284,7 +296,7 @@ class Proof:
 
     def of_method(self, key: tuple, make: Callable[[], T]) -> T:
         """Return what was made before, for any claim, of this same method: row, system, colours."""
-        about = (self.row, self.method.system, *self.method.parts, *self.all_shown(Replaced))
+        about = about_of(self.method, self.row, *self.all_shown(Replaced))
         return self.record.known((*key, *about), make)
 
     def series(
@@ -294,8 +306,8 @@ class Proof:
         identity_mode = identity_mode or nystrom in PATHS
         fine = identity_mode and all(m.r == 1 for m in self.method.parts.values())
         require(fine or not self.method.system, "several values are carried")
-        found = self.of_method(("series", identity_mode, nystrom),
-                               lambda: Solved(self.method, identity_mode, nystrom))  # fmt: skip
+        about = (self.row, *self.all_shown(Replaced))
+        found = self.record.series(self.method, identity_mode, nystrom, about)
         if found.order > order:
             return found
         found.advance(order)

@@ -173,7 +173,9 @@ class Sizes:
             row, most = weights[root], weights[root].most
             b = self.before(row, below) if below else row.b
             firsts = [self.phi(t) for t in trees]
-            place = {t: k for k, t in enumerate(dict.fromkeys(t for x in trees.values() for t in x))}
+            place = {
+                t: k for k, t in enumerate(dict.fromkeys(t for x in trees.values() for t in x))
+            }
             lasts = [self.below(t) for t in place]
             rows = [list(map(mul, b.values, x.values)) for x in firsts]
             products = products_of_whole(rows, [y.values for y in lasts])

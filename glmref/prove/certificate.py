@@ -45,9 +45,10 @@ from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, linalg
 from ..exact.expression import to_text
-from ..exact.judging import proof_of
+from ..exact.judging import consulted, proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
+from ..judge.refusals import Refused
 from ..method.preconsistency import consistency_vector, preconsistency_vector
 from ..system.budget import fits
 from ..system.shown import above
@@ -56,11 +57,11 @@ from ..theory.coefficients import scalars
 from ..theory.forms import choose_form
 from ..theory.residues import residues
 from ..theory.stability import SAMPLES
-from ..theory.starting_series import StartingSeries
+from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symplectic import find_forms, form_identities
 from .algebra import diagonal_values, is_exact
 from .certificate_enclosed import start_proofs
-from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
+from .field import Texts, about, field_of_decimals, scalars_of, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
 
@@ -147,6 +148,27 @@ class Shared:
     def enclosed_texts(self) -> Texts:
         """The exact entries of a file with decimals."""
         return texts_of_decimals(self.document, exact=self.facts.method.is_exact)
+
+    def judged(self, nystrom: bool, free: bool, trees: bool | str) -> Judged | None:
+        """Return the series that the judge has of the method and keeps for its certificates.
+
+        There is none of decimals, of a method that the judge does not read, and where 1 is a
+        multiple eigenvalue: then the finder looks for more than the judge does.
+        """
+        try:
+            document, field = self.document, self.exact_field([], None)
+            base = shipped_document(document["base"]) if "base" in document else None
+            with consulted() as judge:
+                text = json.dumps([about(document), base, field, None])
+                record = judge.proof.record_of(text)
+                method = record.method.for_claim((NYSTROM_ORDER if nystrom else ORDER).key)
+                found = record.series(method, not free, trees)
+        except (ExactnessError, Refused):
+            return None
+        if not found.simple:
+            return None
+        scalar = scalars_of(tower_of(tuple(self.exact_texts.radicals)))
+        return Judged(found, scalar, rational=field["kind"] == "rational")
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
         """Return the field of a statement about exact numbers."""

@@ -60,7 +60,7 @@ class Facts:
     @cached_property
     def kernel(self) -> Kernel:
         """The rules that give verdicts about this method."""
-        return Kernel(self.method, self.implied)
+        return Kernel(self.method, self.implied, self.shared.judged)
 
     @cached_property
     def nominal(self) -> Facts:

@@ -9,7 +9,7 @@ generator.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
@@ -20,6 +20,8 @@ from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError
 from ..exact import Exact, RationalCombinations, box, cyclotomic, factorization
 from ..exact.expression import parse
+from ..exact.judging import Fraction as rational
+from ..exact.judging import as_scalar
 from ..exact.relations import BITS
 
 _NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
@@ -317,6 +319,24 @@ class Tower:
             names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
             terms.append("*".join([f"{found[powers]}", *names]))
         return "+".join(terms).replace("+-", "-") or "0"
+
+
+def scalars_of(tower: Tower) -> Callable[[Any], Exact]:
+    """Return what makes a number of the judge, over the field of a tower, one of the package."""
+    values = [Exact(1)]
+    for degree, value in zip(tower.degrees, tower.values, strict=True):
+        powers = [value**k for k in range(degree)]
+        values = [x * y for y in powers for x in values]
+
+    def scalar(x: Any) -> Exact:
+        if type(x) is rational:
+            found = as_scalar(x)
+            assert isinstance(found, Exact)
+            return found
+        terms = zip(map(int, x.nums), values[: len(x.nums)], strict=True)
+        return sum((y * n for n, y in terms if n), Exact(0)) / int(x.den)
+
+    return scalar
 
 
 class Texts:

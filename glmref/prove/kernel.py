@@ -57,6 +57,7 @@ from ..theory.coefficients import (
 from ..theory.order import MANY_STARTS, highest_order
 from ..theory.series import Series, compose
 from ..theory.starting_series import (
+    Judged,
     NotPreconsistent,
     Prepared,
     StartingSeries,
@@ -145,9 +146,17 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         A method or a pair.
     implied : Implied or None
         What its enclosure proves, or ``None``.
+    judged : callable or None
+        Returns the series that the judge has of the method, where it has one, see
+        :meth:`.certificate.Shared.judged`.
     """
 
-    def __init__(self, method: Method, implied: Implied | None = None) -> None:
+    def __init__(
+        self,
+        method: Method,
+        implied: Implied | None = None,
+        judged: Callable[[bool, bool, bool | str], Judged | None] | None = None,
+    ) -> None:
         self.method: Any = method
         self.implied = implied
         self.is_pair = len(method.components) > 1
@@ -166,7 +175,8 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         self.exact = all(is_exact(*b) for b in self.blocks.values())
         timed = method.in_time
         #: the kernel that knows the order: another one where time is a component of its own
-        self.timed = self if timed is method else Kernel(timed)
+        self.timed = self if timed is method else Kernel(timed, judged=judged)
+        self._judged = judged
         #: what is known of orders to digits, which the finder and the writer ask for
         self.sized: dict[tuple[Any, ...], dict[str, Sized]] = {}
 
@@ -311,7 +321,8 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             if found is not None:
                 return found
         counts = self._counts(nystrom=nystrom)
-        series = StartingSeries(components, self.palette, free=free, counts=counts)
+        judged = self._judges(components, nystrom, free, nystrom)
+        series = StartingSeries(components, self.palette, free=free, counts=counts, judged=judged)
         self.series[free, nystrom] = series
         found = None if free else self._above_implied(series, nystrom)
         if found is not None:
@@ -349,6 +360,13 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             if beyond is not None:
                 return beyond
         return Range(lower, None, sizes=tuple(sizes), exact=self.exact, value=most)
+
+    def _judges(
+        self, components: Mapping[str, Prepared], nystrom: bool, free: bool, trees: bool | str
+    ) -> Judged | None:
+        """Return the series of the judge, where it is that which is looked for."""
+        exact = self.exact and all(len(c.N) == 1 and c.certain for c in components.values())
+        return self._judged(nystrom, free, trees) if exact and self._judged else None
 
     def residuals(self, *, free: bool) -> dict[Tree, Scalar]:
         """Return the residuals of all trees one order beyond that of :meth:`order_range`.
@@ -405,7 +423,11 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         another is a similarity, which keeps eigenvalues. Below order 9 all trees are compared in
         that case, where only these two orders and no series are kept.
         """
-        series = StartingSeries(components, self.palette, free=False, along_paths=True)
+        which = "nystrom-paths" if nystrom else "paths"
+        series = StartingSeries(
+            components, self.palette, free=False, along_paths=True,
+            judged=self._judges(components, nystrom, False, which),
+        )  # fmt: skip
         proved = all(c.certain for c in components.values())
         if not (proved and series.simple):
             return None

@@ -63,7 +63,14 @@ from typing import Any, Self
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
-from ..exact.judging import Fraction, as_number, as_numbers, as_scalar, fast_judge
+from ..exact.judging import (
+    Fraction,
+    as_number,
+    as_numbers,
+    as_scalar,
+    fast_judge,
+    kept_whole,
+)
 from ..exact.linalg import Matrix, Vector
 from ..judge.refusals import Refused
 from ..method.component import Palette
@@ -202,6 +209,25 @@ def _lift(D: Matrix, N: Sequence[Vector], left: Sequence[Vector], u: Vector, w: 
     )
 
 
+@dataclass(frozen=True)
+class Judged:
+    """The starting series that the judge has of an exact method.
+
+    Attributes
+    ----------
+    series : Any
+        Of :class:`glmref.judge.series.Solved`.
+    scalar : Callable[[Any], Exact]
+        Returns one of its numbers as one of the package.
+    rational : bool
+        Whether all its numbers are rational.
+    """
+
+    series: Any
+    scalar: Callable[[Any], Exact]
+    rational: bool
+
+
 class StartingSeries:
     """The one starting series of a method, up to what is free, and the residuals beyond.
 
@@ -220,6 +246,9 @@ class StartingSeries:
         Which trees count; the set is closed under subtrees and cuts.
     along_paths : bool
         Whether only the trees without branches are looked at.
+    judged : Judged or None
+        The series that the judge has of the same exact method, where 1 is a simple eigenvalue of
+        each V: it is gone on with, so that no condition is evaluated twice.
 
     Attributes
     ----------
@@ -237,6 +266,7 @@ class StartingSeries:
         free: bool,
         counts: Callable[[Tree], bool] = lambda t: True,
         along_paths: bool = False,
+        judged: Judged | None = None,
     ) -> None:
         self.components: dict[str, Prepared] = components
         self.palette: Palette = palette
@@ -245,7 +275,9 @@ class StartingSeries:
         self.along_paths: bool = along_paths
         self.simple: bool = all(len(c.N) == 1 for c in components.values())
         self.determined: frozenset[Tree] = frozenset()
-        self._solved: Any = _solver()(self)
+        self._judged: Judged | None = judged
+        self._order, self._settled = 0, False
+        self._own: Any = None
 
     @classmethod
     def of(
@@ -277,9 +309,27 @@ class StartingSeries:
         return cls(components, method.palette, free=free, counts=counts, along_paths=along_paths)
 
     @property
+    def _leading(self) -> Any:
+        """The series that conditions are evaluated on."""
+        return self._solved if self._judged is None else self._judged.series
+
+    @property
+    def _solved(self) -> Any:
+        """The series over the numbers of the package, as far as the other one was asked for."""
+        if self._judged is not None and self._judged.rational:
+            return self._judged.series
+        if self._own is None:
+            self._own = _solver()(self)
+        if self._judged is not None:
+            self._own.advance(self._order)
+            if self._settled:
+                self._own.fill()
+        return self._own
+
+    @property
     def order(self) -> int:
         """The order that was reached."""
-        return self._solved.order
+        return self._order
 
     @property
     def complete(self) -> bool:
@@ -294,7 +344,8 @@ class StartingSeries:
 
     def value(self, t: Tree) -> Vector:
         """Return eta(t)."""
-        return _scalars(self._solved.cut_value(as_judged(t)))
+        found = self._solved.eta.get(as_judged(t))
+        return (_ZERO,) * len(self.components[t.colour].u) if found is None else _scalars(found)
 
     @property
     def eta(self) -> Mapping[Tree, Vector]:
@@ -304,11 +355,16 @@ class StartingSeries:
 
     def plain(self, t: Tree) -> Vector:
         """Return eta(t) with its principal part zero; the conditions of its order are known."""
-        return _scalars(self._solved.lifted(as_judged(t)))
+        right = self._solved.right(as_judged(t))
+        return _scalars(fast_judge().series.apply(self._solved.lift[t.colour], right))
 
     def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
         """Return xi(t) from its definition, with eta(t) = value."""
-        return _scalars(self._solved.stage(as_judged(t), list(map(as_number, value))))
+        solved, apply = self._solved, fast_judge().series.apply
+        m = solved.part(t.colour)
+        slopes = apply(m.A, solved.derivative(as_judged(t)))
+        more = apply(m.U, list(map(as_number, value)))
+        return _scalars([x + y for x, y in zip(slopes, more, strict=True)])
 
     def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
@@ -378,7 +434,9 @@ class StartingSeries:
         """Go to the next order; its trees that count."""
         self.settle()
         n = self.order + 1
-        self._solved.advance(n)
+        with kept_whole():
+            self._leading.advance(n)
+        self._order, self._settled = min(n, self._leading.order), False
         used = self.free and n > 2 and self.complete
         leaf = {c: single(below[0]) for c, below in self.palette.items()} if used else {}
         smaller = trees(n - 1, self.palette) if used else ()
@@ -390,11 +448,14 @@ class StartingSeries:
         if t in self.determined:
             return (_ZERO,) * len(self.components[t.colour].N)
         spend()
-        return _scalars(self._solved.condition(as_judged(t)))
+        found = self._leading.condition(as_judged(t))
+        return _scalars(found) if self._judged is None else tuple(map(self._judged.scalar, found))
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
-        self._solved.fill()
+        with kept_whole():
+            self._leading.fill()
+        self._settled = True
 
 
 def _scalars(values: list) -> Vector:
@@ -432,14 +493,6 @@ def _solver() -> Any:
 
         def give(self, t: Tree, value: Sequence[Any]) -> None:
             self.eta[as_judged(t)] = list(map(as_number, value))
-
-        def lifted(self, t: Any) -> list:
-            return series.apply(self.lift[t[0]], self.right(t))
-
-        def stage(self, t: Any, value: list) -> list:
-            m = self.part(t[0])
-            slopes, more = series.apply(m.A, self.derivative(t)), series.apply(m.U, value)
-            return [x + y for x, y in zip(slopes, more, strict=True)]
 
         def settle_all(self) -> None:
             """Take the multiple eigenvalue 1 of one V; that of several is left open."""
