@@ -61,7 +61,7 @@ from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symplectic import find_forms, form_identities
 from .algebra import diagonal_values, is_exact
 from .certificate_enclosed import start_proofs
-from .field import Texts, about, field_of_decimals, scalars_of, texts_of_decimals, tower_of
+from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
 
@@ -149,11 +149,13 @@ class Shared:
         """The exact entries of a file with decimals."""
         return texts_of_decimals(self.document, exact=self.facts.method.is_exact)
 
-    def judged(self, nystrom: bool, free: bool, trees: bool | str) -> Judged | None:
+    def judged(
+        self, nystrom: bool, free: bool, trees: bool | str, row: str | None = None
+    ) -> Judged | None:
         """Return the series that the judge has of the method and keeps for its certificates.
 
-        There is none of decimals, of a method that the judge does not read, and where 1 is a
-        multiple eigenvalue: then the finder looks for more than the judge does.
+        It may be that of an embedded row. There is none of decimals, of a method that the judge
+        does not read, and where 1 is a multiple eigenvalue: the finder then looks for more.
         """
         try:
             document, field = self.document, self.exact_field([], None)
@@ -162,12 +164,14 @@ class Shared:
                 text = json.dumps([about(document), base, field, None])
                 record = judge.proof.record_of(text)
                 method = record.method.for_claim((NYSTROM_ORDER if nystrom else ORDER).key)
-                found = record.series(method, not free, trees)
+                if row is not None:
+                    method = method.with_row(method.rows()[row][0]).for_claim(ORDER.key)
+                found = record.series(method, not free, trees, (row,))
         except (ExactnessError, Refused):
             return None
         if not found.simple:
             return None
-        scalar = scalars_of(tower_of(tuple(self.exact_texts.radicals)))
+        scalar = tower_of(tuple(self.exact_texts.radicals)).scalar
         return Judged(found, scalar, rational=field["kind"] == "rational")
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:

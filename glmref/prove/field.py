@@ -9,7 +9,7 @@ generator.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
@@ -261,6 +261,15 @@ class Tower:
             raise ExactnessError("a number lies outside the field of its certificate")
         return found
 
+    def scalar(self, x: Any) -> Exact:
+        """Return a number of the judge, over this field, as one of the package."""
+        if type(x) is rational:
+            found = as_scalar(x)
+            assert isinstance(found, Exact)
+            return found
+        terms = zip(map(int, x.nums), self._basis.values(), strict=False)
+        return sum((y * n for n, y in terms if n), Exact(0)) / int(x.den)
+
     def coordinates(
         self, value: Exact, radicals: Iterable[str] = ()
     ) -> dict[tuple[int, ...], Fraction]:
@@ -319,24 +328,6 @@ class Tower:
             names = [f"g{i + 1}" for i, k in enumerate(powers) for _ in range(k)]
             terms.append("*".join([f"{found[powers]}", *names]))
         return "+".join(terms).replace("+-", "-") or "0"
-
-
-def scalars_of(tower: Tower) -> Callable[[Any], Exact]:
-    """Return what makes a number of the judge, over the field of a tower, one of the package."""
-    values = [Exact(1)]
-    for degree, value in zip(tower.degrees, tower.values, strict=True):
-        powers = [value**k for k in range(degree)]
-        values = [x * y for y in powers for x in values]
-
-    def scalar(x: Any) -> Exact:
-        if type(x) is rational:
-            found = as_scalar(x)
-            assert isinstance(found, Exact)
-            return found
-        terms = zip(map(int, x.nums), values[: len(x.nums)], strict=True)
-        return sum((y * n for n, y in terms if n), Exact(0)) / int(x.den)
-
-    return scalar
 
 
 class Texts:

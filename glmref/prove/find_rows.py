@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
@@ -72,6 +72,7 @@ class RowRules:
         is_pair: bool
         exact: bool
         implied: Any
+        judged: Any
         _made: Any
 
     @cached_property
@@ -79,7 +80,14 @@ class RowRules:
         """Return the kernel of the method with each embedded row as its weights, by name."""
         kind: Any = type(self)
         return tuple(
-            (x.name, kind(self.method.with_row(x), self.implied and self.implied.of_row(x.name)))
+            (
+                x.name,
+                kind(
+                    self.method.with_row(x),
+                    self.implied and self.implied.of_row(x.name),
+                    self.judged and partial(self.judged, row=x.name),
+                ),
+            )
             for x in self.method.embedded
         )
 

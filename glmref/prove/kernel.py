@@ -176,7 +176,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         timed = method.in_time
         #: the kernel that knows the order: another one where time is a component of its own
         self.timed = self if timed is method else Kernel(timed, judged=judged)
-        self._judged = judged
+        self.judged = judged
         #: what is known of orders to digits, which the finder and the writer ask for
         self.sized: dict[tuple[Any, ...], dict[str, Sized]] = {}
 
@@ -366,7 +366,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
     ) -> Judged | None:
         """Return the series of the judge, where it is that which is looked for."""
         exact = self.exact and all(len(c.N) == 1 and c.certain for c in components.values())
-        return self._judged(nystrom, free, trees) if exact and self._judged else None
+        return self.judged(nystrom, free, trees) if exact and self.judged else None
 
     def residuals(self, *, free: bool) -> dict[Tree, Scalar]:
         """Return the residuals of all trees one order beyond that of :meth:`order_range`.
