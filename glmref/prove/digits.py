@@ -169,7 +169,7 @@ class _Residuals:
         high: int | Fraction = 0
         largest: Plain | None = None
         for t in self.through(order, b):
-            if self.found.most(t, b[t[0]]) < low:
+            if int(self.found.most(t, b[t[0]])) < low:
                 continue
             x: int | Fraction
             y: int | Fraction
