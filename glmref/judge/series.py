@@ -271,8 +271,7 @@ class Solved(Series):
         It is 0 where the one value is the solution: its stages may be those of other methods, too.
         """
         while self.filled < self.order:
-            self.filled += 1
-            for t in self.pool(self.filled):
+            for t in self.pool(self.filled + 1):
                 if self.solved:
                     self.eta[t] = [Fraction(0)]
                     continue
@@ -280,6 +279,7 @@ class Solved(Series):
                 self.gaps[t] = apply(self.W[c], right)
                 self.eta[t] = [Fraction(0) if j == self.k[c] else dot(row, right)
                                for j, row in enumerate(self.lift[c])]  # fmt: skip
+            self.filled += 1
 
     def residual(self, tree: Tree) -> list:
         """Return R(t); no cut counts where the one value is the solution."""

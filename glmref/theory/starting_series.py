@@ -54,8 +54,8 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
@@ -434,7 +434,7 @@ class StartingSeries:
         """Go to the next order; its trees that count."""
         self.settle()
         n = self.order + 1
-        with kept_whole():
+        with _within_limits():
             self._leading.advance(n)
         self._order, self._settled = min(n, self._leading.order), False
         used = self.free and n > 2 and self.complete
@@ -453,9 +453,19 @@ class StartingSeries:
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
-        with kept_whole():
+        with _within_limits():
             self._leading.fill()
         self._settled = True
+
+
+@contextmanager
+def _within_limits() -> Iterator[None]:
+    """Say of more trees than the judge lists that nothing is decided."""
+    try:
+        with kept_whole():
+            yield
+    except Refused as error:
+        raise ExactnessError(str(error)) from error
 
 
 def _scalars(values: list) -> Vector:

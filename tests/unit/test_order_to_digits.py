@@ -11,10 +11,12 @@ from typing import Any
 
 import pytest
 
+from glmref import judge as plain_judge
 from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
+from glmref.exact.judging import fast_judge
 from glmref.findings import Verdict
 from glmref.judge import verdict
 from glmref.judge.rules_digits import Sizes
@@ -53,6 +55,25 @@ def certified(doc: dict[str, Any]) -> dict[str, Any]:
     found = facts.judge(KEY, declared).certificate
     assert isinstance(found, dict), found
     return json.loads(json.dumps(found))
+
+
+@pytest.mark.parametrize("judge", [plain_judge, fast_judge()], ids=["fractions", "flint"])
+@pytest.mark.parametrize("palette", [(("o", "o"),), (("f", "k"), ("k", "f"))], ids=["one", "pair"])
+def test_residuals_of_one_order_are_bounded_all_at_once(judge: Any, palette: Any) -> None:
+    """Never below the residual, and above it by less than one part in 2^100."""
+    draw, rational = random.Random(3), judge.arithmetic.Fraction
+    rows = [[rational(draw.randrange(-99, 99), 97) for _ in range(3)] for _ in range(8)]
+    sizes = judge.rules_digits.Sizes({c: rows[k : k + 3] for k, (c, _) in enumerate(palette)}, 200)
+    b = {c: sizes.weights(rows[k - 2]) for k, (c, _) in enumerate(palette)}
+    known = 0
+    for n in range(1, 7):
+        level = judge.trees.trees(palette, n)
+        sizes.bound(level, b)
+        for t in level:
+            known += t in b[t[0]].most
+            most, exactly = sizes.most(t, b[t[0]]), sizes.exactly(t, b[t[0]])
+            assert exactly <= most <= exactly + sizes.one // 2**100, t
+    assert known > 20 * len(palette)
 
 
 def without_rows(*claimed: Any) -> dict[str, Any]:

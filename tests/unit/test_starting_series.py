@@ -4,10 +4,16 @@ from fractions import Fraction as F
 
 import pytest
 
+from glmref.catalogue.lookup import load
+from glmref.errors import BudgetError
 from glmref.exact import exact
+from glmref.exact.judging import fast_judge, kept_whole
 from glmref.exact.linalg import rank
+from glmref.judge.refusals import Refused
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
+from glmref.prove.kernel import Kernel
+from glmref.prove.verifier import facts_for
 from glmref.theory.series import flow
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import pruned, trees
@@ -82,3 +88,44 @@ def test_trees_that_a_stage_order_makes_alike_are_computed_once():
         assert all(series.residual(t) == (0,) for t in series.advance())
     # 37 trees, but powers of c and what the missing A c^3 = c^4 / 4 adds: [[ooo]] and its like
     assert len(series._solved.known) + len(series._solved.outputs) < 24  # A and B times each
+
+
+@pytest.mark.parametrize(
+    "name", ["gauss-2", "dormand-prince-5", "gsymplectic-n", "dimsim-2-type-1", "stormer-verlet"]
+)
+def test_the_search_of_orders_goes_on_with_the_series_of_the_judge(name):
+    facts = facts_for(load(name))
+    kernel, own = facts.kernel, Kernel(facts.method)
+    free = not kernel.one_step
+    assert kernel.order_range(free=free) == own.order_range(free=free)
+    shared = kernel.series[free, False]
+    assert kernel.range("stage-order") == own.range("stage-order")
+    for (row, x), (_, y) in zip(kernel.row_kernels, own.row_kernels, strict=True):
+        assert x.range(kernel.row_claim) == y.range(kernel.row_claim), row
+    if not shared.along_paths:
+        found = facts.shared.judged(False, free, False)
+        assert found.series is shared._leading and found.series.order > kernel.range("order").lower
+        for t in shared.level(2):
+            assert shared.value(t) == own.series[free, False].value(t)
+            assert shared.plain(t) == own.series[free, False].plain(t)
+
+
+def test_a_series_that_was_left_half_made_is_forgotten():
+    keeps = fast_judge().proof.record_of
+    facts_for(load("gauss-2")).judge("order", 4)
+    assert keeps.cache_info().currsize == 1
+    with pytest.raises(BudgetError), kept_whole():
+        raise BudgetError("spent")
+    assert keeps.cache_info().currsize == 0
+
+
+def test_more_trees_than_the_judge_lists_leave_an_order_open(monkeypatch):
+    facts = facts_for(load("gauss-2"))
+    found = facts.shared.judged(False, False, False).series
+
+    def refuse(order):
+        raise Refused("beyond the limits of this checker")
+
+    monkeypatch.setattr(found, "pool", refuse)
+    assert "beyond the limits" in facts.find("order", 4).reason
+    assert found.filled == 0
