@@ -181,15 +181,21 @@ def _build_around(
     source: str, signature: str, functions: Mapping[str, Callable[..., Any]], fuse: bool
 ) -> Built:
     """Compile with a user's functions among the callees; kept for functions that read the same."""
-    marks = [fingerprint(plain(function)) for function in functions.values()]
-    if None in marks:
-        return _compiled_around(source, signature, functions, fuse, None)
-    key = repr((source, signature, fuse, tuple(functions), marks))
-    known = _around.get(key)
+    given = tuple(map(plain, functions.values()))
+    refused = (source, signature, *map(id, given))
+    if refused in _refused:
+        return interpret(source, functions, _refused[refused][1])
+    marks = [fingerprint(function) for function in given]
+    key = None if None in marks else repr((source, signature, fuse, tuple(functions), marks))
+    known = None if key is None else _around.get(key)
     if known is not None:
         return known
     built = _compiled_around(source, signature, functions, fuse, key)
-    if built.engine == "numba":
+    if built.engine == "python":
+        if len(_refused) >= _MOST_AROUND:
+            _refused.clear()
+        _refused[refused] = given, built.notice
+    elif key is not None:
         if len(_around) >= _MOST_AROUND:
             _around.clear()
         _around[key] = built
@@ -198,6 +204,8 @@ def _build_around(
 
 #: Kernels compiled around a user's functions, by source and by what the functions are and read.
 _around: dict[str, Built] = {}
+#: Functions, by source and identity, that could not be compiled, and why: to find it takes seconds.
+_refused: dict[tuple[Any, ...], tuple[tuple[Any, ...], str]] = {}
 _MOST_AROUND = 128
 
 

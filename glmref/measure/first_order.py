@@ -20,15 +20,12 @@ import numpy as np
 
 from ..engine.kept import expressed
 from ..engine.reference import Stepper
-from ..engine.runners import slopes_at
 from ..engine.solve import solve
 from ..problems.model import Problem
 from ..problems.user_functions import UserFunction
+from .linearised import jacobians
 from .longtime import energy_deviation
 
-#: Part of a value by which it is moved for a central difference: its square and the inverse times
-#: 1e-16 are the errors, 1e-10 and 1e-11.
-NUDGE = 1e-5
 #: Numbers of the matrices of all steps of the orbit, and of those taken at once.
 NUMBERS, BLOCK = 1 << 24, 1 << 20
 #: Steps between two sizes that are kept.
@@ -66,30 +63,48 @@ class FirstOrder:
         return needed / rate, rate, self.phi[-1]
 
 
-def coupling_of(engine: Stepper, zeta: complex, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return K with M_ab = sum K_ajkb df_j/dy_k, of shape (m, d, d, m).
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """What makes M of a Jacobian: ``M_ab = weights_ab df_j/dy_k`` with j and k those of a and b."""
+
+    weights: np.ndarray  #: (m, m)
+    components: np.ndarray  #: (m,) components of a state that the parts move
+
+    def of(self, jacobians: np.ndarray) -> np.ndarray:
+        """Return M, (N, m, m), for Jacobians (N, d, d)."""
+        return jacobians[:, self.components[:, None], self.components] * self.weights
+
+
+def coupling_of(engine: Stepper, zeta: complex, left: np.ndarray, right: np.ndarray) -> Coupling:
+    """Return the coupling of the parts at an eigenvalue.
 
     Parameters
     ----------
     engine : Stepper
         Of the method and the problem, with (r, d) values.
     zeta, left, right
-        Eigenvalue of V, (m, r d) and (r d, m) its eigenvectors on the values.
+        Eigenvalue of V, (m, r d) and (r d, m) its eigenvectors on the values, each of which moves
+        one component of a state.
     """
     r, d = engine.shape
     L, R = left.reshape(-1, r, d), right.reshape(r, d, -1)
-    found = np.zeros((len(L), d, d, R.shape[-1]), dtype=complex)
+    moved = np.abs(L).max(axis=1).argmax(axis=1)
+    L, R = L.sum(axis=2), R.sum(axis=1)
+    weights = np.zeros((len(L), len(L)), dtype=complex)
     parts = engine.components[: len(engine.parts)]
     for a in parts:
         for b in parts:
             if a is not b or engine.joint:
                 BU = np.array(a.B, dtype=float) @ np.array(b.U, dtype=float)
-                x = L[:, : len(BU), a.columns], BU, R[: BU.shape[1], b.columns]
-                found[:, a.columns, b.columns] = np.einsum("arj,rs,skb->ajkb", *x) / zeta
-    return np.real(found) if isinstance(zeta, float) else found
+                rows, columns = (np.isin(moved, np.arange(d)[x.columns]) for x in (a, b))
+                found = L[:, : len(BU)] @ BU @ R[: BU.shape[1]] / zeta
+                weights += np.where(rows[:, None] & columns, found, 0)
+    return Coupling(np.real(weights) if isinstance(zeta, float) else weights, moved)
 
 
-def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -> FirstOrder | None:
+def along(
+    problem: Problem, h: float, coupling: Coupling, start: np.ndarray, *, growth: float = math.inf
+) -> FirstOrder | None:
     """Follow a part from ``start`` (m,) along a long orbit; ``None`` where there is none.
 
     Parameters
@@ -98,10 +113,12 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
         Autonomous, with an energy; Python that cannot be recorded as formulas takes too long.
     h : float
         Step size of the run.
-    coupling : np.ndarray
+    coupling : Coupling
         What :func:`coupling_of` returns.
     start : np.ndarray
         (m,) the part at the start, in direction.
+    growth : float
+        It is followed no further than where it has grown so much.
     """
     blocks = BLOCK // max(problem.dimension, len(start)) ** 2 // CHUNK
     if not blocks:
@@ -112,13 +129,14 @@ def along(problem: Problem, h: float, coupling: np.ndarray, start: np.ndarray) -
     if orbit is None:
         return None
     y, longer = orbit
-    one = np.eye(len(start), dtype=coupling.dtype)
+    one = np.eye(len(start), dtype=coupling.weights.dtype)
     phi = start / np.linalg.norm(start) if start.any() else one[0]
     logs, parts = [0.0], [phi]
     for first in range(0, len(y) - 1, at_once):
+        if logs[-1] > math.log(growth):
+            break
         some = y[first : first + at_once + 1]
-        J = _jacobians(problem, (some[1:] + some[:-1]) / 2)
-        half = np.tensordot(J, coupling, ([1, 2], [1, 2])) * (longer * h / 2)
+        half = coupling.of(jacobians(problem, (some[1:] + some[:-1]) / 2)) * (longer * h / 2)
         try:
             moves = np.linalg.solve(one - half, one + half)
         except np.linalg.LinAlgError:  # a step is too long for the part
@@ -153,20 +171,3 @@ def _orbit(problem: Problem, h: float, count: int) -> tuple[np.ndarray, int] | N
             return y, longer
         longer //= 2
     return None
-
-
-def _jacobians(problem: Problem, y: np.ndarray) -> np.ndarray:
-    """Return df/dy at states (N, d), by central differences: (N, d, d)."""
-    nudges = nudges_of(y)
-    found = np.empty((*y.shape, y.shape[1]))
-    for k, nudge in enumerate(nudges):
-        move = nudge * np.eye(len(nudges))[k]
-        plus, minus = (slopes_at(problem, 0.0, x) for x in (y + move, y - move))
-        found[:, :, k] = (plus - minus) / (2 * nudge)
-    return found
-
-
-def nudges_of(values: np.ndarray) -> np.ndarray:
-    """Return by how much each of d numbers is moved for a central difference, from (.., d)."""
-    sizes = np.max(np.abs(values), axis=tuple(range(values.ndim - 1)))
-    return NUDGE * np.where(sizes > 0, sizes, max(float(np.max(sizes)), 1e-300))

@@ -20,16 +20,17 @@ from .longtime import energy_deviation, follow
 #: Size of a planted part relative to the solution, and at which it is no longer small: between
 #: round-off and what its square does.
 SMALL, LINEAR = 1e-7, 1e-2
-#: Numbers that two runs compute at most.
-NUMBERS = 8_000_000
+#: Numbers that two runs compute at most, and evaluations of a right-hand side that is interpreted.
+NUMBERS, BUDGET = 8_000_000, 50_000
 #: Halvings of a decade range of sizes: one in a hundred of the exponents.
 HALVINGS = 8
 
 
 def follow_part(
-    method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Follow a small part for as long as :data:`NUMBERS` allow.
+    method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray,
+    *, limit: float = math.inf,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Follow a small part for as long as :data:`NUMBERS` and a limit to the steps of both runs do.
 
     Parameters
     ----------
@@ -39,6 +40,8 @@ def follow_part(
         (r, d) values of step 0.
     part : np.ndarray
         (r, d) what the part adds to them, of the size of the solution.
+    limit : float
+        Steps of both runs together.
 
     Returns
     -------
@@ -50,7 +53,7 @@ def follow_part(
     GlmrefError
         Where a run cannot be started.
     """
-    steps, runs = NUMBERS // (2 * start.size), []
+    steps, runs = int(min(NUMBERS // start.size, limit)) // 2, []
     for sign in (1, -1):
         planted = start + sign * SMALL * part
         runs.append(

@@ -40,8 +40,8 @@ from typing import Any
 import numpy as np
 
 from ..engine.clocks import solved_form
-from ..engine.ensemble import solve_ensemble
 from ..engine.kept import stepper_of
+from ..engine.outcome import Solution
 from ..engine.plan import check_direction, resolved, step_size
 from ..engine.reference import Stepper
 from ..engine.solve import solve
@@ -51,9 +51,10 @@ from ..problems.formula import Formula
 from ..problems.model import Problem
 from ..system.arguments import number
 from ..system.shown import Shown
-from .first_order import along, coupling_of, nudges_of
+from .first_order import along, coupling_of
+from .linearised import step_derivatives
 from .longtime import energy_deviation
-from .planted import LINEAR, SMALL, follow_part, size_at
+from .planted import BUDGET, HALVINGS, LINEAR, SMALL, follow_part, size_at
 from .saturation import TOO_MUCH, saturation
 from .underlying import Underlying
 
@@ -90,6 +91,10 @@ FOR_EVER, AT_ONCE = 1e12, 10
 UNRESOLVED = (
     "growth of first order on an orbit that is not periodic, or a resonance of two eigenvalues of V"
 )
+#: Why where a right-hand side is interpreted, and these runs are too short to decide.
+SPENT = f"budget: runs with {BUDGET} evaluations of a function that is interpreted do not show it"
+#: How the kernel of a run with such a function is told.
+INTERPRETED = "python"
 LOST, SATURATES, BOUNDED = "lost", "saturates", "bounded"
 NONE, OPEN = "no parasitic part", "open"
 
@@ -131,7 +136,7 @@ class Prediction(Shown):
         ``"open"``.
     steps : float or None
         Step at which the run is lost, possibly beyond ``t_end``, ``inf`` for never; that by which a
-        part is large in one that saturates; ``None`` where that is open.
+        part is large in one that saturates, or where it is open which of both; else ``None``.
     zeta : complex or None
         The eigenvalue whose part is the first to be large.
     parts : tuple[ParasiticPart, ...]
@@ -195,6 +200,7 @@ class _Bundle:
     right: np.ndarray  #: (n, m)
     left: np.ndarray  #: (m, n), left right = I
     grows: bool  #: Whether a growth parameter is not zero.
+    shape: tuple[int, int]  #: (r, d) of the values
 
 
 def _halves(engine: Stepper) -> list[tuple[Any, np.ndarray, np.ndarray, np.ndarray]]:
@@ -251,22 +257,8 @@ def _bundle(z: complex, halves: Sequence[Any], engine: Stepper) -> _Bundle:
     ]
     grows = any(np.max(np.abs(x), initial=0.0) > NO_GROWTH for x in mu)
     if abs(z.imag) < 1e-9:
-        return _Bundle(z.real, np.real(right).T, np.real(left), grows)
-    return _Bundle(z, np.array(right).T, np.array(left), grows)
-
-
-def _derivatives(method: Method, problem: Problem, h: float, values: np.ndarray) -> np.ndarray:
-    """Differentiate the step at many values (N, r, d) by central differences: (N, n, n)."""
-    count, n = len(values), values[0].size
-    nudges = nudges_of(values)
-    shape = (n, *values.shape[1:])
-    moves = np.eye(n).reshape(shape) * nudges
-    moved = np.stack([values[:, None] + moves, values[:, None] - moves]).reshape(-1, *shape[1:])
-    y = stepper_of(method, problem).solution(moved)
-    found = solve_ensemble(problem, method, y, h=h, steps=1, start=moved, threads=1)
-    plus, minus = found.values.reshape(2, count, n, n)
-    widths = 2 * np.broadcast_to(nudges, values.shape[1:]).ravel()
-    return np.swapaxes((plus - minus) / widths[:, None], 1, 2)
+        return _Bundle(z.real, np.real(right).T, np.real(left), grows, engine.shape)
+    return _Bundle(z, np.array(right).T, np.array(left), grows, engine.shape)
 
 
 def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> list[np.ndarray]:
@@ -277,6 +269,7 @@ def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> list[np.ndarra
     n, m = b.right.shape
     here = b.right @ b.left
     inverse = np.linalg.inv(V - b.zeta * np.eye(n) + here) @ (np.eye(n) - here)
+    inverse, V = _by_component(inverse, b.shape), _by_component(V, b.shape)
     C = np.zeros((len(steps) + 1, n, m), dtype=b.right.dtype)
     found = []
     for passes in range(PASSES + 1):
@@ -291,11 +284,17 @@ def _propagators(V: np.ndarray, b: _Bundle, steps: np.ndarray) -> list[np.ndarra
     return [found[0], found[-1]]
 
 
-def _onto(matrix: np.ndarray, many: np.ndarray) -> np.ndarray:
-    """Return the products of a matrix with many, as one product."""
-    count, n, m = many.shape
-    flat = many.swapaxes(0, 1).reshape(n, -1)
-    return (matrix @ flat).reshape(-1, count, m).swapaxes(0, 1)
+def _by_component(matrix: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Return the (d, r, r) of a matrix on the values that acts on each component of a state."""
+    r, d = shape
+    return np.einsum("ajbj->jab", matrix.reshape(r, d, r, d))
+
+
+def _onto(parts: np.ndarray, many: np.ndarray) -> np.ndarray:
+    """Return the products of such a matrix, (d, r, r), with many, (N, r d, m)."""
+    d, r, _ = parts.shape
+    found = parts @ many.reshape(len(many), r, d, -1).swapaxes(1, 2)
+    return found.swapaxes(1, 2).reshape(many.shape)
 
 
 def _times(real: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -345,17 +344,19 @@ _OPEN = _Course(math.nan, math.nan, np.zeros(0))
 class _Growing:
     """One parasitic part along the pilot orbit.
 
-    ``psi`` (N, m, m) are the propagators of the steps, ``start`` (m,) is its size at the start,
-    ``least`` that of round-off, and ``period`` the number of steps of a period, not whole.
+    ``psi`` (N, m, m) are the propagators of the steps, ``products`` (N + 1, m, m) theirs, ``start``
+    (m,) is its size at the start, ``least`` that of round-off, and ``period`` the number of steps
+    of a period, not whole.
     """
 
     def __init__(
-        self, psi: np.ndarray, start: np.ndarray, least: float, period: float | None
-    ) -> None:
-        self.psi, self.start, self.least = psi, start, least
-        self.products = _products(psi)
+        self, psi: np.ndarray, products: np.ndarray, start: np.ndarray, least: float,
+        period: float | None,
+    ) -> None:  # fmt: skip
+        self.psi, self.products, self.start, self.least = psi, products, start, least
+        self.logarithms = _logarithms(psi)
         moved = np.abs(psi - np.eye(psi.shape[-1])).max()
-        self.near = bool(np.isfinite(_logarithms(psi)).all() and moved < FAR)  # else too large
+        self.near = bool(np.isfinite(self.logarithms).all() and moved < FAR)  # else too large
         known = self.near and period is not None and period + 3 < len(psi)
         self.period = period if known else None
 
@@ -368,10 +369,18 @@ class _Growing:
             finite, np.maximum(np.linalg.norm(known @ self.start, axis=-1), least), math.inf
         )
 
-    @cached_property
-    def sizes(self) -> np.ndarray:
-        """Size after each step of the pilot, (N,)."""
-        return self.size(self.products)
+    def reaches(self, products: np.ndarray, level: float) -> np.ndarray:
+        """Tell where that is no less than a level: (N,) for products (N, m, m).
+
+        Norms of products are computed only where those of Frobenius leave it open.
+        """
+        finite = np.isfinite(products).all(axis=(1, 2))
+        found = ~finite | (np.linalg.norm(products @ self.start, axis=1) >= level)
+        bound = self.least * np.linalg.norm(products, axis=(1, 2))
+        found |= bound >= 2 * level * math.sqrt(products.shape[-1])
+        left = np.flatnonzero(~found & (bound >= level / 2))
+        found[left] = self.size(products[left]) >= level
+        return found
 
     def found(self, level: float) -> _Course:
         """Return its course to a size; NaN where steps are too large."""
@@ -392,11 +401,11 @@ class _Growing:
         What two thirds of the pilot do not show either is no growth: the latest of three steps.
         Where the pilot itself comes to the size, nothing is averaged.
         """
-        over = int(np.argmax(self.sizes >= level))  # the first, or 0
+        over = int(np.argmax(self.reaches(self.products, level)))  # the first, or 0
         if over:
-            before, begins = self.products[over - 1], self.sizes[0]
+            before, begins = self.products[over - 1], self.size(self.products[0])
             return _Course(math.log(level / begins) / over, float(over), self.late(before))
-        logarithms, third, found = _logarithms(self.psi), len(self.psi) // 3, []
+        logarithms, third, found = self.logarithms, len(self.psi) // 3, []
         for some in (logarithms, logarithms[third:], logarithms[: 2 * third]):
             mean = np.tensordot(_weights(len(some)), some, 1)
             done, before = self._repeated(_exponential(mean), level)
@@ -407,7 +416,7 @@ class _Growing:
     def periodic(self, period: float, level: float) -> _Course:
         """Return the same from the product over a period of so many steps, repeated."""
         whole = int(period)
-        part = _inside(_logarithms(self.psi[whole - 2 : whole + 3]), period - whole)
+        part = _inside(self.logarithms[whole - 2 : whole + 3], period - whole)
         once = _exponential(part) @ self.products[whole]
         if not np.isfinite(once).all():
             return _OPEN
@@ -415,7 +424,7 @@ class _Growing:
         done, before = self._repeated(once, level)
         last = 0
         if math.isfinite(done):
-            over = np.flatnonzero(self.size(self.products[:whole] @ before) >= level)
+            over = np.flatnonzero(self.reaches(self.products[:whole] @ before, level))
             last = int(over[0]) if len(over) else whole
         return _Course(rate, done * period + last, self.late(before))
 
@@ -423,14 +432,14 @@ class _Growing:
         """Return how often a product may be taken until phi is large, and what it is then."""
         powers = [once]
         with np.errstate(all="ignore"):
-            while self.size(powers[-1]) < level and 2 ** len(powers) <= FOR_EVER:
+            while not self.reaches(powers[-1][None], level)[0]:
+                if 2 ** len(powers) > FOR_EVER:
+                    return math.inf, powers[-1]
                 powers.append(powers[-1] @ powers[-1])
-            if self.size(powers[-1]) < level:
-                return math.inf, powers[-1]
             total, done = np.eye(len(once), dtype=once.dtype), 0
             for k in reversed(range(len(powers) - 1)):
                 further = powers[k] @ total
-                if self.size(further) < level:
+                if not self.reaches(further[None], level)[0]:
                     total, done = further, done + 2**k
         return done, total
 
@@ -516,18 +525,16 @@ def _period(y: np.ndarray) -> float | None:
 
 
 def _start(
-    engine: Stepper, b: _Bundle, psi: np.ndarray, values: np.ndarray, h: float
+    engine: Stepper, b: _Bundle, products: np.ndarray, values: np.ndarray, h: float
 ) -> np.ndarray:
     """Return phi at step 0, (m,): later steps taken back; what is smooth averages out."""
-    products = _products(psi[:START])
+    products = products[: START + 1]
     if not np.linalg.norm(products[-1]) < MUCH:  # the later steps may have left the orbit
         first, t = values[0], float(engine.problem.t_span[0])
         return b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel()
-    back = [
-        np.linalg.solve(product, b.left @ x.ravel() * b.zeta**-n)
-        for n, (product, x) in enumerate(zip(products[:-1], values, strict=False))
-    ]
-    return _weights(len(back)) @ np.array(back)
+    n = np.arange(len(products) - 1)
+    seen = values[: len(n)].reshape(len(n), -1) @ b.left.T * (b.zeta**-n)[:, None]
+    return _weights(len(n)) @ np.linalg.solve(products[:-1], seen[..., None])[..., 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -549,6 +556,7 @@ class _Pilot:
     y: np.ndarray  #: (N, d)
     start: np.ndarray  #: (r, d)
     period: float | None
+    limit: float  #: Steps that runs with a part may take.
 
     @cached_property
     def size(self) -> float:
@@ -572,13 +580,15 @@ class _Pilot:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Follow all parts in one run: steps (N,) and values (N, n)."""
         part = sum(self.part(b, phi) for b, phi in zip(bundles, starts, strict=True))
-        return follow_part(self.method, self.problem, self.h, self.start, np.asarray(part))
+        return follow_part(
+            self.method, self.problem, self.h, self.start, np.asarray(part), limit=self.limit
+        )
 
     def long(self, b: _Bundle, start: np.ndarray, size: float, level: float) -> _Known | None:
         """Return a part as a long orbit shows it, ``None`` where its growth is not clear."""
         engine = stepper_of(self.method, self.problem)
         coupling = coupling_of(engine, b.zeta, b.left, b.right)
-        found = along(self.problem, self.h, coupling, start)
+        found = along(self.problem, self.h, coupling, start, growth=level / size)
 
         def course(to: float) -> _Course:
             at = found.reached(to / size) if found is not None else None
@@ -587,10 +597,15 @@ class _Pilot:
         one = _Known(b, course, course(level))
         return None if math.isnan(one.course.steps) else one
 
-    def level(self, one: _Known) -> float | None:
-        """Return the level at which the energy error stays, ``None`` where it is lost."""
+    def end(self, one: _Known) -> tuple[float | None, str, str]:
+        """Return the level at which the energy error stays, the verdict, and why that is open."""
         part = self.part(one.bundle, one.course.late)
-        return saturation(self.method, self.problem, self.h, self.start, part, one.course.rate)
+        level = saturation(
+            self.method, self.problem, self.h, self.start, part, one.course.rate, limit=self.limit
+        )
+        if level is not None and math.isnan(level):
+            return None, OPEN, SPENT
+        return level, LOST if level is None else SATURATES, ""
 
     def departure(self, known: Sequence[_Known]) -> tuple[float, float] | None:
         """Return the first level beyond the early energy errors, and the step when it is passed."""
@@ -605,6 +620,8 @@ class _Pilot:
             if math.isfinite(one.course.steps):
                 part, rate = self.part(one.bundle, one.course.late), max(one.course.rate, 1e-9)
                 steps = math.ceil(min(self.period or STEPS, 1 / rate))
+                if (HALVINGS + 1) * steps > self.limit:
+                    return None
                 size = size_at(
                     self.method, self.problem, self.h, self.start, part, level=level, steps=steps
                 )
@@ -678,10 +695,11 @@ def predict(
         count = max(START, math.ceil(period) + 4)
     count = min(count, MOST // V.size, run.steps - PASSES)
     values = np.asarray(run.history)[: count + PASSES + 1]
-    steps = _derivatives(chosen, subject, h, values[:-1])
+    steps = step_derivatives(chosen, subject, h, values[:-1])
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
-    pilot = _Pilot(chosen, subject, h, y, values[0], period)
+    limit = _limit(run)
+    pilot = _Pilot(chosen, subject, h, y, values[0], period, limit)
     if not pilot.size:
         return Prediction(*given, OPEN, why="the solution is zero")
     most, large, least = abs((end - begin) / h), LEVEL * pilot.size, ROUND_OFF * pilot.size
@@ -690,7 +708,9 @@ def predict(
         """Return a part, its course, and the loss; NaN where the passes for Psi do not converge."""
         found = []
         for psi in (x[:count] for x in _propagators(V, b, steps)):
-            growing = _Growing(psi, _start(engine, b, psi, values, h), least, period)
+            products = _products(psi)
+            begins = _start(engine, b, products, values, h)
+            growing = _Growing(psi, products, begins, least, period)
             course = growing.found(large)
             found.append(course.steps)
         unsettled = min(found) <= most and max(found) > 2 * min(found)
@@ -732,14 +752,21 @@ def predict(
     first = min(known, key=lambda one: one.course.steps, default=None)
     found = Prediction(*given, OPEN, parts=tuple(parts), departure=pilot.departure(known))
     if first is not None and first.course.steps <= most:
-        level = pilot.level(first)
-        verdict = LOST if level is None else SATURATES
+        level, verdict, why = pilot.end(first)
+        found = replace(found, why=why)
     elif first is None or len(known) < len(parts):
-        return replace(found, why=UNRESOLVED)
+        return replace(found, why=UNRESOLVED if limit == math.inf else SPENT)
     else:
         level, verdict = None, BOUNDED
     zeta = complex(first.bundle.zeta)
     return replace(found, verdict=verdict, steps=float(first.course.steps), zeta=zeta, level=level)
+
+
+def _limit(run: Solution) -> float:
+    """Return how many steps a right-hand side that is interpreted may be followed further."""
+    if not run.kernel.startswith(INTERPRETED):
+        return math.inf
+    return BUDGET * run.steps / max(run.evaluations + run.velocity_evaluations, 1)
 
 
 def _depends_on_time(problem: Problem) -> bool:

@@ -32,18 +32,21 @@ GROWN = STOPPED = 2.0
 
 
 def saturation(
-    method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray, rate: float
-) -> float | None:
+    method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray, rate: float,
+    *, limit: float = math.inf,
+) -> float | None:  # fmt: skip
     """Find the level at which the energy error stays though a parasitic part grew.
 
     The part (r, d), of the size of the solution, is added to the values (r, d) of step 0; its rate
     of growth is that per step in the linear equation. Returns the largest relative error of the
     energy; ``None`` where it comes to :data:`TOO_MUCH`, does not grow or does not stop, where the
-    problem has no energy, or the run would take too long.
+    problem has no energy, or the run would take too long; NaN where that is not seen within
+    ``limit`` steps.
     """
     if problem.hamiltonian is None or not rate > 0:
         return None
     lengths = [some * math.log(LARGE / PLANTED) / rate for some in LENGTHS]
+    last = min(lengths[-1], limit)
     if not lengths[-1] * start.size <= WORK:
         return None
     planted = start + PLANTED * part
@@ -53,7 +56,7 @@ def saturation(
 
     try:
         run = follow(
-            problem, method, h=h, steps=math.ceil(lengths[-1]), start=lambda *_: planted,
+            problem, method, h=h, steps=math.ceil(last), start=lambda *_: planted,
             lost=lambda some: bool((errors(some) >= TOO_MUCH).any()),
         )  # fmt: skip
     except GlmrefError:
@@ -62,7 +65,7 @@ def saturation(
     early = float(found[at <= 1 / (2 * rate)].max())
     for steps in lengths:
         if run.steps < steps:
-            return None
+            return None if not run.completed or found.max() >= TOO_MUCH else math.nan
         first, second = (
             float(found[x].max()) for x in (at <= steps / 2, (at > steps / 2) & (at <= steps))
         )

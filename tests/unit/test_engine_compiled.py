@@ -100,7 +100,7 @@ def test_the_default_folder_is_the_platform_s_user_cache(monkeypatch, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_function_that_numba_cannot_compile_is_interpreted_with_a_notice(folder):
+def test_a_function_that_numba_cannot_compile_is_interpreted_with_a_notice(folder, monkeypatch):
     table = {"g": 1.0}
 
     def f(t, y):
@@ -113,6 +113,9 @@ def test_a_function_that_numba_cannot_compile_is_interpreted_with_a_notice(folde
     exact = solve(Problem(f=("y[1]", "-sin(y[0])"), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
     np.testing.assert_array_equal(run.y, exact.y)
     assert not any(path.suffix == ".py" for path in folder.iterdir())
+    monkeypatch.setattr(compiled, "_compiled_around", None)  # it is not tried again
+    again = solve(plain, "gauss-2", h=0.1, steps=20)
+    assert again.notices == run.notices and (again.y == run.y).all()
 
 
 @pytest.mark.slow

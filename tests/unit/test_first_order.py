@@ -10,7 +10,8 @@ import pytest
 from glmref.catalogue.lookup import load
 from glmref.engine.kept import stepper_of
 from glmref.measure import first_order
-from glmref.measure.first_order import FirstOrder, along, coupling_of
+from glmref.measure.first_order import Coupling, FirstOrder, along, coupling_of
+from glmref.measure.linearised import jacobians
 from glmref.measure.prediction import _on_values
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -28,14 +29,14 @@ def test_the_coupling_has_the_derivatives_of_the_eigenvalues(name: str) -> None:
     J = np.array([[0.0, 1.0], [-1.0, 0.0]])
     assert np.allclose(step, V, atol=1e-4)
     for b in bundles:
-        M = np.tensordot(J, coupling_of(engine, b.zeta, b.left, b.right), ([0, 1], [1, 2]))
+        (M,) = coupling_of(engine, b.zeta, b.left, b.right).of(J[None])
         seen = b.left @ (step - V) @ b.right / (h * b.zeta)
         assert np.allclose(M, seen, atol=1e-4)
 
 
-def identity(d: int) -> np.ndarray:
+def identity(d: int) -> Coupling:
     """Return the coupling of a part that obeys the variational equation of the solution."""
-    return np.einsum("aj,kb->ajkb", np.eye(d), np.eye(d))
+    return Coupling(np.ones((d, d)), np.arange(d))
 
 
 def test_the_slope_of_the_orbit_is_a_part_with_the_growth_parameter_one(
@@ -97,7 +98,7 @@ def test_python_that_takes_one_state_is_differentiated_and_not_followed_for_long
 
     given = Problem(f=f, y0=(1, 0, 0), hamiltonian=lambda y: y[1] ** 2 / 2 - np.cos(y[0]))
     y = np.array([[0.5, 1.0, 0.0], [1.5, -1.0, 0.0]])
-    found = first_order._jacobians(given, y)
+    found = jacobians(given, y)
     for J, (q, *_) in zip(found, y, strict=True):
         assert J == pytest.approx(np.array([[0, 1, 0], [-math.cos(q), 0, 0], [2, 0, 3]]), abs=1e-9)
     assert along(given, 0.1, identity(3), np.ones(3)) is None

@@ -18,6 +18,7 @@ from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure import prediction
 from glmref.measure import saturation as saturating
+from glmref.measure.linearised import step_derivatives
 from glmref.measure.longtime import energy_deviation, follow
 from glmref.measure.parasitic import loss, modes, solution_direction
 from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURATES, Prediction
@@ -33,7 +34,7 @@ def _along(name, subject, h, steps):
     method = load(name)
     V, bundles = prediction._on_values(stepper_of(method, subject))
     run = solve(subject, method, h=h, steps=steps, every=1, history=True)
-    return V, bundles, prediction._derivatives(method, subject, h, np.asarray(run.history))
+    return V, bundles, step_derivatives(method, subject, h, np.asarray(run.history))
 
 
 @pytest.mark.parametrize("name", ["gsymplectic-n", "multistep-8"])
@@ -106,6 +107,29 @@ def test_growth_of_first_order_where_no_orbit_is_periodic_is_seen_in_runs_that_b
     regular = problem("henon-heiles", q2="3/20", p1="9/50", p2="11/100")
     slow = predict("gsymplectic-n", regular, 0.05, 1e6)
     assert slow.verdict == OPEN and "not periodic" in slow.why and slow.departure is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "on", "h", "known"),
+    [("gsymplectic-n", "henon-heiles", 0.05, False), ("s5i1-i", "kepler", 0.1, True)],
+)
+def test_a_function_that_is_interpreted_has_a_budget(
+    name: str, on: str, h: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Growth is not seen, or whether it stops is not."""
+    calls, regular = {"f": 0}, problem(on, **({"eccentricity": "1/10"} if known else {}))
+
+    def f(t: float, y: np.ndarray) -> np.ndarray:
+        calls["f"] += 1  # what is changed cannot be compiled
+        return np.asarray(regular.f(t, y))
+
+    monkeypatch.setattr(prediction, "PILOT", 600)
+    monkeypatch.setattr(prediction, "BUDGET", 10_000)
+    given = glmref.Problem(f=f, y0=tuple(regular.y0), hamiltonian=regular.hamiltonian)
+    found = predict(name, given, h, 2e4)
+    assert found.verdict == OPEN and found.text.startswith("open: budget")
+    assert (found.steps is not None) is known and found.parts and calls["f"] < 150_000
 
 
 @pytest.mark.slow
@@ -213,7 +237,8 @@ def test_the_words_for_few_steps():
 @settings(max_examples=20, deadline=None)
 def test_the_step_of_loss_is_that_of_the_exponential(rate, angle, start):
     turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-    part = prediction._Growing(np.array([np.eye(2)] * 9), np.array([start, 0.0]), 1e-16, None)
+    still = np.array([np.eye(2)] * 9)
+    part = prediction._Growing(still, still, np.array([start, 0.0]), 1e-16, None)
     done, total = part._repeated(math.exp(rate) * turn, 0.3)
     known = math.log(0.3 / start) / rate
     assert done == pytest.approx(known, abs=1.5) or done == pytest.approx(known, rel=1e-9)
