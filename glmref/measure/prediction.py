@@ -32,6 +32,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -529,12 +530,14 @@ def _start(
 ) -> np.ndarray:
     """Return phi at step 0, (m,): later steps taken back; what is smooth averages out."""
     products = products[: START + 1]
-    if not np.linalg.norm(products[-1]) < MUCH:  # the later steps may have left the orbit
-        first, t = values[0], float(engine.problem.t_span[0])
-        return b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel()
     n = np.arange(len(products) - 1)
     seen = values[: len(n)].reshape(len(n), -1) @ b.left.T * (b.zeta**-n)[:, None]
-    return _weights(len(n)) @ np.linalg.solve(products[:-1], seen[..., None])[..., 0]
+    # else the later steps may have left the orbit, or have forgotten the start
+    if np.linalg.norm(products[-1]) < MUCH:
+        with suppress(np.linalg.LinAlgError):
+            return _weights(len(n)) @ np.linalg.solve(products[:-1], seen[..., None])[..., 0]
+    first, t = values[0], float(engine.problem.t_span[0])
+    return b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel()
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,22 @@ A with nonnegative diagonal and growth parameters zero has tr A = 1/2 and some I
 are all zero has three nonzero diagonal entries at least: a + b = 1/2 with a^3 + b^3 = 0 asks for
 a^2 - a b + b^2 = 0, which has no real solution but a = b = 0.
 
+**Full blocks.** Let V = diag(1, -1), G = diag(1, g), g = 1 or -1, D = diag(d) nonsingular with
+sum 1, X the rows 1 and w, B = X D, U = X^T G V and A = (1/2) X^T G X D + D^-1 K with K
+antisymmetric: every G-symplectic method with this V, G and B u = 1, since D A + A^T D = B^T G B
+leaves only K free; a triangular A is one K of them. Let mu = g sum d w^2 = 0, m = sum d w, and
+k = D^-1 K 1, l = D^-1 K w. A start with values 0 and m/2 of the tree o gives c = 1/2 + k, and the
+one condition that no change of variables removes for order 3 is
+``sum d k^2 = (1 + 3 g m^2) / 12``. With P = (1/2) X^T G X D and Q = D^-1 K the terms of tr A^3 that
+are odd in K vanish, for A^T = D (P - Q) D^-1; ``tr P^3 = (1 + 3 g m^2) / 8`` and
+``tr P Q^2 = -(1/2) (sum d k^2 + g sum d l^2)``. Hence
+
+    I3(-1) = (2/3) tr A^3 = -g sum d l^2 .
+
+So I3 = 0 where K w = 0. Two stages that are symmetric have d = 1/2, and mu = 0 leaves w = 0. Three
+are enough: d = (2, -1, 2)/3, w = (3, 6, 3)/2, g = 1, K_12 = K_23 = 1/3, K_13 = -2/3 has order 4,
+I1 = I3 = 0, and is symmetric.
+
 References
 ----------
 Hairer, Lubich, Wanner (2006), sections XIV.3 and XV.5: modified equations of parasitic components.

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import glmref
-from glmref import Tree, from_rk, load, modified
+from glmref import GLM, Tree, from_rk, load, modified
 from glmref.catalogue.claims import (
     CONJUGATE_SYMPLECTIC,
     ENERGY_ORDER,
@@ -558,6 +558,38 @@ def test_the_trace_rule_needs_its_hypotheses():
     cubes = [linalg.matmul(x, x, x) for x in (A, other)]
     traces = [sum(x[i][i] for i in range(len(A))) for x in cubes]
     assert (traces[0] + traces[1]).is_zero() is False
+
+
+def _full(g, p, a, b):
+    """Return a symmetric G-symplectic method with a full A and mu = 0, and -g sum d l^2."""
+    d, w = (F(2, 3), F(-1, 3), F(2, 3)), (p, 2 * p, p)
+    K = ((0, a, b), (-a, 0, a), (-b, -a, 0))
+    A = [[(1 + g * w[i] * w[j]) * d[j] / 2 + K[i][j] / d[i] for j in range(3)] for i in range(3)]
+    U, B = [[1, -g * x] for x in w], [d, [x * y for x, y in zip(w, d, strict=True)]]
+    turned = [
+        sum(k * x for k, x in zip(row, w, strict=True)) / y for row, y in zip(K, d, strict=True)
+    ]
+    return GLM(A=A, U=U, B=B, V=[[1, 0], [0, -1]]), -g * sum(
+        x * y * y for x, y in zip(d, turned, strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    ("g", "t", "a"), [(1, "1/3", None), (1, "2/5", "1/7"), (-1, "1/2", "-3/5")]
+)
+def test_growth_of_second_order_of_a_full_block(g, t, a):
+    """Order 3 is sum d k^2 = (1 + 3 g m^2)/12, a conic in p and a + b."""
+    t = F(t)
+    p, whole = 3 * t / (1 - 3 * g * t * t), (1 + 3 * g * t * t) / (1 - 3 * g * t * t) / 6
+    a = -whole if a is None else F(a)  # without growth: K w = 0
+    method, known = _full(g, p, a, whole - a)
+    (found,) = second_order(method)
+    assert found.I3 == known and (known == 0) is (a == -whole)
+    more, other = _full(g, p, a + F(1, 9), whole - a - F(1, 9))
+    assert second_order(more)[0].I3 == other != known
+    if not known:  # the method of the page
+        assert (p, a) == (F(3, 2), F(-1, 3)) and found.I1 == 0
+        assert repr(glmref.analyze(method)) == "<Analysis (unnamed): order 4, exact>"
 
 
 def _floquet(method, steps, digits=40):

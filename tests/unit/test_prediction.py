@@ -100,7 +100,7 @@ def test_growth_of_first_order_where_no_orbit_is_periodic_is_seen_in_runs_that_b
     found = predict("gsymplectic-n", subject, h, 1e4)
     run = follow(subject, load("gsymplectic-n"), h=h, steps=70_000)
     error = energy_deviation(subject, run.y)
-    assert found.verdict == LOST and found.departure is not None
+    assert found.verdict == LOST and found.departure is not None and found.steps is not None
     for level, steps in (found.departure, (0.1, found.steps)):
         assert steps * h == pytest.approx(run.t[np.argmax(error > level)], rel=0.1)
     # slower than clear in so many steps, and along a long orbit
