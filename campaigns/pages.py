@@ -28,6 +28,7 @@ WRITERS = (
         "scene_results",
     ),
     *("order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
+    "partitioned.nonseparable",
 )
 
 

@@ -33,12 +33,13 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments
+from campaigns.driver import arguments, complete
 from glmref.catalogue.lookup import load
 from glmref.measure.work_precision import reference_state
 from glmref.method import PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
+from glmref.scenes.reading import load_scene
 
 #: Splittings by how the copies are held: of order 4, 6, 6, 8 and 8, for any separable Hamiltonian;
 #: compositions of Störmer-Verlet steps where they are bound; the best of order 6 and 8 otherwise.
@@ -177,10 +178,16 @@ def evaluations(
 
 
 @cache
+def scenes() -> dict[str, Path]:
+    """Return the scene of each problem."""
+    found = {x: tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))}
+    return {scene["problem"]["name"]: x for x, scene in found.items() if "problem" in scene}
+
+
+@cache
 def ends() -> dict[str, float]:
     """Return the last time of each problem, as its scene has it."""
-    scenes = [tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))]
-    return {x["problem"]["name"]: float(x["t_end"]) for x in scenes if "problem" in x}
+    return {name: load_scene(path).t_end for name, path in scenes().items()}
 
 
 def rows(names: Sequence[str]) -> list[dict[str, Any]]:
@@ -203,7 +210,7 @@ def main(path: Path) -> None:
     record = json.loads(path.read_text(encoding="utf-8"))
     names = dict.fromkeys(x["problem"] for x in record["evaluations"])
     record["extended"] = rows(list(names))
-    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    complete(path, record)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from campaigns.driver import arguments
+from campaigns.driver import arguments, complete
 from campaigns.partitioned.extended import ends
 from campaigns.partitioned.work import crossing
 from glmref import solve
@@ -90,7 +90,7 @@ def main(path: Path) -> None:
     record = json.loads(path.read_text(encoding="utf-8"))
     cases = [(x["problem"], x["tolerance"]) for x in record["evaluations"]]
     record["loosened"] = [row(*x) for x in cases]
-    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    complete(path, record)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments
+from campaigns.driver import arguments, complete
 from campaigns.partitioned.extended import ends
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.work import crossing
@@ -54,8 +54,11 @@ RATIOS = (-1.0, -0.8, -0.6, -0.4, -0.2, -0.05, 0.05, 0.2, 0.4, 0.6)
 TOLERANCE = 1e-9
 #: Where the time of a notice changes with the last bits.
 CHAOTIC = "magnetic-bottle"
-#: A method, a problem, and a step at which every gyration is stable.
-BELOW = ("multistep-kinetic-12", "dipole-charge", 0.0016)
+#: Methods, problems, steps at which every gyration is stable, and how many of them are taken.
+BELOW = (
+    ("multistep-kinetic-12", "dipole-charge", 0.0016, 500_000),
+    ("multistep-kinetic-10", "magnetic-bottle", 0.0008, 1_500_000),
+)
 #: Steps of the first run, most steps, factor between two runs, and steps of a long run.
 _FIRST, _MOST, _FACTOR, _LONG = 100, 4_000, 1.08, 1_000_000
 #: Step of h omega_1, and what rounding may add to an eigenvalue of modulus 1.
@@ -204,9 +207,9 @@ def main(path: Path) -> None:
         x | long_run(x["method"], x["problem"], x["h"], x["steps"]) for x in semi["long"]
     ]
     lost = [x for x in semi["long"] if x["problem"] == CHAOTIC and x["method"] in FRONT]
-    semi["moved"] = [moved(x["method"], CHAOTIC, x["h"], 120_000) for x in lost]
-    semi["moved"].append(moved(*BELOW, 500_000))
-    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    semi["moved"] = [moved(x["method"], CHAOTIC, x["h"], 160_000) for x in lost]
+    semi["moved"] += [moved(*x) for x in BELOW]
+    complete(path, record)
 
 
 if __name__ == "__main__":

@@ -97,11 +97,11 @@ ADVICE: tuple[Advice, ...] = (
     Advice(
         "charges in fields, rotating frames: q' = f(p), p' = g(q, p)",
         ("multistep-kinetic-8", "multistep-kinetic-12", "gauss-4"),
-        "explicit; 0.29 of the evaluations of the best Gauss method at 1e-9; an orbit can be lost, "
+        "explicit; 0.28 of the evaluations of the best Gauss method at 1e-9; an orbit can be lost, "
         "with a notice",
         "semi-separable",
         ("multistep-kinetic-6", "multistep-kinetic-10", "gauss-5", "cooper-verner-8"),
-        "Write the system in velocities. The first needs 0.22 at 1e-9, 0.25 at 1e-6. `-8` and "
+        "Write the system in velocities. The first needs 0.21 at 1e-9, 0.24 at 1e-6. `-8` and "
         "`-12` lost three of seven systems in ten million steps, with a notice; `compare` watches "
         "a million of yours ({doc}`velocities`). With damping or driving take the last row.",
     ),

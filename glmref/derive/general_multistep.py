@@ -41,9 +41,13 @@ which the solution is read without an evaluation: s + h f/2; (2 c v - v' + h f/2
 The step begins and ends at the solution, q_n = w y with ``w = (1, 2 mu_j, -2 mu_j c_j, ..,
 -mu_{-1})``, so that its two points are one evaluation, and it reads the same backwards.
 
-*Start.* The values are functionals ``g(h D) h y'`` of the solution. They are evaluated on points
-``t + i h`` that Picard iteration finds: each level interpolates the slopes of the one before,
-integrates, and gains one order. The order of the start is p + 1.
+*Start.* The values are functionals ``g(h D) h y'`` of the solution, evaluated on points ``t + c h``
+that Picard iteration finds: each level interpolates the slopes of the one before, integrates, and
+gains one order. A formula with the nodes 0, x_1, .., x_n, which has degree n, gains another one at
+the point c where ``t prod (t - x_i)`` has the integral 0 from 0 to c. This makes x_n a mean of t
+over (0, c) where the other nodes lie outside. The first point of a level is of this kind, so that
+it is one of the nodes for all the others: level l needs l - 1 points, the last one p - 1. A start
+of order p takes 13, 24, 39 and 58 evaluations for p = 6, 8, 10, 12.
 
 References
 ----------
@@ -77,6 +81,8 @@ from .multistep import (
 )
 
 _ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
+#: Of the points of the last level of a start.
+_SPACING = Fraction(3, 4)
 
 
 @dataclass(frozen=True)
@@ -261,28 +267,62 @@ def matching_cosine(
     return cosine
 
 
-def _start(halves: dict[str, GeneralHalf], order: int) -> dict[str, Any]:
-    """Return a start of an order: Picard iteration, whose stages serve both halves.
+def gaining(nodes: Sequence[Fraction], point: Fraction) -> Fraction:
+    """Return the node that, with 0 and the others, gains the integral up to the point an order.
 
-    Level l, of order l, has the points 0, +-1, .., +-ceil(l/2) of which the next needs the slopes.
+    It is the mean of t over (0, ``point``) with the weight ``t prod (t - x)``, and lies between
+    where no other node does.
     """
+    weight = [_ZERO, _ONE]
+    for x in nodes:
+        weight = [a - x * b for a, b in zip([_ZERO, *weight], [*weight, _ZERO], strict=True)]
+    first, second = (
+        sum((a * point ** (k + n) / (k + n) for k, a in enumerate(weight)), _ZERO) for n in (1, 2)
+    )
+    return second / first
+
+
+def start_levels(order: int) -> list[list[Fraction]]:
+    """Return the points but 0 of each level of a start of an even order.
+
+    The first ones, on either side of 0 in turn, grow to 1: the lowest levels have the largest part
+    in the error. The others are multiples of it from 2 on, and a node that gains the next level its
+    order, between which and 0 none of them lies. Wider last points make the error larger, closer
+    ones the weights, which multiply rounding.
+    """
+
+    def first(level: int) -> Fraction:
+        return Fraction(min(level, 6), 6 if level % 2 else -6)
+
+    levels = [[first(order - 1), *ring_points(order // 2, _SPACING)[2:]]]
+    for level in reversed(range(1, order - 1)):
+        one = first(level)
+        given = [one, *ring_points(level, one)[2:]][: max(level, 2) - 2]
+        levels.insert(0, [*given, gaining(given, levels[0][0])])
+    return levels
+
+
+def picard_start(q: GeneralHalf, p: GeneralHalf, order: int) -> dict[str, Any]:
+    """Return a start of an even order: Picard iteration, whose stages serve both halves."""
     points: list[Fraction] = [_ZERO]
     rows: list[dict[int, Fraction]] = [{}]
     nodes = [0]
-    for level in range(1, order):
-        abscissae = [points[i] for i in nodes]
+    levels = start_levels(order)
+    for level in levels:
         first = len(points)
-        for c in ring_points((level + 1) // 2, _ONE):
+        for c in level:
+            known = nodes if len(points) == first else [*nodes, first]
             points.append(c)
-            rows.append(dict(zip(nodes, integrals(abscissae, c), strict=True)))
+            weights = integrals([points[i] for i in known], c)
+            rows.append(dict(zip(known, weights, strict=True)))
         nodes = [0, *range(first, len(points))]
     n = len(points)
     A = [[row.get(j, _ZERO) for j in range(n)] for row in rows]
     found: dict[str, Any] = {
-        "name": f"Picard iteration, {order - 1} levels, at most {len(nodes)} points",
+        "name": f"Picard iteration, {len(levels)} levels, {n} points",
         "kind": "runge-kutta",
     }
-    for hat, half in (("", halves["q"]), ("_hat", halves["p"])):
+    for hat, half in (("", q), ("_hat", p)):
         u, B = value_weights(half.values(len(nodes)), half.U, points, nodes)
         found |= {f"A{hat}": A, f"B{hat}": B, f"u{hat}": u}
     return found
@@ -291,7 +331,7 @@ def _start(halves: dict[str, GeneralHalf], order: int) -> dict[str, Any]:
 def general_document(
     name: str, q: GeneralHalf, p: GeneralHalf, *, title: str = ""
 ) -> dict[str, Any]:
-    """Build a method and its start of order p + 1, exact, without claims and source.
+    """Build a method and its start of the same order, exact, without claims and source.
 
     Raises
     ------
@@ -302,5 +342,5 @@ def general_document(
         raise UsageError(f"the halves have the orders {q.order} and {p.order}: give equal ones")
     if set(q.cosines) & set(p.cosines) or (q.minus_one and p.minus_one):
         raise UsageError("the halves must have no root but 1 in common")
-    start = _start({"q": q, "p": p}, q.order + 1)
+    start = picard_start(q, p, q.order)
     return partitioned(name, title, q.block(), p.block(), start, q.order)

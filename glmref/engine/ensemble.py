@@ -21,6 +21,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..system.arguments import one_of, shown, whole
+from .arithmetic import in_order
 from .clocks import solved_form, with_clocks, without_clocks
 from .expressions import Unsupported
 from .function_checks import inspected
@@ -173,7 +174,7 @@ def _many_starts(
     ]
     for node in (block.stages[0] for block in inner.blocks):
         whose, i = inner.nodes[node]
-        rows = [parts[n] + h * _weighted(inner.components[n].A[i], slopes[n]) for n in whose]
+        rows = [parts[n] + h * in_order(inner.components[n].A[i], slopes[n]) for n in whose]
         if inner.joint:
             found = slopes_at(problem, t0 + inner.c[node] * h, np.concatenate(rows).T).T
             for n in whose:
@@ -185,14 +186,6 @@ def _many_starts(
     values = np.zeros((len(y0), *engine.shape))
     for c, part, slope in zip(inner.components, parts, slopes, strict=True):
         made = c.V.dot(part[None].reshape(1, -1)).reshape(-1, *part.shape)
-        made = made + h * np.stack([_weighted(row, slope) for row in c.B])
+        made = made + h * np.stack([in_order(row, slope) for row in c.B])
         values[:, : len(made), c.columns] = made.transpose(2, 0, 1)
     return values, evaluations
-
-
-def _weighted(row: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the sum of slopes (m, d, N) by weights (m,), term by term: the same bits for any N."""
-    total = np.zeros(slopes.shape[1:])
-    for j in np.flatnonzero(row):
-        total += row[j] * slopes[j]
-    return total

@@ -175,7 +175,8 @@ class Stepper:
     def of(self, tableau: Method) -> Stepper:
         """Return the stepper of a start or a finish on the same problem, which is kept.
 
-        Stages that nothing reads are left out.
+        Stages that nothing reads are left out. Explicit ones are summed term by term: a last digit
+        of the start decides when a parasitic part is seen.
         """
         known = self.tableaux.get(id(tableau))
         if known is None:
@@ -184,6 +185,8 @@ class Stepper:
             other._take(tableau, self.palette)
             read = tableau.read_stages(self.palette)
             other.blocks = tuple(b for b in other.blocks if not read.isdisjoint(b.stages))
+            if not any(b.implicit for b in other.blocks):
+                other.arithmetic = self.arithmetic.ordered
             known = self.tableaux[id(tableau)] = tableau, other
         return known[1]
 

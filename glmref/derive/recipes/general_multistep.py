@@ -110,6 +110,15 @@ def half_of(text: str, key: str, *, semi: bool = False) -> GeneralHalf:
     return EndedHalf(cosines, minus_one, key == "p") if semi else GeneralHalf(cosines, minus_one)
 
 
+def halves_of(roots: Shipped, *, matched: bool = True) -> tuple[GeneralHalf, GeneralHalf]:
+    """Return both halves; for general systems ``matched`` adds the pair of roots of p by C_q."""
+    q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
+    if matched and not roots.semi:
+        cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
+        p = GeneralHalf((cosine, *p.cosines), p.minus_one)
+    return q, p
+
+
 def _complete(
     name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]
 ) -> tuple[dict[str, Any], Sequence[Statement]]:
@@ -176,10 +185,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         where, matched = "", True
 
     def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
-        q, p = (half_of(x, key, semi=roots.semi) for x, key in ((roots.q, "q"), (roots.p, "p")))
-        if matched and not roots.semi:
-            cosine = matching_cosine(q, p.cosines, minus_one=p.minus_one)
-            p = GeneralHalf((cosine, *p.cosines), p.minus_one)
+        q, p = halves_of(roots, matched=matched)
         place = where or f"recipe general-multistep, name = {name}"
         return _complete(name, q, p, place, roots.notes)
 

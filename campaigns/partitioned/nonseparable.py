@@ -1,0 +1,235 @@
+"""Explicit multistep pairs for any Hamiltonian: evaluations, a million steps, renewal.
+
+    python -m campaigns.partitioned.nonseparable data/measurements/nonseparable.json
+
+The evaluations of semi-separable systems are measured here, too; what else the record has of them,
+and rivals, by :mod:`.semi_separable`, :mod:`.extended` and :mod:`.loosened`, afterwards.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.driver import arguments, carried_out, complete
+from campaigns.pages import ROOT, Pages, markdown, measured
+from campaigns.partitioned.extended import SCENES, TOLERANCES, scenes
+from campaigns.partitioned.loosened import reached
+from campaigns.partitioned.work import crossing
+from glmref import solve
+from glmref.catalogue.lookup import load
+from glmref.catalogue.reader import load_document
+from glmref.derive.general_multistep import general_document, picard_start
+from glmref.derive.multistep import written
+from glmref.derive.recipes.general_multistep import SHIPPED, halves_of
+from glmref.engine.outcome import Solution
+from glmref.measure.longtime import along
+from glmref.measure.work_precision import energy_error
+from glmref.method import Method
+from glmref.problems import problem
+from glmref.problems.model import Problem
+from glmref.scenes.labels import method_of
+from glmref.scenes.reading import load_scene
+from glmref.scenes.running import run
+
+#: What is renewed, and after how many steps.
+RENEWED = ("uneven-plane", "swinging-atwood", "shear", "discrete-schroedinger")
+METHODS = ("multistep-general-8b", "multistep-general-8")
+RENEW = (300, 1000)
+#: Steps of a run with renewals, and its step size.
+_STEPS, _H = 40_000, 0.02
+#: Samples of a long run, the first steps with which growth compares, and what rounding may make.
+_SAMPLES, _FIRST, _ROUNDING = 64, 288, 2e-15
+
+
+def needed(curve: Sequence[tuple[int, float]], tolerance: float) -> int | None:
+    """Return the evaluations for a tolerance that (evaluations, error) reach twice in a row."""
+    for k in range(2, len(curve) + 1):
+        if reached(curve[:k], tolerance) and (count := crossing(curve[:k], tolerance)):
+            return round(count)
+    return None
+
+
+def evaluations(case: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Run the scene of a problem: evaluations, start included, by tolerance and method.
+
+    A code that chooses its steps need not reach a tolerance twice: its last run may be the first.
+    """
+    scene = load_scene(scenes()[case["problem"]])
+    curves: dict[str, list[tuple[int, float]]] = {}
+    for x in run(scene):
+        ended = x["outcome"] == "completed" and x["state_error"] is not None
+        count = (x.get("evaluations") or 0) + x.get("start_evaluations", 0)
+        error = x["state_error"] if ended else math.inf
+        curves.setdefault(method_of(x), []).append((count, error))
+    found = {
+        tolerance: {name: needed(curve, tolerance) for name, curve in curves.items()}
+        for tolerance in TOLERANCES
+    }
+    for tolerance, counts in found.items():
+        for name in scene.peers:
+            last = crossing(curves[name], tolerance)
+            counts[name] = counts[name] or (last and round(last))
+    return [
+        {"problem": case["problem"], "tolerance": tolerance, "methods": counts}
+        for tolerance, counts in found.items()
+    ]
+
+
+def _energy(one: Problem, found: Solution) -> float | None:
+    """Return the largest relative error of the energy at the samples, ``None`` beyond range."""
+    size = energy_error(one, found) if found.completed else math.inf
+    return float(f"{size:.2g}") if math.isfinite(size) else None
+
+
+def growth(one: Problem, method: str, h: float, end: float) -> float:
+    """Return the largest energy error up to a time over that of the first steps."""
+    found = solve(one, method, h=h, steps=round(end / h), every=1)
+    energy = along(one.hamiltonian, found.y)  # type: ignore[arg-type]
+    error = np.abs(energy - energy[0])
+    rounding = _ROUNDING * abs(energy[0])
+    return float(f"{error.max() / max(error[: _FIRST + 1].max(), rounding):.2g}")
+
+
+def long_run(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Follow a method for many steps: energy, time of the notice and growth up to it."""
+    one, steps = problem(case["problem"]), case["steps"]
+    h = case["t_end"] / steps
+    found = solve(one, case["method"], h=h, steps=steps, every=steps // _SAMPLES)
+    row = {"problem": case["problem"], "method": case["method"], "steps": found.steps}
+    row |= {"energy": _energy(one, found), "reported": None}
+    if found.suspect is not None:
+        row["reported"] = round(found.suspect, 6)
+        row["growth"] = growth(one, case["method"], h, found.suspect)
+    return row
+
+
+def better_start(name: str, order: int) -> Method:
+    """Return the start of a shipped method of an order."""
+    q, p = halves_of(SHIPPED[name])
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    document = {**general_document(name, q, p, title=name), "source": source, "claims": {}}
+    document["starting"] = written({**picard_start(q, p, order), "order": order})
+    found = load_document(document).starting
+    assert found is not None
+    return found
+
+
+def renewed(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Run a method with renewals by a start of an order."""
+    one, name, order = problem(case["problem"]), case["method"], case["start_order"]
+    method = load(name)
+    if order != method.claims["starting-order"]:
+        method = replace(method, starting=better_start(name, order))
+    found = solve(one, method, h=_H, steps=_STEPS, every=100, renew=case["renew"])
+    reported = None if found.suspect is None else round(found.suspect, 1)
+    cost = {"start_evaluations": found.start_evaluations}
+    return {**case, **cost, "energy": _energy(one, found), "reported": reported}
+
+
+def long_cases() -> list[dict[str, Any]]:
+    """Return problem, method, steps and end of the runs of ``docs/nonseparable/long.toml``."""
+    campaign = tomllib.loads((SCENES / "long.toml").read_text(encoding="utf-8"))
+    grid, fixed = campaign["grid"], campaign["fixed"]
+    return [
+        {"problem": x, "method": m, "steps": fixed["steps"], "t_end": fixed["t_end"]}
+        for x in grid["problem"]
+        for m in grid["method"]
+    ]
+
+
+def renewal_cases() -> list[dict[str, Any]]:
+    """Return what is renewed how: by the start of the file, and by one two orders better."""
+    return [
+        {"problem": x, "method": m, "renew": n, "start_order": order}
+        for m in METHODS
+        for x in RENEWED
+        for n in RENEW
+        for order in (8, 10)
+    ]
+
+
+def main(path: Path) -> None:
+    """Measure all on the problems of the record, and write them into it."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    general, semi = (
+        list(dict.fromkeys(x["problem"] for x in rows))
+        for rows in (record["evaluations"], record["semi-separable"]["evaluations"])
+    )
+    counted = carried_out(evaluations, [{"problem": x} for x in [*general, *semi]], beside=path)
+    rows = [x for found in counted for x in found]
+    record["evaluations"] = [x for x in rows if x["problem"] in general]
+    record["semi-separable"]["evaluations"] = [x for x in rows if x["problem"] in semi]
+    record["long"] = carried_out(long_run, long_cases(), beside=path)
+    record["renewal"] = carried_out(renewed, renewal_cases(), beside=path)
+    complete(path, record)
+
+
+def _count(n: int | None) -> str:
+    return "—" if n is None else f"{n:,}"
+
+
+def count_table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
+    """Return the evaluations at 1e-9 of methods, the best Gauss and DOP853, in Markdown."""
+    lines = []
+    for x in rows:
+        found = x["methods"]
+        if x["tolerance"] == 1e-9:
+            gauss = min(n for name, n in found.items() if name.startswith("gauss") and n)
+            shown = [*(found[name] for name in names), gauss, found["scipy-dop853"]]
+            lines.append([x["problem"], *map(_count, shown)])
+    return markdown(["problem", *(f"`{x}`" for x in names), "best Gauss", "DOP853"], lines)
+
+
+def long_table(rows: Sequence[Mapping[str, Any]], names: Sequence[str], lost: float) -> str:
+    """Return the energy errors of long runs, or when they were reported, in Markdown.
+
+    An error beyond ``lost`` is a loss. Of several runs of one kind the last one counts.
+    """
+    found = {(x["problem"], x["method"]): x for x in rows}
+
+    def cell(x: Mapping[str, Any]) -> str:
+        if x["energy"] is None or x["energy"] > lost:
+            return f"lost, {x['reported']:g}"
+        return f"{x['energy']:.1e}" + (f", notice {x['reported']:g}" if x["reported"] else "")
+
+    lines = [
+        [name, *(cell(found[name, m]) for m in names)]
+        for name in dict.fromkeys(x["problem"] for x in rows)
+    ]
+    return markdown(["problem", *(f"`{x}`" for x in names)], lines)
+
+
+def _semi(what: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = measured("nonseparable")["semi-separable"][what]
+    return found
+
+
+#: On the pages: the methods for every Hamiltonian, and those for semi-separable systems.
+_GENERAL = tuple(name for name, roots in SHIPPED.items() if not roots.semi)
+_KINETIC = tuple(f"multistep-kinetic-{order}" for order in (8, 10, 12))
+_DOCS = ROOT / "docs"
+PAGES: Pages = {
+    _DOCS / "nonseparable.md": {
+        "nonseparable": lambda: count_table(measured("nonseparable")["evaluations"], METHODS[::-1]),
+    },
+    _DOCS / "nonseparable" / "long-runs.md": {
+        "nonseparable-long": lambda: long_table(measured("nonseparable")["long"], _GENERAL, 1.0),
+    },
+    _DOCS / "velocities.md": {
+        "semi-separable": lambda: count_table(_semi("evaluations"), _KINETIC),
+        "semi-separable-long": lambda: long_table(_semi("long"), _KINETIC, 1e-3),
+    },
+}
+
+
+if __name__ == "__main__":
+    main(Path(arguments(sys.argv[1:])[0]))
