@@ -895,6 +895,8 @@ def _named(head: Sequence[Token]) -> str:
                  "mod",
                  "fn", "func", "function"):  # fmt: skip
         for k, x in enumerate(head):
+            if x.text == "(" and word in ("struct", "enum", "union"):
+                break  # of an argument
             if x.text == word and k + 1 < len(head):
                 j = k + 1
                 if word == "func" and head[j].text == "(":  # a receiver of Go

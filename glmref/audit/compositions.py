@@ -36,27 +36,22 @@ def compositions(text: str) -> Iterator[Table]:
         palindrome = all(abs(x - y) < _SUM for x, y in zip(values, reversed(values), strict=True))
         if len(values) >= 3 and palindrome and abs(sum(values) - 1) <= _SUM:
             lists.append((text.count("\n", 0, found.start()) + 1, weights, values))
-    drifts = [_drifts(values) for _, _, values in lists]
-    for line, weights, values in lists:
+    tables = [of_weights("", line, weights) for line, weights, _ in lists]
+    drifts = [[complex(x.value).real for x in made.b[0]] for made in tables]  # listed, too
+    for table, own, (line, _, values) in zip(tables, drifts, lists, strict=True):
         if any(_alike(values, x) for x in drifts):
             continue
         beside = [
             x for n, _, x in lists if abs(n - line) < _ABOVE and abs(len(x) - len(values)) == 1
         ]
-        if any(not _alike(x, _drifts(values)) for x in beside):  # steps of two flows
+        if any(not _alike(x, own) for x in beside):  # steps of two flows
             continue
         near = lines[max(0, line - 1 - _ABOVE) : line]
         if not any(map(_WORDS.search, near)):
             continue
         names = [x for row in reversed(near) for x in _NAME.findall(row)]
-        name = f"{names[0] if names else 'weights'}, {len(values)}"
-        yield of_weights(name, line, weights)
-
-
-def _drifts(weights: list[float]) -> list[float]:
-    """Return the drifts of Störmer's method composed with weights, which a code may list, too."""
-    half = [x / 2 for x in weights]
-    return [half[0], *map(sum, pairwise(half)), half[-1]]
+        table.name = f"{names[0] if names else 'weights'}, {len(values)}"
+        yield table
 
 
 def _alike(x: list[float], y: list[float]) -> bool:

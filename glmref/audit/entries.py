@@ -19,10 +19,10 @@ from .values import Number, Unread
 #: Words of the subject; a file without any of them holds tables only under plain names.
 _WORDS = (
     "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
-    "moulton nordsieck suzuki embedded solver"
+    "moulton nordsieck suzuki embedded"
 ).split()
 _PHRASES = re.compile(
-    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|dopri|dormand|fehlberg"
+    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
     r"|cash.?karp|bogacki"
 )
 
@@ -43,10 +43,11 @@ for _role, _words in {
     "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
          "bhigh b1 tableaufinal bex bim bexp bimp bexplicit bimplicit w",
     "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
-         "abscissa times ci ch ah",
+         "abscissa times ci ch ah evalstages",
     "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "
                 "embweights low lower bls αEEst aeest bloworder weightshat bht bcap bb2",
-    "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh",
+    "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh "
+             "tr",
     "gamma": "gamma gam γ",
     "beta": "beta betas",
     "diagonal": "adiagonal adiag diagonal diag",
@@ -90,6 +91,8 @@ class Array:
 
     def __post_init__(self) -> None:
         self.stem, self.role = role_of(self.name)
+        if self.name.lower() == "bt" and not self.flat:  # a Butcher tableau
+            self.role = "A"
 
     def with_role(self, role: str) -> Array:
         """Return the same with another role."""

@@ -511,7 +511,7 @@ class Folder:
             return None
         if name == "new":
             return self._new()
-        if name in _WORDS:
+        if name in _WORDS and (name != "lambda" or language == "python"):
             raise Unread(f"{name!r} is not read here", t.line)
         after = self.tokens[self.at] if self.at < self.end else None
         if after is not None and after.kind == "string" and not after.spaced:
@@ -853,8 +853,9 @@ def _is_numbered(fields: Mapping[str, Any]) -> bool:
     if not any(isinstance(x, list) for x in fields.values()):
         return True
     sizes = [len(x) if isinstance(x, list) else 1 for x in fields.values()]
-    rows = range(sizes[0], sizes[0] + len(sizes))
-    return sizes == list(rows) or (len(set(sizes)) == 1 and sizes[0] == len(sizes))
+    short = [k - x for k, x in enumerate(sizes, sizes[0])]  # zeros at the ends are left out
+    grow = min(short) >= 0 and sum(map(bool, short)) < 3
+    return grow or (len(set(sizes)) == 1 and sizes[0] == len(sizes))
 
 
 def _numbered(fields: Mapping[str, Any]) -> Entries:
@@ -865,7 +866,7 @@ def _numbered(fields: Mapping[str, Any]) -> Entries:
         if isinstance(x, Entries):
             found |= {(*place, *k): y for k, y in x.items()}
         else:
-            found[place] = plain(x)
+            found[place] = Number(Exact(0)) if x is None else plain(x)
     return found
 
 

@@ -507,6 +507,13 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
             broken = any(y % 1 for y in half) and not _STEPS.search(" ".join(block.path()))
             if broken and (max(gaps) < LOOSE or (known and min(gaps) < LOOSE)):
                 given = [*x.value[:n], *x.value[: n - 1][::-1]]
+        if not given and word and n > 1 and all(isinstance(y, Number) for y in x.value[:n]):
+            middle = 1 - 2 * sum(values[:n])  # which codes compute
+            if abs(middle**3 + 2 * sum(y**3 for y in values[:n])) < LOOSE:
+                first = x.value[0]
+                total = sum((y.value for y in x.value[:n]), Exact(0))
+                rest = x.value[:n][:: 1 if middle * values[n - 1] < 0 else -1]
+                given = [*rest, first.of(Exact(1) - total - total, first), *rest[::-1]]
         if not given:
             continue
 

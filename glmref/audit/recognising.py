@@ -20,14 +20,15 @@ from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
 from .entries import Array, arrays, of_subject, role_of, size
+from .flows import WORDS, flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums
 from .kinds import others
 from .lexer import Language, Remark
 from .readers import ORDINALS, by_name
-from .steps import EULER, steps_of
+from .steps import EULER, flat, steps_of
 from .table import STEP, ZERO, Rows, Table
-from .values import Number, Unread
+from .values import Number, Unread, whole_number
 
 #: How near a sum must be to its node, or a condition to hold, for a table to be recognised.
 LOOSE = 4e-3
@@ -36,6 +37,7 @@ MOST_ROWS = 0.6
 _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 #: So many numerals stand so near one another where there is a table.
 _NUMERALS, _WITHIN = 4, 600
+_LONG = re.compile(r"\b\d?\.\d{9}")
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
 
 
@@ -49,7 +51,7 @@ def may_hold(text: str, where: str = "") -> bool:
         if len(last) == _NUMERALS and last[-1] - last[0] < _WITHIN:
             break
     else:
-        return False
+        return _LONG.search(text) is not None and WORDS.search(text) is not None
     return of_subject(text) or of_subject(where) or re.search(r"\b[Aa]\b", text) is not None
 
 
@@ -97,6 +99,10 @@ def readings(array: Array) -> Iterator[Reading]:
         made = _padded(rows, len(rows)) if width <= len(rows) else None
         if made is not None and (cost == 0 or _strict(made)):
             yield Reading(made, cost=cost)
+    if n > 1 and n - 1 <= width <= n and all(x <= k for k, x in enumerate(lengths, 1)):
+        made = _padded([[], *value[:-1]], n)  # rows of the stages from the second, and b
+        if made is not None and _strict(made) and 2 * lengths[-1] >= n:
+            yield Reading(made, b=[*value[-1], *([ZERO] * (n - lengths[-1]))], cost=2)
     if n > 1 and width == n - 1:  # A over b
         made = _padded(value[:-1], n - 1)
         if made is not None and lengths[-1] == n - 1:
@@ -407,6 +413,8 @@ def tables(
     found += _in_two_tables(found)
     if about:
         found += _of_arithmetic(found, everything, collector)
+    if WORDS.search(text):
+        found += known_numbers(text, collector.tokens, found)
     for table in found:
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
@@ -420,6 +428,7 @@ _PLAIN_BLOCKS = CHOICES | {"", "do", "try", "unsafe"}
 def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -> list[Table]:
     """Add the steps that functions make; what is computed says more than names do."""
     lines = [x.line for x in collector.tokens]
+    flows = WORDS.search(collector.text) is not None
     for block in blocks:
         if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
             continue
@@ -427,7 +436,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         own = set(range(block.line, block.last + 1))
         own = own.difference(n for x in inner for n in range(x.line, x.last + 1))
         low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
-        given = [x for x in collector.tokens[low:high] if x.line in own]
+        given = flat([x for x in collector.tokens[low:high] if x.line in own], collector.language)
         made = list(steps_of(block, given, collector))
         for table in made:
             table.block, table.name = block, (block.own or block.name) if block.parent else "step"
@@ -449,6 +458,14 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
                 and not any(_holds_step(y, x) for y in read)]  # fmt: skip
         if made:  # what names say is something else
             found = [x for x in found if all(x is not y for y in named)] + made
+        for table in flows_of(block, given, collector) if flows else ():
+            found = [x for x in found if not (x.source == STEP and x.unread and x.line in own)]
+            table.block, table.order, table.source = block, _own_order(block), STEP
+            table.key = key_of(table.b)
+            read = [x for x in found if not x.unread]
+            if not any(x.line in own if table.unread else x.key == table.key or key_of(x.b)
+                       == table.key for x in read):  # fmt: skip
+                found = [*found, table]
     return found
 
 
@@ -611,7 +628,8 @@ def _called_with(found: list[Table], calls: list[Block]) -> None:
             if best[1] < len(call.arguments) and table.order is None:
                 numbers = {n for _, n in call.arguments if n is not None and 1 <= n <= 14}
                 same = call.arguments[best[1]][1] == len(table.b[0])
-                if same and len(numbers) > 1 and not clear:
+                many = len(table.b[0]) > 4 and not others  # no method has so high an order
+                if same and (len(numbers) > 1 or many) and not clear:
                     continue  # this may be the number of stages, and another one the order
                 table.order = call.arguments[best[1]][1]
                 table.sure = table.sure and len(pairs) > 2
@@ -768,7 +786,7 @@ def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
     s = len(x.reading.A)
     entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
     broken = sum(y != 0 and y == y and y != round(y) for y in entries)
-    named = x.array.role == "A" and (x.b is None or x.b.role in ("b", "embedded"))
+    named = x.array.role == "A" and (x.b is None or x.b.role in ("A", "b", "embedded"))
     lower = s > 2 and _strict(x.reading.A) and x.match >= MOST_ROWS and x.order > 0
     named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
@@ -836,7 +854,7 @@ def key_of(value: Any) -> tuple[float, ...]:
 
 
 def _title(block: Block, array: Array) -> str:
-    path = [x for x in block.path() if x not in CHOICES]
+    path = [x for x in block.path() if x not in CHOICES | {"__init__"}]
     base = path[-1] if path else ""
     if block.kind == "record" and len(base) < 3 and len(path) > 1:  # B->A of a function
         base = path[-2]
@@ -904,6 +922,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     if x.array.named and some and not lost and 0 in own[x.match >= 1 :]:
         diagonal = [y for y in block.items if y.name in ("γ", "gamma", "gam")]
         lost = f"the diagonal of {x.array.name} may be {diagonal[0].name}" if diagonal else ""
+    if any(y.name.lower() in _STEPS and (whole_number(y.value) or 0) > 1 for y in block.items):
+        lost = lost or "a Runge-Kutta method of several steps, which is not read"
     if lost:
         table.unread = lost
         return table
@@ -939,6 +959,8 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
     )
 
 
+#: Names of the number of steps that a method looks at.
+_STEPS = frozenset(("steps", "nsteps", "n_steps", "num_steps"))
 #: Names that weights of an error estimate do not have.
 _EMBEDDED = re.compile(r"b_?(?:hat|star|emb\w*|low\w*)", re.IGNORECASE)
 

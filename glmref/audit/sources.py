@@ -20,7 +20,7 @@ from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
 from .recognising import key_of, may_hold, tables
 from .table import STEP, Table
-from .values import Unread
+from .values import Unread, accident
 
 FORMAT = "glmref-audit-1"
 #: Of one line of the output.
@@ -193,7 +193,8 @@ def _rows(
                     rows.append({**task, "number": number, "name": table.name, "line": table.line})
         except (GlmrefError, Unread, ValueError, KeyError, IndexError, TypeError, AttributeError,
                 RecursionError) as error:  # fmt: skip
-            remark = f"the rest of the file is not understood: {error}"
+            said = error if isinstance(error, GlmrefError | Unread) else accident(error)
+            remark = f"the rest of the file is not understood: {said}"
             rows.append(_unread(1, path.name, remark))
         for row in rows:
             yield path, row
@@ -256,7 +257,8 @@ def _read(
     special = [x for form in forms for x in read(text, form, declared)]
     spans = [
         (x.line - 3, max(x.last, x.line + 3)) for x in found
-        if x.kind == "splitting" or (x.kind == "composition" and x.order is not None)
+        if (x.kind == "splitting" and not x.unread)
+        or (x.kind == "composition" and x.order is not None)
     ]  # fmt: skip
     special = [
         x for x in special
@@ -265,8 +267,9 @@ def _read(
     made = [(x.line, len(x.b[0])) for x in special if x.kind == "composition"]
     found = [
         x for x in found
-        if x.kind != "composition" or x.unread
-        or not any(abs(x.line - n) < 4 and len(x.b[0]) == m for n, m in made)
+        if not any(
+            abs(x.line - n) < 4 and (x.kind == "splitting" if x.unread else x.kind == "composition"
+                                     and len(x.b[0]) == m) for n, m in made)
     ]  # fmt: skip
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
     read_at = [x.line for x in found if not x.unread]

@@ -44,9 +44,9 @@ EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improve
                    re.IGNORECASE)  # fmt: skip
 #: Most calls of a right-hand side in one step.
 STAGES = 64
-_ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
+ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
-_BRANCHES = frozenset("else elif elseif elsif case switch match".split())
+BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
 
 
@@ -111,7 +111,8 @@ class Form:
     __pow__ = root = sqrt
 
 
-def _atom(name: str) -> Number:
+def atom(name: str) -> Number:
+    """Return a name as a value."""
     return Number(Form({(name,): _ONE}))  # type: ignore[arg-type]
 
 
@@ -119,7 +120,8 @@ def _sum(x: Number, other: Form) -> Number:
     return Number(other + x.value, x.places, x.size)  # type: ignore[arg-type]
 
 
-def _form(x: Any) -> Form:
+def form(x: Any) -> Form:
+    """Return the form of a number; :class:`~.values.Unread` is raised for anything else."""
     if not isinstance(x, Number):
         raise x if isinstance(x, Unread) else Unread("a number is expected")
     return Form.of(x.value)
@@ -141,7 +143,7 @@ def _loops(row: Sequence[Token]) -> set[str]:
     return found
 
 
-def _flat(given: Sequence[Token], language: Language) -> list[Token]:
+def flat(given: Sequence[Token], language: Language) -> list[Token]:
     """Return tokens in which ``k[0][i]`` is the name ``k[0]``, and ``f.(`` is ``f(``."""
     row = [x._replace(text=".") if x.text == "%" and language.name == "fortran" else x
            for x in given if x.text != "self" or language.name != "rust"]  # fmt: skip
@@ -178,7 +180,8 @@ def _flat(given: Sequence[Token], language: Language) -> list[Token]:
     return found
 
 
-def _statements(row: Sequence[Token], language: Language) -> Iterator[list[Token]]:
+def statements(row: Sequence[Token], language: Language) -> Iterator[list[Token]]:
+    """Yield the statements of a function without their ends."""
     by_line = not language.braces or language.name in ("go", "javascript")
     start, depth = 0, 0
     for k, x in enumerate(row):
@@ -220,7 +223,7 @@ class _Call:
     valued: bool
 
 
-def _calls(row: Sequence[Token]) -> list[_Call]:
+def calls(row: Sequence[Token]) -> list[_Call]:
     """Return the calls of what may be a right-hand side: of no more stages than a method has."""
     found: list[tuple[str, int, bool]] = []
     for k in range(len(row) - 1):
@@ -253,17 +256,17 @@ def _calls(row: Sequence[Token]) -> list[_Call]:
 def _lone(part: Sequence[Token]) -> str:
     """Return the name that an argument is, or ``""``."""
     names = [x.text for x in part if x.text not in ("&", "*", "mut", ".", "->")]
-    return names[-1] if part and all(
+    return names[-1] if names and all(
         x.kind == "name" or x.text in ("&", "*", ".", "->") for x in part) else ""  # fmt: skip
 
 
 # --- a step ---------------------------------------------------------------------------------------
 
 
-class _Folding(Folder):
+class StepFolder(Folder):
     """A folder in which one name is the right-hand side."""
 
-    step: _Step
+    step: Step
 
     def _known(self, name: str) -> bool:
         return name in self.step.values
@@ -275,7 +278,7 @@ class _Folding(Folder):
 
 
 @dataclass
-class _Step:
+class Step:
     """A function carried out with one callee as the right-hand side."""
 
     block: Block
@@ -312,7 +315,7 @@ class _Step:
                     return plain(x)
             except (Unread, IndexError, TypeError):
                 pass
-        return _atom(name)
+        return atom(name)
 
     def is_slope(self, name: str, folder: Folder) -> bool:
         """Return whether a call gives a slope: of the callee, or of one that is called alike."""
@@ -338,15 +341,15 @@ class _Step:
                 self.used.add(id(x.value) if isinstance(x, Number) else 0)
                 places.append(x if isinstance(x, Number) else None)
         self.places.append(places)
-        slope = _atom(f"#{len(self.places)}")
+        slope = atom(f"#{len(self.places)}")
         if self.output >= 0:
             name = given[self.output][0]
             self.values[name] = slope
         return slope
 
-    def fold(self, row: Sequence[Token]) -> Any:
+    def fold(self, row: Sequence[Token], reader: type[StepFolder] = StepFolder) -> Any:
         """Return the value of an expression."""
-        folder = _Folding(row, self.collector.language, self.look)
+        folder = reader(row, self.collector.language, self.look)
         folder.step = self
         x = folder.expression()
         rest = folder.peek()
@@ -373,7 +376,7 @@ class _Step:
         if equal is None:
             before, returned = len(self.places), self.returned
             self._end(row)
-            if any(not x.valued for x in _calls(row)) and len(self.places) == before:
+            if any(not x.valued for x in calls(row)) and len(self.places) == before:
                 # no stage: it may add slopes to what it is given
                 self.lost |= any(_slopes(self.values.get(x.text)) for x in row)
                 self.returned = returned
@@ -400,7 +403,7 @@ class _Step:
             x = error
         if isinstance(x, Number) and _slopes(x):
             x.place = (row[0].line, " ".join(y.text for y in row)[:80])
-        if isinstance(x, list) or (_slopes(x) and len(_form(x).terms) > 1):
+        if isinstance(x, list) or (_slopes(x) and len(form(x).terms) > 1):
             self.returned = x
 
     def _set(self, name: str, row: Sequence[Token], sign: str) -> None:
@@ -416,7 +419,7 @@ class _Step:
                 raise Unread(f"the operator {sign} is not read")
             constant = not isinstance(x.value, Form) or not set(x.value.terms) - {()}
             if constant and (name in self.again or _LOOSE.fullmatch(name)):
-                x = _atom(name)
+                x = atom(name)
             x.place = (row[0].line, " ".join(y.text for y in row)[:80])
         except Unread as error:
             self.why = self.why or str(error)
@@ -424,7 +427,7 @@ class _Step:
                 isinstance(self.values.get(y.text), Unread) for y in row
             )
             begins = not self.places and (name in self.again or _LOOSE.fullmatch(name))
-            x = _atom(name) if begins else error
+            x = atom(name) if begins else error
         self.values[name] = x
         if name in self.order:
             self.order.remove(name)
@@ -437,7 +440,7 @@ class _Step:
         width = min(map(len, self.places), default=0)
         at = [k for k in range(width) if any(_slopes(x[k]) for x in self.places)]
         if not at and len(self.places) == 1:  # of one stage
-            values = [_form(x).terms for x in self.values.values() if isinstance(x, Number)]
+            values = [form(x).terms for x in self.values.values() if isinstance(x, Number)]
             at = [k for k in range(width) if any(
                 (_name_of(self.places[0][k]),) in x and len(x) > 1 for x in values)]  # fmt: skip
         forms = [x[at[0]] for x in self.places] if len(at) == 1 else [None]
@@ -445,13 +448,13 @@ class _Step:
         if len(read) < len(forms):
             return None
         given = self._first_slope(read)
-        terms = [key for x in read for key in _form(x).terms]
+        terms = [key for x in read for key in form(x).terms]
         states = {key[0] for key in terms if len(key) == 1 and not key[0].startswith("#")}
         if len(states) != 1:
             return None
         (state,) = states
         if given:
-            read.insert(0, _atom(state))
+            read.insert(0, atom(state))
         slopes = [*([given] if given else []), *(f"#{k + 1}" for k in range(len(self.places)))]
         names = {name: k for k, name in enumerate(slopes)}
         step = self._step_of(read, set(names))
@@ -459,7 +462,7 @@ class _Step:
         rows = [x for x in A if x is not None]
         found = self._weights(state, step or (), names) if len(rows) == len(A) else None
         if found is None:
-            numbers = [v for x in read for k, v in _form(x).terms.items() if v not in (1, -1)]
+            numbers = [v for x in read for k, v in form(x).terms.items() if v not in (1, -1)]
             why = f"{_UNREAD}: {self.why}" if self.why else _UNREAD
             return Table("", 0, unread=why, general=True) if numbers or self.trouble else None
         b, more, errors, guessed = found
@@ -472,7 +475,7 @@ class _Step:
     @staticmethod
     def _first_slope(places: Sequence[Number]) -> str:
         """Return the name of a slope at the start that no call gives, as ``dydx`` of a function."""
-        products = [key for x in places for key in _form(x).terms if len(key) > 1]
+        products = [key for x in places for key in form(x).terms if len(key) > 1]
         steps = {y for key in products if any(z.startswith("#") for z in key) for y in key}
         others = {y for key in products for y in key if y not in steps and not y.startswith("#")}
         return others.pop() if len(others) == 1 and steps else ""
@@ -480,7 +483,7 @@ class _Step:
     def _step_of(self, places: Sequence[Number], slopes: set[str]) -> tuple[str, ...] | None:
         """Return the names by which all slopes are multiplied."""
         values = [*places, *(self.values[x] for x in self.order[-1:] if len(places) == 1)]
-        found = {tuple(y for y in key if y not in slopes) for x in values for key in _form(x).terms
+        found = {tuple(y for y in key if y not in slopes) for x in values for key in form(x).terms
                  if set(key) & slopes}  # fmt: skip
         return found.pop() if len(found) == 1 else None
 
@@ -513,7 +516,7 @@ class _Step:
                 if row is None:
                     return None
                 return row, [(n, r, None) for n, y, r in full if r != row and y is not x], errors, 0
-        own = [x for x in done if x[0] == state or (x[0],) in _form(x[1]).terms]
+        own = [x for x in done if x[0] == state or (x[0],) in form(x[1]).terms]
         last = (own or free or done)[-1:]
         if not last:
             return None
@@ -527,7 +530,7 @@ class _Step:
             read = [x for x in column if x is not None]
             if k == at or not step or len(read) < len(column):
                 continue
-            terms = [_form(x).terms for x in read]
+            terms = [form(x).terms for x in read]
             names = {key for x in terms for key in x if key not in (step, ())}
             if len(names) > 1 or not all(len(x) == 1 for x in names):
                 continue
@@ -538,12 +541,12 @@ class _Step:
 
 
 def _slopes(x: Any) -> bool:
-    return isinstance(x, Number) and any(y.startswith("#") for key in _form(x).terms for y in key)
+    return isinstance(x, Number) and any(y.startswith("#") for key in form(x).terms for y in key)
 
 
 def _name_of(x: Number | None) -> str:
     """Return the name that a value is, or ``""``."""
-    terms = _form(x).terms if x is not None else {}
+    terms = form(x).terms if x is not None else {}
     ((key, v),) = terms.items() if len(terms) == 1 else (((), 0),)
     return key[0] if len(key) == 1 and v == 1 else ""
 
@@ -552,7 +555,7 @@ def _row(
     x: Number, state: str, step: tuple[str, ...], names: Mapping[str, int]
 ) -> list[Number] | None:
     """Return the coefficients of the slopes in a value that holds the state once, in order."""
-    terms = _form(x).terms
+    terms = form(x).terms
     row = [ZERO] * len(names)
     once = terms.get((state,))
     if once is None or abs(complex(once) - 1) > 1e-9:
@@ -602,20 +605,19 @@ def _is_flag(row: Sequence[Token], made: Sequence[_Call], said: Sequence[list[To
     )  # fmt: skip
 
 
-def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Iterator[Table]:
-    """Yield the steps that a function makes, one for each right-hand side that it calls."""
+def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterator[Table]:
+    """Yield the steps that a function of flat tokens makes, one for each right-hand side."""
     language = collector.language
-    row = _flat(tokens, language)
-    calls = _calls(row)
+    every = calls(row)
     groups: dict[tuple[str, int], list[_Call]] = {}
-    for x in calls:
+    for x in every:
         groups.setdefault((x.name, len(x.arguments)), []).append(x)
     wanted = [x for x in groups.items() if 1 <= x[0][1] <= 8 and len(x[1]) > 1]
     if EULER.search(block.name):
         wanted += [x for x in groups.items() if x[0][1] < 5 and len(x[1]) == 1]
     if not wanted:
         return
-    said = list(_statements(row, language))
+    said = list(statements(row, language))
     assigned = [(s[0].line, s[e - 1].text) for s in said
             if (e := _equal(s)) and s[e].text in ("=", ":=")]  # fmt: skip
     targets = Counter(name for _, name in assigned)
@@ -634,16 +636,16 @@ def steps_of(block: Block, tokens: Sequence[Token], collector: Collector) -> Ite
                 continue
             output = max(places)[1]
         first, last = made[0].at, made[-1].at
-        if any(x.text in _BRANCHES for x in row[first:last]):
+        if any(x.text in BRANCHES for x in row[first:last]):
             continue
-        step = _Step(block, collector, name, count, output,
+        step = Step(block, collector, name, count, output,
                      {x for x, n in targets.items() if n > 1})  # fmt: skip
-        step.out = {_lone(x.arguments[output]) for x in calls
+        step.out = {_lone(x.arguments[output]) for x in every
                     if output >= 0 and len(x.arguments) == count}  # fmt: skip
         for statement in said:
             try:
                 step.take(statement)
-            except (GlmrefError, Unread, *_ACCIDENTS):
+            except (GlmrefError, Unread, *ACCIDENTS):
                 step.lost = True
                 break
         found = step.finished()

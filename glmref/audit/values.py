@@ -105,7 +105,9 @@ def accident(error: Exception) -> str:
     """Return what went wrong as an expression was evaluated."""
     if isinstance(error, ZeroDivisionError):
         return "a quotient has the divisor 0"
-    return f"{type(error).__name__}: {error}"
+    if isinstance(error, IndexError | KeyError):
+        return "an index or a name lies outside of what is read"
+    return str(error) if isinstance(error, ValueError) else "a value of another kind is expected"
 
 
 def evaluate(node: ast.expr, scope: Mapping[str, Any]) -> Any:

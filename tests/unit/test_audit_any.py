@@ -383,7 +383,7 @@ READ = [
     (HALF.format("0.41449077179437573714", 5), "c", "right"),
     (HALF.format("0.41449077179437573714", 4), "c", "right"),  # sum and cubes say it, too
     (HALF.format("0.41449977179437573714", 5), "c", "wrong"),
-    (HALF.format("0.44149077179437573714", 4), "c", ""),  # neither the sum nor the cubes
+    (HALF.format("0.44149077179437573714", 4), "c", "unread"),  # neither the sum nor the cubes
     (GO_NAMES.format("2.0 / 3"), "go", "right"),
     (GO_NAMES.format("2.0 / 5"), "go", "wrong"),
     (GO_PAIRS.format("0.75"), "go", "right"),

@@ -1,0 +1,296 @@
+"""Splittings written as flows one after another: ``drift(c1*h); kick(d1*h)``, ``q += c1*h*p``.
+
+A call whose argument is a multiple of the step, or such a sum added to a name, moves one flow on.
+Two flows in turn whose multiples have the same sum n are n steps of a splitting. Nothing is run;
+multiples with other names in them, and branches between flows, are said to be unread.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import combinations, groupby
+from typing import Any
+
+from ..errors import GlmrefError
+from ..exact import Exact
+from .collecting import Block, Collector
+from .lexer import Token
+from .nearest_method import Library
+from .steps import ACCIDENTS, BRANCHES, Form, Step, StepFolder, atom, calls, form, statements
+from .table import ZERO, Table
+from .values import Number, Unread
+
+#: Words of a file in which flows are looked for.
+WORDS = re.compile(
+    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|hamilton|omelyan|strang|"
+    r"min(?:imum)?.?norm|mclachlan|molecular.?dynamics|verlet|suzuki|integrator",
+    re.IGNORECASE,
+)
+#: Names of a step.
+_STEP = re.compile(
+    r"(?:.*[._])?(?:\w{0,9}_?d_?(?:t|tau|s|l)\w{0,4}|h|hh|h0|dh|eps(?:ilon)?|\w*step\w*|tau|length|"
+    r"l|delta\w*)(?:\(\)|\[\])?",
+    re.IGNORECASE,
+)
+#: How far apart the sums of both flows may be, as a part of one, for a defect; for a method.
+_APART, _SAME = 0.05, 1e-9
+#: Most names of flows in one function.
+_MOST = 12
+#: Multiples of Störmer's method and of Euler's, which are no numbers of a method.
+_PLAIN = frozenset((0.0, 0.25, 0.5, 1.0, 2.0))
+_FLOAT = re.compile(r"\d*\.?\d+\.?(?:e[-+]?\d{1,2})?")
+_NAMES = "the coefficients of a splitting have names that are not read"
+
+
+@dataclass(frozen=True)
+class Moved:
+    """One flow moved on: its name, the numbers by which it may be, and where."""
+
+    flow: str
+    by: list[Number | None]
+    line: int
+    text: str
+
+    @property
+    def called(self) -> bool:
+        """Whether it is a call."""
+        return self.flow.endswith("()")
+
+
+class _Atoms(StepFolder):
+    """A folder in which a call that is not known stands for its value."""
+
+    def _call(self, name: str, t: Token) -> Any:
+        start = self.at
+        try:
+            found = super()._call(name, t)
+            if isinstance(found, Number):
+                return found
+        except Unread:
+            pass
+        self.at = self.partner(start) + 1
+        return atom(f"{name}()")
+
+
+@dataclass
+class _Moves(Step):
+    """A function carried out for the flows that it moves on."""
+
+    moved: list[Moved] = field(default_factory=list)
+
+    def look(self, name: str) -> Any:
+        """Return what a name holds; what is not read stands for itself."""
+        try:
+            return super().look(name)
+        except Unread:
+            return atom(name)
+
+    def fold(self, row: Sequence[Token], reader: type[StepFolder] = _Atoms) -> Any:
+        """Return the value of an expression."""
+        return super().fold(row, reader)
+
+    def _end(self, row: Sequence[Token]) -> None:
+        made = calls(row)
+        if len(made) != 1 or made[0].valued:
+            return
+        by: list[Number | None] = []
+        for part in made[0].arguments:
+            try:
+                x = self.fold(part)
+            except (Unread, *ACCIDENTS):
+                x = None
+            by.append(x if isinstance(x, Number) else None)
+        self._note(f"{made[0].name}()", by, row)
+
+    def _note(self, flow: str, by: list[Number | None], row: Sequence[Token]) -> None:
+        said = " ".join(y.text for y in row)[:80]
+        self.moved.append(Moved(flow, by, row[0].line, said))
+
+    def _set(self, name: str, row: Sequence[Token], sign: str) -> None:
+        if sign in ("+=", "-=", "=") and not isinstance(self.values.get(name), Number):
+            try:
+                x = self.fold(row)
+                own = form(x).terms.get((name,))
+                if own == 1 or sign != "=":
+                    less = Form({(name,): Exact(1)}) if sign == "=" else Form({})
+                    value = form(x) - less
+                    x = x.of(-value if sign == "-=" else value)  # type: ignore[arg-type]
+                    if value.terms and all(len(key) > 1 for key in value.terms):
+                        self._note(name, [x], row)
+                    return
+            except (Unread, *ACCIDENTS):
+                pass
+        super()._set(name, row, sign)
+
+
+def _multiples(moves: Sequence[Moved]) -> dict[str, list[Number]]:
+    """Return the multiples of each name of a step by which all moves of one flow are."""
+    found: dict[str, list[Number]] = {}
+    for k in range(min(len(x.by) for x in moves)):
+        column = [x.by[k] for x in moves]
+        given = [x for x in column if x is not None and form(x).terms]
+        if len(given) < len(column):
+            continue
+        keys = [set(key) for x in given for key in form(x).terms]
+        for name in set.intersection(*keys):
+            made = [x.of(_without(form(x), name)) for x in given]  # type: ignore[arg-type]
+            more = name not in found or _values(made) > _values(found[name])
+            if more and _STEP.fullmatch(name):
+                found[name] = made
+    return found
+
+
+def _values(given: Sequence[Number]) -> int:
+    return len({str(sorted(map(str, form(x).terms.items()))) for x in given})
+
+
+def _without(x: Form, name: str) -> Form:
+    made: dict[tuple[str, ...], Exact] = {}
+    for key, v in x.terms.items():
+        rest = list(key)
+        rest.remove(name)
+        made[tuple(rest)] = v
+    return Form(made)
+
+
+def _first_components(moves: list[Moved]) -> list[Moved]:
+    """Leave out updates of further components: ``y += c*h*py`` after ``x += c*h*px``."""
+    kept: list[Moved] = []
+    further: set[str] = set()
+    for x in moves:
+        before = kept[-1] if kept else None
+        if before is not None and not x.called and not before.called and x.flow != before.flow:
+            p, q = form(x.by[0]).terms, form(before.by[0]).terms
+            names = [{y for key in z for y in key} for z in (p, q)]
+            same = sorted(map(str, p.values())) == sorted(map(str, q.values()))
+            if same and x.flow not in names[1] and before.flow not in names[0]:
+                further.add(x.flow)
+        if x.flow not in further:
+            kept.append(x)
+    return kept
+
+
+def _pairs(moves: list[Moved]) -> Iterator[tuple[list[Moved], list[Number]]]:
+    """Yield the moves of two flows in turn and their multiples of one step."""
+    given: dict[str, dict[str, list[Number]]] = {}
+    for flow in sorted({x.flow for x in moves}):
+        multiples = _multiples([x for x in moves if x.flow == flow])
+        if multiples:
+            given[flow] = multiples
+    mine = given if len(given) <= _MOST else {}
+    for p, q in combinations(sorted(mine), 2):
+        both = [x for x in moves if x.flow in (p, q)]
+        for name in sorted(given[p].keys() & given[q].keys()):
+            at = {flow: iter(given[flow][name]) for flow in (p, q)}
+            values = [next(at[x.flow]) for x in both]
+            if len(list(groupby(x.flow for x in both))) > 2:
+                yield both, values
+                break
+
+
+def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterator[Table]:
+    """Yield the splittings that a function of flat tokens carries out, unread if not understood."""
+    if sum(x.kind == "name" and _STEP.fullmatch(x.text) is not None for x in row) < 3:
+        return
+    step = _Moves(block, collector, "", 0, -1, set())
+    for statement in statements(row, collector.language):
+        try:
+            step.take(statement)
+        except (GlmrefError, Unread, *ACCIDENTS):
+            continue
+    moves = _first_components(step.moved)
+    branches = sorted({x.line for x in row if x.text in BRANCHES or x.text == "if"})
+    parts = [list(x) for _, x in groupby(moves, lambda x: bisect(branches, x.line))]
+    found = [made for x in parts for pair in _pairs(x) if (made := _table(*pair)) is not None]
+    if len(parts) > 1 and all(x.unread for x in found):
+        whole = [made for pair in _pairs(moves) if (made := _table(*pair)) is not None]
+        found = (whole or found)[:1]
+        for x in found:
+            if not x.unread.startswith(_NAMES):
+                x.unread = "a splitting with a branch between its flows"
+    elif len(parts) > 1:
+        found = [x for x in found if not x.unread]
+    for table in found:
+        table.name = block.own or block.name
+        yield table
+
+
+def _table(moves: list[Moved], values: list[Number]) -> Table | None:
+    """Return the splitting of two flows in turn; ``None`` where no numbers stand there."""
+    kinds = {flow: {key for x, y in zip(moves, values, strict=True) if x.flow == flow
+                    for key in form(y).terms} for flow in {x.flow for x in moves}}  # fmt: skip
+    table = Table("", moves[0].line, "splitting", general=True, sure=False, last=moves[-1].line)
+    names = sorted({" ".join(key) for flow, keys in kinds.items() for key in keys
+                    if len(keys) > 1 or flow.endswith("()")} - {""})  # fmt: skip
+    if names:
+        table.unread = f"{_NAMES}: {', '.join(names[:3])}"
+        return table if len(moves) > 3 else None
+    rows: dict[str, list[Number]] = {}
+    for flow, group in groupby(zip(moves, values, strict=True), lambda x: x[0].flow):
+        given = list(group)
+        number = given[0][1]
+        total = sum((sum(form(y).terms.values(), Exact(0)) for _, y in given), Exact(0))
+        made = number.of(total, min((y for _, y in given), key=lambda y: y.places or 99))
+        made.place = (given[0][0].line, given[0][0].text)
+        rows.setdefault(flow, []).append(made)
+    if all(abs(complex(x.value).real) in _PLAIN for row in rows.values() for x in row):
+        return None
+    sums = [sum((x.value for x in row), Exact(0)) for row in rows.values()]
+    signs = [-1 if complex(x).real < 0 else 1 for x in sums]  # p -= h*grad is the flow of -grad
+    sums = [x * k for x, k in zip(sums, signs, strict=True)]
+    p, q = (complex(x).real for x in sums)
+    apart = abs(p - q) / max(abs(p), abs(q), 1e-300)
+    if (apart > _APART or abs(p) < _APART) and sum(map(len, rows.values())) < 5:
+        return None
+    n = round(p) if round(p) and abs(p / round(p) - 1) < _APART else 0
+    n = n or sums[0]
+    if apart > _SAME or abs(p) < _APART:
+        table.unread = f"two flows in turn, whose multiples sum to {p:.12g} and {q:.12g}"
+        return table
+    size = max(map(len, rows.values()))
+    for row, sign in zip(rows.values(), signs, strict=True):
+        made = [x.of(x.value / (n * sign)) for x in row]
+        for x, y in zip(made, row, strict=True):
+            x.place = y.place
+        table.b.append([*made, *([ZERO] * (size - len(made)))])
+    return table
+
+
+# --- numbers of known splittings ------------------------------------------------------------------
+
+#: Digits of a number that is no other one by chance, and how near it must be.
+_DIGITS, _NEAR = 9, 5e-9
+#: So many lines from a word of the subject.
+_ABOUT = 40
+
+
+@cache
+def _known() -> list[tuple[str, list[float]]]:
+    """Return the numbers of each splitting of the catalogue that say which one it is."""
+    found = []
+    for name, a, b, _ in Library().splittings:
+        numbers = {round(abs(x.real), 12) for x in (*a, *b)}
+        found.append((name, sorted(x for x in numbers if abs(x * 720 - round(x * 720)) > 1e-6)))
+    return found
+
+
+def known_numbers(text: str, tokens: Sequence[Token], found: Sequence[Table]) -> Iterator[Table]:
+    """Yield as unread the splitting of which two numbers, at least, stand outside of tables."""
+    spans = [(x.line - 3, max(x.line, x.last) + 3) for x in found]
+    given = [(float(said), x.line) for x in tokens if x.kind == "number"
+             and len(re.sub(r"[eEdD_].*|\D", "", x.text)) >= _DIGITS
+             and (said := re.sub(r"[dD]", "e", x.text.partition("_")[0].rstrip("fFlL")))
+             and _FLOAT.fullmatch(said)
+             and not any(low <= x.line <= high for low, high in spans)]  # fmt: skip
+    best: tuple[int, str, int] = (1, "", 0)
+    for name, numbers in _known() if len(given) > 1 else ():
+        same = {y: line for x, line in given for y in numbers if abs(abs(x) - y) < _NEAR}
+        best = max(best, (len(same), name, min(same.values(), default=0)), key=lambda x: x[0])
+    near = text.splitlines()[max(0, best[2] - _ABOUT) : best[2] + _ABOUT]
+    if best[1] and WORDS.search("\n".join(near)):
+        why = f"numbers of {best[1]} stand here; how they are used is not read"
+        yield Table(best[1], best[2], "splitting", unread=why, general=True, last=best[2])
