@@ -104,6 +104,7 @@ def test_the_search_of_orders_goes_on_with_the_series_of_the_judge(name):
         assert x.range(kernel.row_claim) == y.range(kernel.row_claim), row
     if not shared.along_paths:
         found = facts.shared.judged(False, free, False)
+        assert found is not None
         assert found.series is shared._leading and found.series.order > kernel.range("order").lower
         for t in shared.level(2):
             assert shared.value(t) == own.series[free, False].value(t)
@@ -121,7 +122,9 @@ def test_a_series_that_was_left_half_made_is_forgotten():
 
 def test_more_trees_than_the_judge_lists_leave_an_order_open(monkeypatch):
     facts = facts_for(load("gauss-2"))
-    found = facts.shared.judged(False, False, False).series
+    judged = facts.shared.judged(False, False, False)
+    assert judged is not None
+    found = judged.series
 
     def refuse(order):
         raise Refused("beyond the limits of this checker")
