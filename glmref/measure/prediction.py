@@ -71,8 +71,8 @@ PASSES = 6
 #: taken and whose energy is the early one where there is none, fewer derivatives where they would
 #: be more numbers than MOST; and so many as the size of the start is read off.
 PILOT, STEPS, LEAST, START, MOST = 5000, 1000, 200, 512, 2_000_000
-#: Growth of a parasitic part in the pilot run beyond which its start is not read off.
-MUCH = 1e4
+#: Growth of a parasitic part beyond which its start is not read off, and fewest steps for that.
+MUCH, SHORTEST = 1e4, 64
 #: Growth in half of a run that is not that of the time itself; and a part of the steps of loss that
 #: is clearly fewer.
 CLEAR, EARLIER = 3.0, 0.5
@@ -529,15 +529,21 @@ def _start(
     engine: Stepper, b: _Bundle, products: np.ndarray, values: np.ndarray, h: float
 ) -> np.ndarray:
     """Return phi at step 0, (m,): later steps taken back; what is smooth averages out."""
-    products = products[: START + 1]
-    n = np.arange(len(products) - 1)
-    seen = values[: len(n)].reshape(len(n), -1) @ b.left.T * (b.zeta**-n)[:, None]
-    # else the later steps may have left the orbit, or have forgotten the start
-    if np.linalg.norm(products[-1]) < MUCH:
-        with suppress(np.linalg.LinAlgError):
-            return _weights(len(n)) @ np.linalg.solve(products[:-1], seen[..., None])[..., 0]
-    first, t = values[0], float(engine.problem.t_span[0])
-    return b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel()
+    grown = np.linalg.norm(products[: START + 1], axis=(1, 2))
+    count = int(np.argmax(~(np.append(grown, MUCH) < MUCH))) - 1
+    found = []
+    if count >= SHORTEST:
+        n = np.arange(count)
+        seen = values[:count].reshape(count, -1) @ b.left.T * (b.zeta**-n)[:, None]
+        with suppress(np.linalg.LinAlgError):  # the later steps have forgotten the start
+            found.append(
+                _weights(count) @ np.linalg.solve(products[:count], seen[..., None])[..., 0]
+            )
+    if not found or count < START:
+        first, t = values[0], float(engine.problem.t_span[0])
+        found.append(b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel())
+    # too large is what later steps say that have left the orbit, and a series that diverges at h
+    return min(found, key=lambda x: float(np.linalg.norm(x)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,6 +145,14 @@ def test_growth_of_first_order_on_a_chaotic_orbit_is_followed_along_a_long_one(
     assert seen / 2 < found.steps < seen * 2
 
 
+@pytest.mark.slow
+def test_a_start_is_read_off_while_the_part_is_small():
+    """The part grows by 1e5 in 512 steps; the run was lost after 413."""
+    orbit = problem("kepler", eccentricity="1/10")
+    found = predict("milne-simpson-one-leg", orbit, 0.1, 1e6)
+    assert found.verdict == LOST and found.steps is not None and 300 < found.steps < 600
+
+
 def _followed(sizes):
     sizes = np.asarray(sizes, dtype=float)
     return prediction._Followed(np.arange(len(sizes)), sizes[:, None], 1e-9, 0 * sizes)
