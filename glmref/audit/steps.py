@@ -37,7 +37,7 @@ _OTHER = re.compile(
 )
 #: Names of a step, a time and a state, whatever number they begin with.
 _LOOSE = re.compile(
-    r"h|hh|dt|step|step_?size|delta_?t|deltat|tau|t|t0|time|[xyu](?:0|n|_n|_?old|in)?|state|[xyu]i",
+    r"h|hh|dt|step|step_?size|delta_?t|deltat|tau|t|t0|time|[xyu](?:0|n|_n|_?old|in)?|state|[yu]i",
     re.IGNORECASE,
 )
 EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improved|heun)).*euler",
@@ -389,11 +389,30 @@ class Step:
             left = left[mark + 1 :]
         if not left or left[-1].kind != "name":
             return
+        targets, given = _parts(left), _parts(row[equal + 1 :])
+        if len(targets) > 1:
+            self._set_at_once(targets, given)
+            return
         first = len(left) - 1
         while first >= 2 and left[first - 1].text in (".", "->") and left[first - 2].kind == "name":
             first -= 2
         owner = [x.text for x in left[first:-1:2] if x.text not in ("self", "this", "me")]
         self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
+
+    def _set_at_once(
+        self, targets: Sequence[Sequence[Token]], given: Sequence[Sequence[Token]]
+    ) -> None:
+        """Set several names to numbers; one that is set to a sum of others is not followed."""
+        for k, target in enumerate(targets):
+            try:
+                x = self.fold(given[k]) if len(given) == len(targets) else None
+            except Unread:
+                x = None
+            number = isinstance(x, Number) and not set(form(x).terms) - {()}
+            name = "".join(y.text for y in target)
+            if number and (name in self.again or _LOOSE.fullmatch(name)):
+                x = atom(name)
+            self.values[name] = x if number else Unread("several names are set at once")
 
     def _end(self, row: Sequence[Token]) -> None:
         """Note what is returned, by that word or by an expression at the end."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 from typing import Any, Protocol
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER
@@ -369,25 +369,36 @@ def correction(method: Trial, declared: int) -> list[dict[str, str]]:
     better = abscissa(method, declared)
     if better or declared > 8 or len(method.b[0]) > 16:
         return better
-    start = _residuals(method, declared)
     single = [(name, row, j, None) for name, row, j in method.slots()]
+    meant = (method.kick_first, method.quadratic)
+    ways = [meant]
+    if method.kind == "splitting":  # with a slip in it, no order says how it is meant
+        ways += [x for x in product((False, True), (False, True)) if x != meant]
     try:
         with limited(SEARCH):
-            for slots in (single, list(_pairs(method))):
-                for name, row, j, k in _ranked(method, declared, start, slots)[:14]:
-                    before = [row[j], *([] if k is None else [row[k]])]
-                    after = _solved(method, declared, row, j, k)
-                    if after is not None:
-                        better.append({
-                            "entry": name,
-                            "is": ", ".join(map(_short, reversed(before))),
-                            "should be": ", ".join(map(_short, reversed(after))),
-                        })  # fmt: skip
+            for way, slots in product(ways, (single, list(_pairs(method)))):
+                method.kick_first, method.quadratic = way
+                better += _changed(method, declared, slots)
                 if better:
                     break
     except BudgetError:
         pass
+    method.kick_first, method.quadratic = meant
     return better[:3]
+
+
+def _changed(method: Trial, declared: int, slots: Sequence[_Slot]) -> Iterator[dict[str, str]]:
+    """Yield the entries of a list, of those that may matter most, that give the declared order."""
+    start = _residuals(method, declared)
+    for name, row, j, k in _ranked(method, declared, start, slots)[:14]:
+        before = [row[j], *([] if k is None else [row[k]])]
+        after = _solved(method, declared, row, j, k)
+        if after is not None:
+            yield {
+                "entry": name,
+                "is": ", ".join(map(_short, reversed(before))),
+                "should be": ", ".join(map(_short, reversed(after))),
+            }
 
 
 def weight(method: Trial, declared: int) -> list[dict[str, str]]:

@@ -49,6 +49,7 @@ CLASSICAL = source("classical.m")
 RUTH = source("ruth.txt")
 THERMOSTAT = source("thermostat.txt")
 SYMPLECTIC = source("symplectic.rs")
+PEFRL = source("pefrl.txt")
 CASES = {
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
@@ -85,6 +86,8 @@ CASES = {
     "one list of several": Case("nhc.py", THERMOSTAT, "0.65796308", "0.65769308", "w[3]"),
     "pairs of steps": Case("s.rs", SYMPLECTIC, "7.0/24", "7.0/42", "b[3]"),
     "steps with a number": Case("s.rs", SYMPLECTIC, "0.7563200005", "0.7536200005", "b[3]"),
+    "flows in turn": Case("pef.py", PEFRL, "= -0.2123418310", "= -0.2132418310", "omelyan-pefrl-4",
+                          (), True),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
 
