@@ -539,7 +539,7 @@ def _start(
             found.append(
                 _weights(count) @ np.linalg.solve(products[:count], seen[..., None])[..., 0]
             )
-    if not found or count < START:
+    if not found or count < len(grown) - 1:
         first, t = values[0], float(engine.problem.t_span[0])
         found.append(b.left @ Underlying(engine).parasitic(t, first, h, order=10).ravel())
     # too large is what later steps say that have left the orbit, and a series that diverges at h
