@@ -10,6 +10,8 @@ from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 SHORT = ROOT / "docs" / "audit.md"
 PAGE = ROOT / "docs" / "audit" / "tables.md"
+#: What a question says where nothing says why; the page defines the word so.
+UNNAMED = "no single entry explains it: the label, or more than one entry"
 #: Tables that the short page shows: code, name.
 SHOWN_FIRST = (
     ("petsc", "TSARKIMEXBPR3"), ("openmodelica", "FEHLBERG12"),
@@ -38,6 +40,19 @@ def source(record: Mapping[str, Any]) -> str:
     return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) {x['date']}, {x['licence']}"
 
 
+def place(record: Mapping[str, Any], table: Mapping[str, Any]) -> str:
+    """Return the path and line of a table, linked at its commit, with the date and licence."""
+    x, line = record["source"], f"{table['path']}:{table['line']}"
+    link = f"{x['page']}/blob/{x['commit']}/{table['path']}#L{table['line']}"
+    return f"[`{line}`]({link}) {x['date']}, {x['licence']}"
+
+
+def said(table: Mapping[str, Any]) -> str:
+    """Return what is wrong with a table, without the remark that nothing says why."""
+    remarks = [x for x in table.get("remarks", ()) if x != UNNAMED]
+    return named({**table, "remarks": remarks})
+
+
 def findings() -> str:
     """Return every table that is not right, the wrong ones first."""
     rows = []
@@ -46,10 +61,9 @@ def findings() -> str:
             for x in record["tables"]:
                 if x["status"] == status:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
-                    place = f"`{x['path']}`:{x['line']}"
-                    cells = [code, x["name"], place, source(record), status, x.get("declared", "")]
-                    rows.append([*cells, x.get("found", ""), tree, named(x)])
-    head = "code, table, place, source, status, declared, found"
+                    cells = [code, x["name"], place(record, x), status, x.get("declared", "")]
+                    rows.append([*cells, x.get("found", ""), tree, said(x)])
+    head = "code, table, source, status, declared, found"
     return markdown([*head.split(", "), "tree, residual", "named"], rows)
 
 
@@ -60,8 +74,8 @@ def first() -> str:
         found = next(
             x for x in known[code]["tables"] if x["name"] == name and x["status"] == "wrong"
         )
-        said = named(found).partition("; ")[0]
-        rows.append([code, name, found["declared"], found["found"], said])
+        first_said = named(found).partition("; ")[0]
+        rows.append([code, name, found["declared"], found["found"], first_said])
     return markdown(["code", "table", "declared", "found", "named"], rows)
 
 

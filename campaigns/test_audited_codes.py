@@ -45,6 +45,8 @@ KNOWN = [
     ("gromacs", "sy_const_5, 5", "question", "the sum of the cubes of the weights is 0.098"),
     ("openmm", "getYoshidaSuzukiWeights, 3", "question", "the cubes of the weights is 0.855"),
     ("jax-md", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
+    ("gridap.jl", "tableau", "wrong", "the row emb_weights has order 3, declared is 2"),
+    ("pathsim", "RKF45", "question", "`rkf45-4` has `a[6][3]` = -3544/2565"),
     ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
 ]
 
