@@ -286,6 +286,8 @@ def known_numbers(text: str, tokens: Sequence[Token], found: Sequence[Table]) ->
              and (said := re.sub(r"[dD]", "e", x.text.partition("_")[0].rstrip("fFlL")))
              and _FLOAT.fullmatch(said)
              and not any(low <= x.line <= high for low, high in spans)]  # fmt: skip
+    held = [abs(complex(y.value)) for x in found if not x.unread for row in x.b for y in row]
+    given = [(x, line) for x, line in given if all(abs(abs(x) - y) >= _NEAR for y in held)]
     best: tuple[int, str, int] = (1, "", 0)
     for name, numbers in _known() if len(given) > 1 else ():
         same = {y: line for x, line in given for y in numbers if abs(abs(x) - y) < _NEAR}
