@@ -23,7 +23,7 @@ _WORDS = (
 ).split()
 _PHRASES = re.compile(
     r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
-    r"|cash.?karp|bogacki"
+    r"|cash.?karp|bogacki|omelyan|forest.?ruth"
 )
 
 
