@@ -96,6 +96,8 @@ class _Plain:
         if unknown:
             keys = sorted(BLOCKS[kind] | _ORDERS.keys() | {"digits", "name"})
             near = did_you_mean(unknown[0], keys, "; ")
+            if unknown[0].startswith("b") and "embedded" in keys:
+                near = "; the weights of an embedded method are a row of `embedded`"
             raise DataError(
                 f"the key {unknown[0]!r} is unknown for class {kind!r}; allowed are "
                 f"{', '.join(keys)}{near}"
