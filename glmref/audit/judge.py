@@ -65,12 +65,12 @@ def judge(table: Table, library: Library | None = None, *, search: bool = True) 
             _judge(table, record, library, search)
     except BudgetError as error:
         record |= {"status": "unread", "remarks": [f"not decided: {error}"]}
-    except (IndexError, ValueError) as error:
+    except (IndexError, ValueError):
         rows = [row for A in table.A for row in (A, *A)]
         sizes = {len(x) for x in (*rows, *table.b, *filter(None, table.c))}
-        said = f"{type(error).__name__}: {error}"
-        if len(sizes) > 1:
-            said = f"rows and columns of A, b and c have the sizes {sorted(sizes)}"
+        said = f"rows and columns of A, b and c have the sizes {sorted(sizes)}"
+        if len(sizes) < 2:
+            said = "what is read here does not make a tableau"
         record |= {"status": "unread", "remarks": [said]}
     except (GlmrefError, KeyError, ZeroDivisionError) as error:
         record |= {"status": "unread", "remarks": [f"{type(error).__name__}: {error}"]}

@@ -496,8 +496,10 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
             given = x.value if abs(sum(values) - 1) <= LOOSE or all(same) else []
         elif full and sum(same) >= len(same) - 2 and min(values) < 0:
             gaps = abs(sum(values) - 1), abs(sum(y**3 for y in values))
-            sure = all(same) and max(gaps) < LOOSE
-            likely = max(gaps) < 0.5 and _says(_WEIGHTS, text) and not _other_flow(x, vectors)
+            likely = max(gaps) < 0.9 and _says(_WEIGHTS, text) and not _other_flow(x, vectors)
+            middle = values[len(values) // 2]  # no filter goes back in the middle
+            known = likely and gaps[0] < 1e-9 and middle == min(values) and middle % 1 != 0
+            sure = all(same) and (max(gaps) < LOOSE or known)
             given = x.value if sure or likely else []
         n = max((k for k, y in enumerate(values, 1) if y), default=0)
         half = [*values[:n], *values[: max(0, n - 1)][::-1]]

@@ -50,6 +50,7 @@ RUTH = source("ruth.txt")
 THERMOSTAT = source("thermostat.txt")
 SYMPLECTIC = source("symplectic.rs")
 PEFRL = source("pefrl.txt")
+CHAIN = source("thermostat-classes.txt")
 CASES = {
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
@@ -88,6 +89,9 @@ CASES = {
     "steps with a number": Case("s.rs", SYMPLECTIC, "0.7563200005", "0.7536200005", "b[3]"),
     "flows in turn": Case("pef.py", PEFRL, "= -0.2123418310", "= -0.2132418310", "omelyan-pefrl-4",
                           (), True),
+    "an exponent of the wrong sign": Case(
+        "ys.py", CHAIN, "1.3512071919596578, -1.7024143839193155, 1.3512071919596578",
+        "0.828981543588751, -0.657963087177502, 0.828981543588751", "0.855"),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
 
