@@ -66,10 +66,10 @@ def evaluations(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     scene = load_scene(scenes()[case["problem"]])
     curves: dict[str, list[tuple[int, float]]] = {}
     for x in run(scene):
-        ended = x["outcome"] == "completed" and x["state_error"] is not None
+        error = x["state_error"] if x["outcome"] == "completed" else None
         count = (x.get("evaluations") or 0) + x.get("start_evaluations", 0)
-        error = x["state_error"] if ended else math.inf
-        curves.setdefault(method_of(x), []).append((count, error))
+        made = curves.setdefault(method_of(x), [])
+        made.append((count, math.inf if error is None else float(error)))
     found = {
         tolerance: {name: needed(curve, tolerance) for name, curve in curves.items()}
         for tolerance in TOLERANCES
@@ -77,7 +77,7 @@ def evaluations(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     for tolerance, counts in found.items():
         for name in scene.peers:
             last = crossing(curves[name], tolerance)
-            counts[name] = counts[name] or (last and round(last))
+            counts[name] = counts[name] or (round(last) if last else None)
     return [
         {"problem": case["problem"], "tolerance": tolerance, "methods": counts}
         for tolerance, counts in found.items()
