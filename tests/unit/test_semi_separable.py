@@ -268,7 +268,7 @@ def test_the_step_has_to_suit_the_strongest_field_of_the_orbit() -> None:
         found = solve(given, "multistep-kinetic-8", h=h, steps=steps, every=steps // 400)
         energy = np.array([float(given.hamiltonian(y)) for y in found.y])
         whole[h] = float(np.abs(energy / energy[0] - 1).max()), found.suspect
-    assert whole[0.0016][0] < 1e-14  # rounding, which differs by processor
+    assert whole[0.0016][0] < 1.5e-13  # what the start makes; docs/velocities.md has 1.2e-13
     assert whole[0.0016][1] is None
     assert whole[0.0266][1] is not None
 
