@@ -230,12 +230,8 @@ class Collector:
         after = next((t for t in self.tokens[k + 1 : k + 4] if t.kind != "line"), None)
         if after is not None and (after.kind == "number" or after.text in ("{", "-", "[", "}")):
             return not head
-        if (
-            head
-            and head[-1].kind == "name"
-            and self.tokens[end + 1 : end + 2]
-            and (self.tokens[end + 1].text == ";")
-        ):  # ``array<T, 2> b{T(1) / 2, 0.5};``
+        ends = [t.text for t in self.tokens[end + 1 : end + 2]] == [";"]
+        if ends and head[-1].kind == "name":  # ``array<T, 2> b{T(1) / 2, 0.5};``
             return False
         return not any(t.text == "=" for t in head) and self.language.name != "rust"
 
