@@ -1,9 +1,5 @@
-"""Search for explicit symmetric multivalue methods for q'' = k(q) with several kicks a step.
+"""Explicit symmetric multivalue methods for q'' = k(q) with several kicks a step, measured.
 
-    python -m campaigns.partitioned.stages_search 2 --angles 67 85 122 152 --seed 1 2 --tries 160
-    python -m campaigns.partitioned.stages_search counted 3 10 1 40 120
-    python -m campaigns.partitioned.stages_search counted 3 10 1 12 40 3
-    python -m campaigns.partitioned.stages_search further "two kicks, solved for order 10" 10 1 400
     python -m campaigns.partitioned.stages_search front data/measurements/multistep-front.json
     python -m campaigns.partitioned.stages_search resonances data/measurements/multistep-growth.json
 
@@ -14,27 +10,21 @@ is the same backwards. s = 1 is the multistep method of :mod:`.multistep_search`
 Unknown are the angles, the kicks, complex numbers for each pair in the basis of the turns at the
 middle of the step, and the abscissae. The drifts follow: all stages are the solution to order
 2 m + 2 if they match the powers x, x^3, .. of a drift that is its own mirror image, and all
-powers of another, where the forces are exp(x t / h). The second form (pairs, order, seed, starts,
-tries and, unless 2, kicks) solves for unknowns with which the drifts match further powers, and goes
-on among the solutions; the third (end, order, seed, tries) goes on from one of the ends. Minimized
-is the mean logarithm of the evaluations that are needed on :data:`CASES`, training problems, plus a
-penalty for growth.
+powers of another, where the forces are exp(x t / h).
 """
 
 from __future__ import annotations
 
-import argparse
 import ctypes
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.linalg import toeplitz
-from scipy.optimize import least_squares
 
 from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.pages import markdown
@@ -52,10 +42,8 @@ CASES: tuple[Training, ...] = (
     one._kepler(0.5, 8, 250, 12000),
     *(one.CASES[k] for k in (2, 3, 4)),
 )
-#: Decades of growth cost this much each; evaluations of a run that looks for it.
-PENALTY, STEPS = 0.02, 40_000
-#: Smallest distance of two angles and from 180 degrees, smallest angle, for one stage; degrees.
-APART, FROM_ONE = 3.6, 22
+#: Evaluations of a run that looks for growth.
+STEPS = 40_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,16 +59,6 @@ class Stages:
     def s(self) -> int:
         """Number of kicks."""
         return len(self.abscissae)
-
-
-def doubled(angles: Sequence[float]) -> Stages:
-    """Return two steps of the method with one kick as one; angles in radians."""
-    turned = 2 * np.asarray(angles, dtype=float)
-    phases = turned / 4
-    back = turned > math.pi  # the conjugate pair
-    turned, phases = np.where(back, 2 * math.pi - turned, turned), np.where(back, -phases, phases)
-    kick = np.exp(1j * phases)
-    return Stages(turned, np.array([-0.25, 0.25]), np.array([kick, kick.conj()]))
 
 
 def exponential(rate: float) -> np.ndarray:
@@ -99,12 +77,6 @@ def _shifted(a: np.ndarray, places: int) -> np.ndarray:
 
 def drifts(stages: Stages) -> tuple[np.ndarray, np.ndarray]:
     """Return weights of the drifts and of the kicks, each (s, 1 + 2 m), in real values."""
-    phi, b, _ = _series(stages)
-    return phi, b
-
-
-def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return :func:`drifts` and what they leave of each power of x, (s, LENGTH), centred."""
     s, m, theta = stages.s, len(stages.angles), stages.angles
     forces = [_shifted(exponential(c), 2) for c in stages.abscissae]  # x^2 exp(x c)
     step = times(exponential(1.0))
@@ -118,7 +90,6 @@ def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         kicked = sum(b * f for b, f in zip(stages.kicks[:, j], forces, strict=True))
         values.append(np.linalg.solve(step * np.exp(-1j * theta[j]) - np.eye(LENGTH), kicked))
     phi, b = np.zeros((s, 1 + 2 * m)), np.zeros((s, 1 + 2 * m))
-    left = np.zeros((s, LENGTH))
     for i, force in enumerate(forces):
         b[i] = [1 / s, *np.column_stack([stages.kicks[i].real, stages.kicks[i].imag]).ravel()]
         kicks = [1 / s, *stages.kicks[i]]
@@ -139,70 +110,10 @@ def _series(stages: Stages) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         columns += [] if mirrored else [v.imag for v in pairs]
         rows = slice(1, 2 * m + 2, 2 if mirrored else 1)
         found = np.linalg.solve(np.array(columns).T[rows], moved[rows])
-        left[i] = moved - np.array(columns).T @ found
         weight = found[1 : m + 1] + (0 if mirrored else 1j * found[m + 1 :])
         weight = weight.conj() * turn  # Re(weight y) moves q
         phi[i] = [found[0], *np.column_stack([weight.real, -weight.imag]).ravel()]
-    return phi, b, left
-
-
-def _of(x: np.ndarray, s: int = 2) -> Stages:
-    """Return the method with so many kicks, 2 to 4, of its unknowns.
-
-    Angles, phases of the first kick, whose numbers have length 1; with three kicks the numbers of
-    the second, which are real, with four their logarithms; the abscissae of the last kicks.
-    """
-    pairs = (len(x) - s // 2) // s
-    angles, phases, *more = np.split(x[: s * pairs], s)
-    kicks = [np.exp(1j * phases)]
-    middle = more if s == 3 else [np.exp(more[0] + 1j * more[1])] if s == 4 else []
-    kicks += middle
-    kicks += [x.conj() for x in reversed(kicks[: s // 2])]
-    places = x[s * pairs :]
-    abscissae = [*-places, *[0.0] * (s % 2), *places[::-1]]
-    return Stages(angles, np.array(abscissae), np.array(kicks, dtype=complex))
-
-
-def solved(x: np.ndarray, order: int, s: int = 2) -> np.ndarray | None:
-    """Solve for a method of an order beyond 2 m + 2, from near unknowns.
-
-    A drift that is its own mirror image has to match each further odd power of x, another one each
-    further power. With two kicks two orders more cost two conditions on 2 m + 1 unknowns. Levenberg
-    and Marquardt's method. ``None`` where no unknowns are found or :func:`allowed` refuses the
-    method.
-    """
-    pairs = (len(x) - s // 2) // s
-    rows = [(i, k) for i in range(s // 2) for k in range(2 * pairs + 2, order)
-            if k % 2 or 2 * (i + 1) != s]  # fmt: skip
-    rows += [(s - 1, k) for k in range(2 * pairs + 3, order, 2)]
-    at = tuple(np.array(rows).T)
-    scale = np.array([float(math.factorial(k)) for k in at[1]])
-
-    def conditions(x: np.ndarray) -> np.ndarray:
-        found = np.zeros(max(len(x), len(rows)))  # as many as unknowns, for the solver
-        try:
-            found[: len(rows)] = _series(_of(x, s))[2][at] * scale
-        except np.linalg.LinAlgError:
-            return np.full(len(found), 1e6)
-        return np.nan_to_num(found, nan=1e6, posinf=1e6, neginf=-1e6).clip(-1e6, 1e6)
-
-    found = least_squares(conditions, x, method="lm", max_nfev=40 * len(x))
-    reached = np.abs(found.fun).max() < 1e-7 and allowed(_of(found.x, s))
-    return found.x if reached else None
-
-
-def counted(pairs: int, order: int, *, seed: int, starts: int, s: int = 2) -> list[np.ndarray]:
-    """Return unknowns of :func:`solved` from random starts, those with a periodicity interval."""
-    generator, ends = np.random.default_rng(seed), []
-    for _ in range(starts):
-        angles = np.radians(generator.uniform(s * FROM_ONE, 176, size=pairs))
-        phases = generator.uniform(-math.pi, math.pi, size=pairs)
-        more = generator.uniform(-1, 1, size=(s - 2) * pairs)
-        if s == 4:
-            more[pairs:] *= math.pi
-        places = np.arange(s - 1, 0, -2) / (2 * s) + generator.uniform(-0.2, 0.2, size=s // 2) / s
-        ends.append(solved(np.concatenate([angles, phases, more, places]), order, s))
-    return [x for x in ends if x is not None and interval(_of(x, s)) > 0.05]
+    return phi, b
 
 
 def _on_oscillator(stages: Stages) -> Callable[[float], np.ndarray]:
@@ -294,13 +205,6 @@ def gap(angles: np.ndarray) -> float:
     return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
 
 
-def allowed(stages: Stages) -> bool:
-    """Return whether the roots lie apart and the kicks in order."""
-    least, s = np.degrees(stages.angles.min()), stages.s
-    inside = np.diff([-0.46, *stages.abscissae, 0.46])
-    return bool(gap(stages.angles) >= APART * s and least >= FROM_ONE * s and min(inside) > 0)
-
-
 def evaluations(stages: Stages, cases: Sequence[Training] = CASES) -> np.ndarray:
     """Return what each case needs (row) for each tolerance (column)."""
     method = compiled(stages)
@@ -317,48 +221,6 @@ def growth(stages: Stages, counts: np.ndarray, cases: Sequence[Training] = CASES
                 grown, _ = method.run(case, case.t_end / steps * scale, STEPS // stages.s)
                 total += max(0.0, math.log10(min(max(grown, 1.0), 1e12)) - 0.7)
     return total
-
-
-def objective(stages: Stages, bound: float = math.inf) -> float:
-    """Return what is minimized; a lower bound of it where that exceeds ``bound``."""
-    if not allowed(stages):
-        return math.inf
-    counts = evaluations(stages)
-    value = float(np.log(counts).mean(axis=0) @ np.array(one.WEIGHTS))
-    return value if value > bound else value + PENALTY * growth(stages, counts)
-
-
-def descend(stages: Stages, *, seed: int, tries: int, width: float = 3.0) -> tuple[Stages, float]:
-    """Change some or all unknowns at random, and keep what is better; the same for a seed.
-
-    Angles and phases change by degrees, absolute values by hundredths, abscissae by thousandths.
-    The kick in the middle, if there is one, keeps its phase.
-    """
-    generator, best = np.random.default_rng(seed), objective(stages)
-    s, m = stages.s, len(stages.angles)
-
-    def change(size: tuple[int, ...] | int) -> np.ndarray:
-        return width * generator.normal(size=size) * (generator.random(size) < chance)
-
-    for _ in range(tries):
-        chance = 1.0 if generator.random() < 0.5 else 0.3
-        kicks, abscissae = stages.kicks.copy(), stages.abscissae.copy()
-        for i in range(s // 2):
-            lengths = 1 + 0.01 * change(m) * (s > 2)
-            kicks[i] *= lengths * np.exp(1j * np.radians(change(m)))
-            abscissae[i] += 0.002 * float(change(1)[0])
-            kicks[-1 - i], abscissae[-1 - i] = kicks[i].conj(), -abscissae[i]
-        angles = stages.angles + np.radians(change(m))
-        new = replace(stages, angles=angles, kicks=kicks, abscissae=abscissae)
-        try:
-            value = objective(new, best)
-        except np.linalg.LinAlgError:
-            continue
-        if value < best:
-            stages, best, width = new, value, min(12.0, width * 1.5)
-        elif value < math.inf:
-            width = max(0.1, width * 0.96)
-    return stages, best
 
 
 # --- resonances -----------------------------------------------------------------------------------
@@ -457,8 +319,8 @@ def growth_table(document: Mapping[str, Any]) -> str:
 #: Methods with two kicks that descents ended with, in degrees: angles, phases of the first kick,
 #: and the abscissa of the second kick. The first is the end of a descent that looked at the phase
 #: on the oscillator and the periodicity interval alone, the next two went on from such ends on
-#: :data:`CASES`. The last two are ends of :func:`count`, 3 10 1 40 120 and 4 12 1 30 60, that were
-#: broken off; from the first of them :func:`further` went on with seed 1.
+#: :data:`CASES`. The last two were solved for from random starts, and descents went on among the
+#: solutions.
 FOUND: Mapping[str, tuple[Sequence[float], Sequence[float], float]] = {
     "two kicks, by the phase": (
         (85.1087, 111.5989, 166.3418, 133.5990),
@@ -580,79 +442,6 @@ def front_table(document: Mapping[str, Any]) -> str:
     return markdown(heads.split(", "), rows)
 
 
-def count(pairs: int, order: int, seed: int, starts: int, tries: int, s: int = 2) -> None:
-    """Print where :func:`counted` ends, and a random descent among the solutions from the best."""
-    ends = counted(pairs, order, seed=seed, starts=starts, s=s)
-    sys.stdout.write(f"{pairs} pairs, order {order}: {len(ends)} of {starts} starts\n")
-    ranked = sorted(((objective(_of(x, s)), k) for k, x in enumerate(ends)), reverse=True)
-    for value, k in ranked:
-        sys.stdout.write(f"{_line(_of(ends[k], s), value)}\n")
-    if ranked:
-        among(ends[ranked[-1][1]], order, seed=seed, tries=tries, s=s)
-
-
-def among(x: np.ndarray, order: int, *, seed: int, tries: int, s: int = 2) -> None:
-    """Print the course of a random descent among the solutions of :func:`solved`."""
-    generator, width, best = np.random.default_rng(seed), 0.1, objective(_of(x, s))
-    for _ in range(tries):
-        step = generator.normal(size=len(x)) * ([1.0] * (len(x) - s // 2) + [0.1] * (s // 2))
-        new = solved(x + width * step, order, s)
-        value = math.inf if new is None else objective(_of(new, s), best)
-        if new is not None and value < best:
-            x, best, width = new, value, 1.5 * width
-            sys.stdout.write(f"{_line(_of(x, s), best)}\n")
-            sys.stdout.flush()
-        else:
-            width = max(0.005, 0.93 * width)
-
-
-def further(name: str, order: int, seed: int, tries: int) -> None:
-    """Go on from one of :data:`FOUND` among the methods of an order, by :func:`among`."""
-    angles, phases, place = FOUND[name]
-    begun = solved(np.array([*np.radians(angles), *np.radians(phases), place]), order)
-    if begun is None:
-        raise SystemExit(f"{name} is not near a method of order {order}")
-    among(begun, order, seed=seed, tries=tries)
-
-
-def descent(task: Mapping[str, Any]) -> str:
-    """Run one descent from the doubled method with given angles, or the method itself."""
-    angles = np.radians(task["angles"])
-    alone = Stages(angles, np.zeros(1), np.ones((1, len(angles)), dtype=complex))
-    begun = alone if task["stages"] == 1 else doubled(angles)
-    found, value = descend(begun, seed=task["seed"], tries=task["tries"])
-    return _line(found, value)
-
-
-def _line(found: Stages, value: float) -> str:
-    phases = np.degrees(np.angle(found.kicks[0])).round(4).tolist()
-    return (
-        f"{value:.4f} interval {interval(found):.3f} angles {np.degrees(found.angles).round(4)} "
-        f"phases {phases} abscissae {found.abscissae.round(5)}"
-    )
-
-
-def main(words: Sequence[str]) -> None:
-    """Run a descent for each seed, or one of the measurements."""
-    if words[:1] in (["resonances"], ["front"]):
-        {"resonances": resonances, "front": front}[words[0]](Path(words[1]))
-        return
-    if words[:1] == ["counted"]:
-        count(*map(int, words[1:]))
-        return
-    if words[:1] == ["further"]:
-        further(words[1], *map(int, words[2:]))
-        return
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("stages", type=int, choices=(1, 2))
-    parser.add_argument("--angles", type=float, nargs="+", required=True, help="of one stage")
-    parser.add_argument("--seed", type=int, nargs="+", default=[1])
-    parser.add_argument("--tries", type=int, default=100)
-    given = parser.parse_args(words)
-    same = {"stages": given.stages, "angles": given.angles, "tries": given.tries}
-    for line in carried_out(descent, ({**same, "seed": x} for x in given.seed)):
-        sys.stdout.write(f"{line}\n")
-
-
 if __name__ == "__main__":
-    main(arguments(sys.argv[1:]))
+    what, file = arguments(sys.argv[1:])
+    {"resonances": resonances, "front": front}[what](Path(file))

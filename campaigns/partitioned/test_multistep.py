@@ -23,17 +23,7 @@ from campaigns.partitioned.multistep import (
 )
 from campaigns.partitioned.multistep_search import coefficients
 from campaigns.partitioned.multistep_tables import long_answer, multistep_shipped
-from campaigns.partitioned.stages_search import CASES as TRAINING
-from campaigns.partitioned.stages_search import (
-    Stages,
-    _of,
-    compiled,
-    counted,
-    doubled,
-    drifts,
-    interval,
-    ranges,
-)
+from campaigns.partitioned.stages_search import Stages, drifts, interval, ranges
 from glmref.catalogue.lookup import document, load
 from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
@@ -227,6 +217,15 @@ def test_the_weights_of_the_search_are_those_of_stormer_and_of_the_leapfrog():
     assert b.sum() == pytest.approx(2)
 
 
+def doubled(angles: np.ndarray) -> Stages:
+    """Return two steps of the method with one kick as one; angles in radians."""
+    turned, phases = 2 * angles, angles / 2
+    back = turned > np.pi  # the conjugate pair
+    turned, phases = np.where(back, 2 * np.pi - turned, turned), np.where(back, -phases, phases)
+    kick = np.exp(1j * phases)
+    return Stages(turned, np.array([-0.25, 0.25]), np.array([kick, kick.conj()]))
+
+
 def test_two_steps_of_one_kick_are_one_of_two():
     """The drifts of both halves are those of the method with one kick, and so is the interval."""
     angles = np.radians([67, 85, 122, 152])
@@ -241,26 +240,6 @@ def test_two_steps_of_one_kick_are_one_of_two():
         assert np.hypot(*two[0, k : k + 2]) == pytest.approx(size, rel=1e-8)
     assert np.hypot(kicks[0, 1], kicks[0, 2]) == pytest.approx(1)
     assert interval(doubled(angles), 50) == interval(alone, 50)
-
-
-@pytest.mark.slow
-def test_two_kicks_of_a_higher_order_are_found_by_solving_for_it():
-    found = counted(3, 10, seed=1, starts=4)
-    assert found
-    for stages in map(_of, found):
-        assert stages.s == 2 and len(stages.angles) == 3
-        errors = [compiled(stages).error(TRAINING[0], n) for n in (1800, 2400)]
-        assert np.log(errors[0] / errors[1]) / np.log(4 / 3) > 9  # 7.6 without the conditions
-
-
-@pytest.mark.slow
-def test_three_kicks_of_a_higher_order_are_found_by_solving_for_it():
-    (x, *_) = counted(1, 6, seed=1, starts=6, s=3)
-    stages = _of(x, 3)
-    assert stages.kicks[2] == pytest.approx(stages.kicks[0].conj())
-    assert stages.kicks[1].imag == pytest.approx(0)
-    errors = [compiled(stages).error(TRAINING[0], n) for n in (1200, 2400)]
-    assert np.log2(errors[0] / errors[1]) > 5.5  # 4 without the conditions
 
 
 def test_ranges_join_neighbours():

@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,6 @@ from glmref.catalogue.files import data_root, names
 from glmref.cli import main
 from glmref.errors import DataError
 from glmref.exchange.feed import VERSION, output_folder, write_feed
-from glmref.exchange.feed_changes import changes
 
 DOCS = Path(__file__).parents[2] / "docs"
 CHOSEN = ("dormand-prince-5-4", "gauss-2", "gauss-2-seven-digits", "tsitouras-5-4")
@@ -131,124 +129,10 @@ def test_a_client_written_from_the_page_lists_pairs_with_their_defects(
     assert not any("gauss" in line for line in lines)
 
 
-def edit(path: Path, change: Callable[[Any], object]) -> None:
-    document = read(path)
-    change(document)
-    path.write_text(canonical(document))
-
-
-@pytest.mark.slow
-def test_what_changed_is_listed_and_a_broken_promise_is_an_error(
-    feed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    new = tmp_path / "new"
-    shutil.copytree(feed, new)
-    assert main(["feed", "--diff", str(feed), str(new)]) == 0
-    assert capsys.readouterr().out == "0 allowed, 0 not\n"
-    root = new / VERSION
-    index = read(root / "index.json")
-    pair, gauss, gone, _ = index["methods"]
-    index["methods"].remove(gone)
-    index["methods"].append({**gone, "name": "mine"})
-    pair["verdicts"] = {**pair["verdicts"], "order": "fails", "new-claim": "holds"}
-    (root / "index.json").write_text(canonical(index))
-    number = {"exact": [["1/3", "1/2"]], "decimal": [], "double": []}
-    edit(root / gauss["path"], lambda x: x["blocks"].update(b=number))
-    found = changes(feed, new)
-    assert found.broken == [
-        "gauss-2-seven-digits: gone",
-        "dormand-prince-5-4: order holds, now fails",
-        "gauss-2: other coefficients, and no new erratum says why",
-    ]
-    assert found.allowed == ["mine: new, rk", "dormand-prince-5-4: new-claim is new"]
-    assert main(["feed", "--diff", str(feed), str(new)]) == 1
-    vectors = root / "vectors" / "gauss-2.json"
-    edit(vectors, lambda x: x["cases"][0].update(h="1"))
-    said = "vectors, step/gauss-2/linear: other h"
-    assert said in changes(feed, new).broken
-    gauss["source"]["errata"] = ["A digit of b was wrong."]
-    (root / "index.json").write_text(canonical(index))
-    found = changes(feed, new)
-    assert "gauss-2: other coefficients" in found.allowed and said in found.allowed
-
-
-@pytest.mark.sampled(3)
-@pytest.mark.parametrize(
-    ("file", "change", "said", "broken"),
-    [
-        ("audits.json", lambda x: x["tables"][0].update(status="new"), ", now new", False),
-        ("audits.json", lambda x: x["tables"][0].update(line=0), " as before, other line", False),
-        ("audits.json", lambda x: x["tables"].pop(), ", now not audited", False),
-        ("problems/index.json", lambda x: x["names"].remove("kepler"), "problem kepler: gone", True),
-        ("problems/kepler.json", lambda x: x.update(about="x"), "kepler: about is described", False),
-        ("problems/kepler.json", lambda x: x.update(y0=["1"]), "problem kepler: other y0", True),
-        ("problems/kepler.json", lambda x: x.pop("y0"), "kepler: the key y0 is gone", True),
-        ("problems/kepler.json", lambda x: x["states"].append({}), "kepler: more states", False),
-        ("problems/trees.json", lambda x: x["problems"][3].update(f=["0"]), ": other f", True),
-        ("problems/trees.json", lambda x: x["problems"].pop(0), "problem autonomous-o: gone", True),
-        ("vectors/rk4.json", lambda x: x["cases"].pop(0), "vectors, step/rk4/linear: gone", True),
-        ("vectors/rk4.json", lambda x: x["cases"].append({"id": "a"}), "vectors, a: new", False),
-        ("vectors/problems.json", lambda x: x["problems"][0].update(f=[]), "linear: other f", True),
-    ],
-)  # fmt: skip
-def test_a_change_of_problems_vectors_or_audits_is_listed(
-    file: str, change: Callable[[Any], object], said: str, broken: bool, copy: Path, feed: Path
-) -> None:
-    path = copy / VERSION / file
-    before = path.read_bytes()
-    edit(path, change)
-    found = changes(feed, copy)
-    path.write_bytes(before)
-    (line,) = found.broken if broken else found.allowed
-    assert said in line and len(found.broken) == broken
-
-
-@pytest.fixture(scope="module")
-def copy(feed: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return Path(shutil.copytree(feed, tmp_path_factory.mktemp("copy") / "feed"))
-
-
-def test_a_file_that_is_gone_breaks_the_promise(feed: Path, copy: Path) -> None:
-    path = copy / VERSION / "SHA256SUMS"
-    before = path.read_text()
-    path.write_text("\n".join(x for x in before.splitlines() if "check.js" not in x))
-    found = changes(feed, copy)
-    path.write_text(before)
-    assert found.broken == ["checkers/check.js: gone"]
-
-
-@pytest.mark.parametrize(
-    ("file", "text", "said"),
-    [
-        ("index.json", "{", "index.json: line 1, column 2 is not JSON"),
-        ("index.json", "[]", "index.json: the file must be an object, got []"),
-        ("index.json", "{}", "index.json: the file has no `methods` of type list"),
-        ("index.json", '{"methods": [{"name": "a"}]}', "index.json: methods[0] has no `path`"),
-        ("methods/gauss-2.json", "{}", "gauss-2.json: the file has no `blocks` of type dict"),
-        ("audits.json", '{"tables": [3]}', "audits.json: tables[0] must be an object, got 3"),
-        ("problems/kepler.json", "[]", "kepler.json: the file must be an object"),
-        ("vectors/rk4.json", '{"cases": 3}', "rk4.json: the file has no `problems` of type list"),
-    ],
-)  # fmt: skip
-def test_a_damaged_feed_is_refused_in_one_sentence(
-    file: str, text: str, said: str, copy: Path, feed: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = copy / VERSION / file
-    before = path.read_bytes()
-    path.write_text(text)
-    codes = {main(["feed", "--diff", str(x), str(y)]) for x, y in ((feed, copy), (copy, feed))}
-    path.write_bytes(before)
-    assert codes == {2}
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 2 and all(said in line for line in lines)
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "give either --output DIR or --diff OLD NEW"),
-        (["--diff", "a", "b"], "a/v1/index.json is missing; give the folder"),
-        (["--diff", "a", "b", "--methods", "rk4"], "--methods goes with --output"),
+        ([], "--output"),
         (["--output", ".", "--methods", "x.json"], "the feed has shipped methods only"),
         (["--output", "there"], "there/v1 is there already; remove it"),
     ],
