@@ -49,60 +49,115 @@ class Base(Reference):
         """Change the coefficients of an engine that was just made."""
 
 
-# --- coefficients -------------------------------------------------------------------------------
+# --- coefficients and blocks --------------------------------------------------------------------
+
+#: Name, method, claim, words, what is not offered, and what is done to the engine e.
+SPOILED = [
+    ("WeightDigit", "rk4", "step", "B[1][3] is 0.3334", "stages", "e.B[0, 2] = 0.3334"),
+    ("CoefficientWrong", "rk4", "stages", "A[4][3] is 0.5 and must be 1", "", "e.A[3, 2] = 0.5"),
+    # the embedded result of order 4 is propagated
+    ("EmbeddedWeights", "dormand-prince-5", "step", "those of dormand-prince-4", "stages solve",
+     "e.B[0] = [5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40]"),
+    ("FewDigits", "gsymplectic-n", "step", "6 digits only|U[2][2]", "stages",
+     "e.U = np.round(e.U, 6)"),
+    ("SlopesReversed", "gsymplectic-n", "step", "StagesReordered", "stages",
+     "e.B = e.B[:, ::-1].copy()"),
+    ("LastStageFirst", "gsymplectic-n", "stages", "StagesOutOfOrder", "",
+     "e.A = np.diag(np.diag(e.A))"),
+    ("BlocksSwapped", "gsymplectic-n", "stages", "BlocksSwapped", "",
+     "e.U, e.V = e.V.copy(), e.U.copy()"),
+    ("RotationBackwards", "thesis-3-8", "step", "Transposed", "", "e.V = e.V.T.copy()"),
+    ("ParasiticNotCarried", "gsymplectic-p", "step", "ParasiticDropped", "", "e.V[1:] = 0.0"),
+    ("AbscissaeIgnored", "gauss-2", "abscissae", "AbscissaeIgnored", "", "e.c = 0 * e.c"),
+    ("AbscissaeOne", "sdirk-3", "abscissae", "AbscissaeOne", "", "e.c = 0 * e.c + 1"),
+    ("PartnerStale", "symplectic-euler-a", "step", "PartnerStale", "stages",
+     "e.A_hat = 0 * e.A_hat"),
+    ("PartnerNotUpdated", "symplectic-euler-a", "step", "PartnerNotUpdated", "", "e.B = 0 * e.B"),
+    ("WeightSign", "rk4", "step", "B[1][2] is -0.3333333333 and must be 0.3333333333", "stages",
+     "e.B[0, 1] *= -1"),
+    ("EntriesExchanged", "dormand-prince-5", "stages",
+     "A[4][1] is -3.733333333|A[4][2] is 0.9777777778", "", "e.A[3, :2] = e.A[3, 1::-1]"),
+    ("TableTransposed", "gauss-3", "step", "A[1][2] is 0.300263195 and must be -0.03597666752",
+     "stages", "e.A = e.A.T.copy()"),
+    ("PastWeightsExchanged", "bdf-2", "step", "V[1][1] is -0.3333333333 and must be 1.333333333",
+     "stages solve", "e.V[0] = e.V[0, ::-1]"),
+    ("OneAbscissaWrong", "dormand-prince-5", "abscissae", "f is evaluated at times other than", "",
+     "e.c[2] = 0.2"),
+    # no stage equations are solved, so that rounding alone may show
+    ("LastDigits", "dormand-prince-5", "step", "B[1][1] is", "stages", "e.B[0, 0] += 2e-12"),
+    ("WeightOfMomentum", "lobatto-iiia-iiib-3", "step",
+     "B_hat[1][2] is 0.6666 and must be 0.6666666667", "stages solve", "e.B_hat[0, 1] = 0.6666"),
+    ("ValuesOfMomentumNegated", "pair-4-4", "step", "V_hat[1][1] is -1 and must be 1", "stages",
+     "e.V_hat *= -1"),
+    ("VelocityWeightsExchanged", "dormand-prince-rkn-4-3", "step",
+     "B_hat[1][1] is 0.3950617284 and must be 0.07142857143", "stages solve",
+     "e.B_hat[0, :2] = e.B_hat[0, 1::-1]"),
+]  # fmt: skip
+for name, method, claim, words, without, change in SPOILED:
+
+    def spoil(self: Any, engine: Any, change: str = change) -> None:
+        exec(change, {"e": engine, "np": np})
+
+    planted(claim, *words.split("|"), methods=(method,))(
+        type(name, (Base,), {"without": tuple(without.split()), "spoil": spoil})
+    )
 
 
-@planted("step", "B[1][3] is 0.3334", methods=("rk4",))
-class WeightDigit(Base):
-    without = ("stages",)
-
-    def spoil(self, engine: Any) -> None:
-        engine.B[0, 2] = 0.3334
+# --- what goes into a step, and what comes out --------------------------------------------------
 
 
-@planted("stages", "A[4][3] is 0.5 and must be 1", methods=("rk4",))
-class CoefficientWrong(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.A[3, 2] = 0.5
+def component_kept(new: Any, y: Any, t: float, h: float) -> Any:
+    new = new.copy()
+    new[..., -1] = y[-1]
+    return new
 
 
-@planted("step", "those of dormand-prince-4", methods=("dormand-prince-5",))
-class EmbeddedWeights(Base):
-    """Propagates the embedded result of order 4."""
-
-    without = ("stages", "solve")
-
-    def spoil(self, engine: Any) -> None:
-        engine.B[0] = np.array(
-            [5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40]
-        )
+def overwritten(new: Any, y: Any, t: float, h: float) -> Any:
+    y[...] = new
+    return y
 
 
-@planted("step", "6 digits only", "U[2][2]", methods=("gsymplectic-n",))
-class FewDigits(Base):
-    """Coefficients typed with six digits."""
-
-    without = ("stages",)
-
-    def spoil(self, engine: Any) -> None:
-        engine.U = np.round(engine.U, 6)
+def single(x: float) -> float:
+    return float(np.float32(x))
 
 
-# --- order of the stages, blocks ----------------------------------------------------------------
+_RANDOM = np.random.default_rng(20261124)
+#: Name, methods, claim, words, what is not offered, and either what is made of (t, y, h) before a
+#: step, or what is made of the new values after it.
+STEPPED: list[tuple[str, str, str, str, str, Any, Any]] = [
+    ("PastValuesSwapped", "bdf-2", "step", "ValuesSwapped", "", None,
+     lambda new, y, t, h: new[::-1]),
+    ("LastComponentForgotten", "rk4", "step", "component 2 comes out as it went in", "stages",
+     None, component_kept),
+    ("StepSignLost", "rk4", "backward", "StepSignLost", "", lambda t, y, h: (t, y, abs(h)), None),
+    ("TimeAdvancedFirst", "rk4", "abscissae", "f is evaluated at times other than", "",
+     lambda t, y, h: (t + h, y, h), None),
+    ("SinglePrecision", "rk4", "step", "single precision", "stages", None,
+     lambda new, y, t, h: new.astype(np.float32)),
+    ("SinglePrecisionClock", "rk4 gauss-2", "abscissae", "the time is held in single precision",
+     "stages", lambda t, y, h: (single(t), y, h), None),
+    ("SinglePrecisionStepSize", "forest-ruth-4", "backward",
+     "the step size is held in single precision", "stages", lambda t, y, h: (t, y, single(h)),
+     None),
+    ("RandomNumbers", "rk4", "repeatable", "another one every time, as random numbers", "", None,
+     lambda new, y, t, h: new * (1 + 1e-6 * _RANDOM.random())),
+    ("InputOverwritten", "rk4", "answer", "changes the array", "", None, overwritten),
+    ("TimeAppended", "rk4", "answer", "must return shape (1, 2)", "", None,
+     lambda new, y, t, h: np.append(new, t + h)),
+    ("NotANumber", "gauss-2", "answer", "not finite", "", None, lambda new, y, t, h: new * np.nan),
+]  # fmt: skip
+for name, methods, claim, words, without, before, after in STEPPED:
 
+    def step(
+        self: Any, method: str, problem: Any, t: float, y: Any, h: float,
+        before: Any = before, after: Any = after,
+    ) -> Any:  # fmt: skip
+        new = Base.step(self, method, problem, *(before(t, y, h) if before else (t, y, h)))
+        return after(new, y, t, h) if after else new
 
-@planted("step", "StagesReordered", methods=("gsymplectic-n",))
-class SlopesReversed(Base):
-    without = ("stages",)
-
-    def spoil(self, engine: Any) -> None:
-        engine.B = engine.B[:, ::-1].copy()
-
-
-@planted("stages", "StagesOutOfOrder", methods=("gsymplectic-n",))
-class LastStageFirst(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.A = np.diag(np.diag(engine.A))
+    planted(claim, words, methods=tuple(methods.split()))(
+        type(name, (Base,), {"without": tuple(without.split()), "step": step})
+    )
 
 
 @planted("stages", "another order", "StagesReordered", methods=("gauss-3",))
@@ -111,41 +166,7 @@ class StagesListedBackwards(Base):
         return super().stages(method, problem, t, y, h)[::-1]
 
 
-@planted("stages", "BlocksSwapped", methods=("gsymplectic-n",))
-class BlocksSwapped(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.U, engine.V = engine.V.copy(), engine.U.copy()
-
-
-@planted("step", "Transposed", methods=("thesis-3-8",))
-class RotationBackwards(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.V = engine.V.T.copy()
-
-
-# --- values -------------------------------------------------------------------------------------
-
-
-@planted("step", "ParasiticDropped", methods=("gsymplectic-p",))
-class ParasiticNotCarried(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.V[1:] = 0.0
-
-
-@planted("step", "ValuesSwapped", methods=("bdf-2",))
-class PastValuesSwapped(Base):
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, h)[::-1]
-
-
-@planted("step", "component 2 comes out as it went in", methods=("rk4",))
-class LastComponentForgotten(Base):
-    without = ("stages",)
-
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        new = super().step(method, problem, t, y, h).copy()
-        new[..., -1] = y[-1]
-        return new
+# --- values ---------------------------------------------------------------------------------------
 
 
 @planted("start", "StartZeroed", methods=("gsymplectic-n",))
@@ -172,27 +193,6 @@ class FinishSkipped(Base):
 
     def finish(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
         return y[0]
-
-
-# --- time ---------------------------------------------------------------------------------------
-
-
-@planted("abscissae", "AbscissaeIgnored", methods=("gauss-2",))
-class AbscissaeIgnored(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.c = 0 * engine.c
-
-
-@planted("abscissae", "AbscissaeOne", methods=("sdirk-3",))
-class AbscissaeOne(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.c = 0 * engine.c + 1
-
-
-@planted("backward", "StepSignLost", methods=("rk4",))
-class StepSignLost(Base):
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, abs(h))
 
 
 # --- stage equations ----------------------------------------------------------------------------
@@ -252,23 +252,6 @@ class NewtonStopped(Base):
         from glmref.conformance.faults import _newton, _stopped
 
         return _stopped(engine, t, y.reshape(engine.shape), h, _newton)
-
-
-# --- pairs --------------------------------------------------------------------------------------
-
-
-@planted("step", "PartnerStale", methods=("symplectic-euler-a",))
-class PartnerStale(Base):
-    without = ("stages",)
-
-    def spoil(self, engine: Any) -> None:
-        engine.A_hat = 0 * engine.A_hat
-
-
-@planted("step", "PartnerNotUpdated", methods=("symplectic-euler-a",))
-class PartnerNotUpdated(Base):
-    def spoil(self, engine: Any) -> None:
-        engine.B = 0 * engine.B
 
 
 @planted("step", "UpdatesExchanged", methods=("stormer-verlet",))

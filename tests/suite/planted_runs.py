@@ -15,30 +15,6 @@ __all__ = ["PLANTED", "Foreign"]
 # --- arithmetic and manners ---------------------------------------------------------------------
 
 
-@planted("step", "single precision", methods=("rk4",))
-class SinglePrecision(Base):
-    without = ("stages",)
-
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, h).astype(np.float32)
-
-
-@planted("abscissae", "the time is held in single precision", methods=("rk4", "gauss-2"))
-class SinglePrecisionClock(Base):
-    without = ("stages",)
-
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, float(np.float32(t)), y, h)
-
-
-@planted("backward", "the step size is held in single precision", methods=("forest-ruth-4",))
-class SinglePrecisionStepSize(Base):
-    without = ("stages",)
-
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, float(np.float32(h)))
-
-
 @planted("repeatable", "keeps something from call to call", methods=("dormand-prince-5",))
 class LastSlopeKept(Base):
     """First same as last, but the slope of the last call is used whatever the new input is."""
@@ -58,35 +34,6 @@ class LastSlopeKept(Base):
             slopes.append(problem.f(t + engine.c[i] * h, at))
         self.last = slopes[-1]
         return y + h * sum(b * k for b, k in zip(engine.B[0], slopes, strict=True))
-
-
-@planted("repeatable", "another one every time, as random numbers", methods=("rk4",))
-class RandomNumbers(Base):
-    def __init__(self) -> None:
-        super().__init__()
-        self.random = np.random.default_rng(20261124)
-
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, h) * (1 + 1e-6 * self.random.random())
-
-
-@planted("answer", "changes the array", methods=("rk4",))
-class InputOverwritten(Base):
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        y[...] = super().step(method, problem, t, y, h)
-        return y
-
-
-@planted("answer", "must return shape (1, 2)", methods=("rk4",))
-class TimeAppended(Base):
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return np.append(super().step(method, problem, t, y, h), t + h)
-
-
-@planted("answer", "not finite", methods=("gauss-2",))
-class NotANumber(Base):
-    def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
-        return super().step(method, problem, t, y, h) * np.nan
 
 
 @planted("step", "raised ZeroDivisionError", methods=("rk4",))
