@@ -13,7 +13,7 @@ from ..views.tables import one_line
 from .output import HOLDS, Word, complain, complete_method, say
 
 #: Repeated from :data:`glmref.exchange.export.TARGETS` and
-#: :data:`glmref.exchange.import_tables.FORMATS`, so that ``--help`` loads neither; a test compares
+#: :data:`glmref.exchange.import_tables.READ`, so that ``--help`` loads neither; a test compares
 #: them.
 TARGETS = (
     *("c", "c++", "fortran", "julia", "rust", "python", "jax"),

@@ -17,7 +17,7 @@ from ..exact import Ball, Exact, Scalar
 from ..exact.expression import parse, to_text
 from ..exact.linalg import Matrix
 from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
-from .numbers import is_zero, rounded
+from .numbers import is_zero
 
 #: Digits after the point of decimals in JSON and CSV, where their enclosure is as narrow.
 PLACES = 75
@@ -104,7 +104,9 @@ def method_document(
         For decimals of complex numbers.
     """
     forms = dict(_form_blocks(method))
-    blocks, places = blocks_of(method, digits, forms)
+    beside = dict(_beside(method))
+    blocks, places = blocks_of(method, digits, forms | beside)
+    found = {name: blocks.pop(name) for name in beside}
     document: dict[str, Any] = {}
     if method.additive:
         _check_one_value(method)
@@ -125,37 +127,32 @@ def method_document(
         document |= {"U": [["1"]] * len(document["A"]), "V": [["1"]]}
     if places is not None:
         document["digits"] = places
-    document |= _beside(method, digits)
+    document |= {x: found[x][0] if x == "c" else found[x] for x in ("c", "dense") if x in found}
+    if method.embedded and "embedded.0" in found:
+        document["embedded"] = [
+            {
+                "name": row.name,
+                "error" if row.difference else "b": rows if method.additive else rows[0],
+                **({} if row.values is None else {"v": rows[-1]}),
+            }
+            for n, row in enumerate(method.embedded)
+            for rows in (found[f"embedded.{n}"],)
+        ]
     document = completed(document, method.name or name)
     return {key: x for key, x in document.items() if x != {}}
 
 
-def _beside(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> dict[str, Any]:
-    """Return embedded rows, c and dense output as a file of class `rk` or `additive` has them."""
+def _beside(method: GLM | PartitionedGLM | AdditiveGLM) -> Iterator[tuple[str, Matrix]]:
+    """Yield c, dense output and embedded rows, with the weights of the values last."""
     if method.rosenbrock:
         raise UsageError(f"{method.name or 'the method'} is a Rosenbrock method: save it as it is")
-    if isinstance(method, PartitionedGLM):
-        return {}
-
-    def texts(rows: Matrix) -> Rows:
-        return [[to_text(x) if digits is None else rounded(x, digits) for x in r] for r in rows]
-
-    found: dict[str, Any] = {}
-    if isinstance(method, GLM):
-        c, dense = method.abscissae_given, method.dense
-        found |= {} if c is None else {"c": texts((c,))[0]}
-        found |= {} if dense is None else {"dense": texts(dense)}
-    rows = [
-        {
-            "name": row.name,
-            "error" if row.difference else "b": texts(row.weights)
-            if method.additive
-            else texts(row.weights)[0],
-            **({} if row.values is None else {"v": texts((row.values,))[0]}),
-        }
-        for row in method.embedded
-    ]
-    return {**found, "embedded": rows} if rows else found
+    if method.parts == 2:
+        return
+    c, dense = (getattr(method, x, None) for x in ("abscissae_given", "dense"))
+    yield from (("c", (c,)),) if c is not None else ()
+    yield from (("dense", dense),) if dense is not None else ()
+    for n, row in enumerate(method.embedded):
+        yield f"embedded.{n}", row.weights if row.values is None else (*row.weights, row.values)
 
 
 def blocks_of(
@@ -173,13 +170,7 @@ def blocks_of(
     UsageError
         For decimals of complex numbers.
     """
-    return as_texts(method, {**dict(_all_blocks(method)), **(more or {})}, digits)
-
-
-def as_texts(
-    method: Method, blocks: Mapping[str, Matrix], digits: int | None
-) -> tuple[dict[str, Rows], int | None]:
-    """Write blocks as :func:`blocks_of` does."""
+    blocks = {**dict(_all_blocks(method)), **(more or {})}
     numbers = [x for matrix in blocks.values() for row in matrix for x in row]
     texts = {id(x): None if digits is not None else expression(x) for x in numbers}
     rough = [x for x in numbers if texts[id(x)] is None and not _is_whole(x)]
@@ -205,7 +196,7 @@ def _is_whole(x: Scalar) -> bool:
 
 
 def held(method: Method) -> dict[str, Matrix]:
-    """Return the blocks of a method in JSON and CSV: all that determines it.
+    """Return the blocks of a method: all that determines it.
 
     Further weights are a block ``embedded.NAME``, or ``error.NAME`` where they are those of an
     estimate, with a row for each component; those of a method of several values have a second row,
@@ -214,7 +205,7 @@ def held(method: Method) -> dict[str, Matrix]:
     Raises
     ------
     UsageError
-        For what these formats cannot hold.
+        For a pair with embedded rows.
     """
     document, blocks = method.document or {}, dict[str, Matrix]()
     rows = {

@@ -14,13 +14,14 @@ from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..system.arguments import place, shown
 from ..system.files import write_text
+from .cells import to_cells
 from .documents import blocks_of, method_document
 from .header import COMPLETE, LANGUAGES
 from .numbers import check_digits
 from .steppers import stepper
 from .tables import table
 
-#: What a method can be exported to: steppers, then tables.
+#: What a method can be exported to: steppers, then tables, and a method file, also in cells.
 TARGETS = (
     *LANGUAGES,
     *("latex", "sundials", "petsc", "diffrax", "ordinarydiffeq", "rungekutta.jl", "json", "csv"),
@@ -45,7 +46,7 @@ def export(
     digits : int or None
         Significant digits of decimals (in JSON and CSV digits after the point). By default steppers
         have the shortest decimals that give the nearest doubles, tables 34 digits where a number is
-        no quotient, and JSON, CSV and LaTeX exact expressions.
+        no quotient, LaTeX exact expressions, and JSON and CSV are the method file.
 
     Raises
     ------
@@ -63,7 +64,8 @@ def export(
     check_digits(digits)
     method = method_of(method)
     if to in COMPLETE:
-        return table(method, to, digits)
+        found = _document(method, method.name or "method", digits)
+        return canonical(found) if to == "json" else to_cells(found)
     if method.rosenbrock:
         raise UsageError(
             f"{method.name} is a Rosenbrock method: json and csv hold it, and {to} does not"
@@ -95,15 +97,22 @@ def save(
     """
     method = method_of(method)
     file = place("path", path)
+    check_digits(digits)
+    write_text(file, canonical(_document(method, file.name, digits)))
+    return file
+
+
+def _document(
+    method: GLM | PartitionedGLM | AdditiveGLM, name: str, digits: int | None
+) -> dict[str, Any]:
+    """Return the document of a method file: see :func:`save`."""
     document = dict(method.document or {})
     if digits is not None or not _is_of(document, method):
-        check_digits(digits)
-        document = method_document(method, file.name, digits)
+        document = method_document(method, name, digits)
         if method.claims:
-            here = {"citation": "saved by glmref", "where": file.name, "status": "derived"}
+            here = {"citation": "saved by glmref", "where": name, "status": "derived"}
             document |= {"claims": dict(method.claims), "source": dict(method.source or here)}
-    write_text(file, canonical(document))
-    return file
+    return document
 
 
 def _is_of(document: Mapping[str, Any], method: GLM | PartitionedGLM | AdditiveGLM) -> bool:

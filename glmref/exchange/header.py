@@ -54,9 +54,9 @@ def _orders(claims: Mapping[str, Any], *, nystrom: bool) -> str:
     return f"Order {', '.join(said)}, " if said else ""
 
 
-#: Languages of steppers; the other targets are tables.
+#: Languages of steppers; the other targets are tables, and method files.
 LANGUAGES = ("c", "c++", "fortran", "julia", "rust", "python", "jax")
-#: Tables that hold all of a method, and those that hold its first embedded row.
+#: What holds all of a method, and tables that hold its first embedded row.
 COMPLETE, ONE_ROW = ("json", "csv"), ("sundials", "petsc", "diffrax", "ordinarydiffeq")
 
 

@@ -10,26 +10,24 @@ expressions of numbers, + - * /, parentheses and square roots, rewritten in the 
 from __future__ import annotations
 
 import ast
-import csv
-import io
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import product
 from typing import Any
 
 from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
+from ..catalogue.files import plain_document
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
-from ..catalogue.keys import MAX_SIZE, of_second, without_meaning
+from ..catalogue.keys import MAX_SIZE, of_second
 from ..catalogue.reader import load_document
-from ..catalogue.strict_json import MAX_BYTES, same_on_all_pythons, shown, unique
+from ..catalogue.strict_json import MAX_BYTES
 from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.decimals import is_rounded, known_digits
 from ..exact.expression import MAX_LENGTH, parse, to_text
 from ..system.budget import PROVING, limited, spend
+from .cells import from_cells
 
 _MOST_PLACES = 150
 _MOST_POWER = 400  # of 10 in a number, and digits after its point
@@ -48,19 +46,18 @@ _DECIMAL = re.compile(r"(?<![0-9])[0-9]*\.[0-9]+")
 class Found:
     """What a reader found in a file."""
 
-    #: Rows of entries by the name of the block, ``A`` or ``starting.u`` (one row).
+    #: Rows of entries by the name of the block.
     blocks: dict[str, list[list[str]]] = field(default_factory=dict)
     #: The order that the table states, and that of its embedded weights.
     order: int | None = None
     lower: int | None = None
-    digits: int | None = None  #: Digits after the point that the table declares for its decimals.
-    about: dict[str, Any] = field(default_factory=dict)  #: Name, title, source and such.
+    about: dict[str, Any] = field(default_factory=dict)  #: Its name, and rows of exact numbers.
 
 
 def read_table(
     text: str, form: str, *, name: str = "imported", where: str = "table"
 ) -> dict[str, Any]:
-    """Read a table of another package, one of :data:`FORMATS`, as a method document.
+    """Read a table of another package, one of :data:`READ`, as a method document.
 
     It claims the order and the abscissae that the table states, so that ``glmref verify`` checks
     them, and else whether the method is explicit. ``name`` is that of the method where the table
@@ -71,16 +68,18 @@ def read_table(
     DataError
         For a file that is not such a table, naming the place.
     """
-    if form not in FORMATS:
-        raise DataError(f"there is no import from {form!r}; one of {', '.join(FORMATS)}")
+    if form not in READ:
+        raise DataError(f"there is no import from {form!r}; one of {', '.join(READ)}")
     if len(text) > MAX_BYTES:
         raise DataError(
             f"{where}: the file has {len(text)} characters; at most {MAX_BYTES} are read"
         )
     try:
         with limited(PROVING):
-            found = FORMATS[form](text)
-            document = _Writer(found, name, where, form).document()
+            if form in FORMATS:
+                document = _Writer(FORMATS[form](text), name, where, form).document()
+            else:
+                document = _complete(text, form, where)
     except (RecursionError, MemoryError):
         raise DataError(f"{where}: brackets are nested too deep for a table") from None
     except (DataError, BudgetError) as error:
@@ -88,6 +87,14 @@ def read_table(
         raise DataError(message if message.startswith(where) else f"{where}: {message}") from None
     load_document(document, where=where)
     return document
+
+
+def _complete(text: str, form: str, where: str) -> dict[str, Any]:
+    """Return the method file that a tableau in JSON or a table of cells is, with a source."""
+    given = plain_document(text, where) if form == "json" else from_cells(text)
+    method: Any = load_document(given, where=where)
+    here = {"citation": f"a table in the format {form}", "where": where, "status": "regenerated"}
+    return {**method.document, "source": here | dict(method.source)}
 
 
 # --- entries -------------------------------------------------------------------------------------
@@ -143,15 +150,12 @@ def _fixed(value: Fraction, places: int) -> str:
     return f"{digits[:-places]}.{digits[-places:]}"
 
 
-_EMBEDDED = re.compile(r"(embedded|error)\.")
-
-
 class _Writer:
     """Turns what was found into a method document."""
 
     def __init__(self, found: Found, name: str, where: str, form: str) -> None:
         self.found, self.name, self.where, self.form = found, name, where, form
-        self.digits: int | None = found.digits
+        self.digits: int | None = None
 
     def document(self) -> dict[str, Any]:
         found = self.found
@@ -160,26 +164,12 @@ class _Writer:
         exact = found.about.pop("exact", {})
         self._take_exact(entries, exact)
         texts = [x for rows in entries.values() for row in rows for x in row]
-        ours = self.form in ("json", "csv")
-        weights = [entries.pop(x)[0] for x in ("d", "dt") if not ours and x in entries]
-        error = None if ours else entries.pop("e", None)
-        embedded = {x: entries.pop(x) for x in list(entries) if ours and _EMBEDDED.match(x)}
+        weights = [entries.pop(x)[0] for x in ("d", "dt") if x in entries]
+        error = entries.pop("e", None)
         document: dict[str, Any] = {"format": "", "name": self._name()}
         document["class"] = shapes
-        for key in ("title", "field", "separable"):
-            if key in found.about:
-                document[key] = found.about[key]
-        c = None if shapes == "nystrom" else entries.pop("c", None)
-        if "part1.A" in entries:
-            count = sum(x.endswith(".A") for x in entries)
-            for n, letter in product(range(1, count + 1), "Ab"):
-                if f"part{n}.{letter}" not in entries:
-                    raise DataError(f"the block part{n}.{letter} of an additive method is missing")
-            document["parts"] = [
-                {"A": entries[f"part{n + 1}.A"], "b": entries[f"part{n + 1}.b"][0]}
-                for n in range(count)
-            ]
-        elif shapes == "additive":
+        c = entries.pop("c", None)
+        if shapes == "additive":
             self._check_sums(entries, c, entries.pop("ct", None))
             c = None
             document["parts"] = [
@@ -188,15 +178,7 @@ class _Writer:
         elif shapes == "splitting":
             document |= self._unfolded(entries["a"][0], entries["ahat"][0])
         else:
-            for block, rows in entries.items():
-                *outer, letter = block.split(".")
-                inside = document.setdefault(outer[0], {}) if outer else document
-                name = "c" if letter == "abscissae" else letter
-                vectors = ("b", "b_prime", "c", "u", "u_hat", "output")
-                inside[name] = rows[0] if name in vectors else rows
-        for key in ("q", "p", "starting", "finishing"):
-            if isinstance(document.get(key), dict) and not document[key]:
-                del document[key]
+            document |= {"A": entries["A"], "b": entries["b"][0]}
         if any("." in x for x in texts) and self.digits is not None:
             document["digits"] = self.digits
         if weights:
@@ -205,37 +187,15 @@ class _Writer:
             ]
         if error is not None and set(error[0]) != {"0"}:
             document["embedded"] = [{"name": "embedded", "error": error[0]}]
-        if embedded:
-            document["embedded"] = [self._row(x, rows, shapes) for x, rows in embedded.items()]
         document["format"] = FORMATS_OF_METHODS[bool(of_second(document))]
         document["claims"] = self._claims(entries, c)
-        for claim in without_meaning(document.get("class", "rk")):
-            document["claims"].pop(claim, None)
         if weights and found.lower:
             document["claims"][EMBEDDED_ORDER.key] = {"embedded": found.lower}
-        source = found.about.get("source", {})
         document["source"] = {
-            "citation": source.get("citation", f"a table in the format {self.form}"),
-            "where": source.get("where", self.where),
-            **({"doi": source["doi"]} if "doi" in source else {}),
+            "citation": f"a table in the format {self.form}", "where": self.where,
             "status": "regenerated",
-        }
+        }  # fmt: skip
         return document
-
-    @staticmethod
-    def _row(block: str, rows: list[list[str]], shapes: str) -> dict[str, Any]:
-        """Return a row of ``embedded`` from its block, which has a row for each component."""
-        what, _, name = block.partition(".")
-        if shapes == "nystrom":
-            if len(rows) != 2:
-                raise DataError(f"`{block}` must have two rows, b and b', got {len(rows)}")
-            return {"name": name, "b": rows[0], "b_prime": rows[1]}
-        if shapes == "glm":
-            if len(rows) != 2:
-                raise DataError(f"`{block}` must have two rows, b and v, got {len(rows)}")
-            return {"name": name, "b": rows[0], "v": rows[1]}
-        key = "b" if what == "embedded" else "error"
-        return {"name": name, key: rows if shapes == "additive" else rows[0]}
 
     def _name(self) -> str:
         text = str(self.found.about.get("name", "")) or self.name
@@ -244,22 +204,14 @@ class _Writer:
 
     def _kind(self) -> str:
         blocks = self.found.blocks
-        if {"A", "b", "At", "bt"} <= blocks.keys() or "part1.A" in blocks:
+        if {"A", "b", "At", "bt"} <= blocks.keys():
             return "additive"
-        if {"alpha", "gamma", "b"} <= blocks.keys():
-            return "rosenbrock"
-        if {"A", "b", "b_prime", "c"} <= blocks.keys():
-            return "nystrom"
         if {"a", "ahat"} <= blocks.keys():
             return "splitting"
         if {"A", "b"} <= blocks.keys():
             return "rk"
-        if {"A", "U", "B", "V"} <= blocks.keys():
-            return "glm"
-        if all(f"{x}.{letter}" in blocks for x in "qp" for letter in "AUBV"):
-            return "partitioned"
         there = f"found are {', '.join(sorted(blocks))}" if blocks else "no arrays are found"
-        raise DataError(f"a table needs A and b, or A, U, B and V, or q and p with these; {there}")
+        raise DataError(f"a table needs A and b; {there}")
 
     def _entries(self) -> dict[str, list[list[str]]]:
         """Return every entry in our grammar; where all of it is exact, in lowest terms."""
@@ -291,12 +243,6 @@ class _Writer:
                 f"`{block}[{i + 1}][{j + 1}]` has {len(text)} characters and at most {MAX_LENGTH} "
                 f"are read"
             )
-        power = re.search(r"[0-9][eE][-+]?[0-9]", text)
-        if not power and (self.found.digits is not None or self.form in ("json", "csv")):
-            rounded = [_places(x) for x in _DECIMAL.findall(text)]
-            if not any(map(is_rounded, rounded)) and self.found.digits is None:
-                return _normal_or_same(text)
-            return text, rounded
         try:
             return _normal(text)
         except DataError as error:
@@ -371,16 +317,6 @@ class _Writer:
             explicit = all(x.is_zero() is True for i, row in enumerate(A) for x in row[i:])
             claims[EXPLICIT.key] = explicit
         return claims or {PRECONSISTENT.key: True}
-
-
-def _normal_or_same(text: str) -> tuple[str, list[int]]:
-    """Return an entry of JSON or CSV: in our grammar already, short decimals apart."""
-
-    def fraction(match: re.Match[str]) -> str:
-        value = Fraction(match[0])
-        return f"({value})" if value.denominator > 1 else str(value)
-
-    return re.sub(r"\d*\.\d+", fraction, text), []
 
 
 # --- formats -------------------------------------------------------------------------------------
@@ -611,109 +547,12 @@ def _rungekutta(text: str) -> Found:
     return _julia(text, ("a", "b", "c"), "Tableau", 1)
 
 
-_ABOUT = ("name", "title", "order", "digits", "field", "separable", "source", "generated")
-
-
-def _take_about(found: Found, values: Mapping[str, Any]) -> None:
-    for key in ("name", "title", "field"):
-        if key in values:
-            if not isinstance(values[key], str):
-                raise DataError(f"`{key}` must be a string, got {shown(values[key])}")
-            found.about[key] = values[key]
-    if isinstance(values.get("source"), dict):
-        found.about["source"] = {str(k): str(v) for k, v in values["source"].items()}
-    if "separable" in values:
-        found.about["separable"] = values["separable"] in (True, "true")
-    for key in ("order", "digits"):
-        if key in values:
-            if not re.fullmatch(r"\d{1,3}", str(values[key])):
-                raise DataError(f"`{key}` must be a whole number, got {shown(values[key])}")
-            setattr(found, key, int(values[key]))
-
-
-def _rows(value: Any, name: str) -> list[list[str]]:
-    rows = value if isinstance(value, list) else None
-    if rows and all(isinstance(x, str) for x in rows):
-        rows = [rows]
-    good = rows and all(
-        isinstance(row, list) and row and all(isinstance(x, str) for x in row) for row in rows
-    )
-    if not good:
-        raise DataError(f"`{name}` must be a list of numbers or of rows of them")
-    return rows  # type: ignore[return-value]
-
-
-def _json(text: str) -> Found:
-    try:
-        values = json.loads(
-            text, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=unique
-        )
-    except json.JSONDecodeError as caught:
-        error = same_on_all_pythons(caught)
-        raise DataError(f"the file is no JSON (line {error.lineno}: {error.msg})") from None
-    if not isinstance(values, dict):
-        raise DataError("the file must hold one JSON object with A and b")
-    if str(values.get("format", "")).startswith("glmref-"):
-        raise DataError(f"the file is in the format {values['format']} already; it needs no import")
-    found = Found()
-    _take_about(found, values)
-    pairs: list[tuple[str, Any]] = []
-    for key, value in values.items():
-        if key in _ABOUT:
-            continue
-        inside = value.items() if isinstance(value, dict) else ()
-        pairs += [(f"{key}.{x}", y) for x, y in inside] if inside else [(key, value)]
-    found.blocks |= {key: _rows(value, key) for key, value in unique(pairs).items()}
-    return found
-
-
-def _csv(text: str) -> Found:
-    found = Found()
-    said: list[tuple[str, str]] = []
-    cells: dict[str, dict[tuple[int, int], str]] = {}
-    try:
-        table = list(csv.reader(io.StringIO(text)))
-    except csv.Error as error:
-        raise DataError(f"the file is no CSV ({error})") from None
-    for number, row in enumerate(table, 1):
-        if not row or row == ["block", "row", "column", "value"]:
-            continue
-        if len(row) != 4:
-            raise DataError(f"line {number} must have the columns block, row, column and value")
-        block, i, j, value = row
-        if not i and not j:
-            said.append((block, value))
-            continue
-        if not (re.fullmatch(r"[1-9][0-9]{0,3}", i) and re.fullmatch(r"[1-9][0-9]{0,3}", j)):
-            raise DataError(f"line {number} must have whole numbers in row and column")
-        entries = cells.setdefault(block, {})
-        if (int(i), int(j)) in entries:
-            raise DataError(f"line {number}: the entry ({i}, {j}) of {shown(block)} occurs twice")
-        entries[int(i), int(j)] = value
-    about: dict[str, Any] = {}
-    for key, value in unique(said).items():
-        *outer, key = key.split(".", 1)
-        inside = about.setdefault(outer[0], {}) if outer else about
-        if not isinstance(inside, dict) or key in inside:
-            raise DataError(f"{shown('.'.join((*outer, key)))} is said in two ways; keep one")
-        inside[key] = value
-    _take_about(found, about)
-    for block, entries in cells.items():
-        m, n = max(i for i, _ in entries), max(j for _, j in entries)
-        places = product(range(1, m + 1), range(1, n + 1))
-        missing = next((place for place in places if place not in entries), None)
-        if missing:
-            raise DataError(f"the entry {missing} of the block {shown(block)} is missing")
-        found.blocks[block] = [[entries[i, j] for j in range(1, n + 1)] for i in range(1, m + 1)]
-    return found
-
-
 FORMATS: Mapping[str, Callable[[str], Found]] = {
-    "json": _json,
-    "csv": _csv,
     "sundials": _sundials,
     "petsc": _petsc,
     "diffrax": _diffrax,
     "ordinarydiffeq": _ordinarydiffeq,
     "rungekutta.jl": _rungekutta,
 }
+#: What is read: tables, and tableaux or method files in JSON and as cells.
+READ = ("json", "csv", *FORMATS)

@@ -12,20 +12,17 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from .. import __version__
-from ..catalogue.canonical import canonical
 from ..catalogue.claims import ORDER, stated_orders
 from ..errors import UsageError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
+from ..method import GLM, AdditiveGLM, PartitionedGLM
 from ..method.embedded import EmbeddedRow
 from ..method.families import splitting
 from ..method.preconsistency import stage_times
 from ..prove.facts import facts_of
 from ..views.notation import LATEX
-from ..views.tables import csv_text
-from .documents import as_texts, expression, held, is_one
+from .documents import expression, is_one
 from .header import ONE_ROW, Comment, header, in_comment
 from .numbers import decimal_of, is_zero
 from .steppers import filled, identifier, wrapped
@@ -404,60 +401,7 @@ def _rungekutta(method: GLM | PartitionedGLM, digits: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-# --- every method: JSON, CSV, LaTeX --------------------------------------------------------------
-
-
-def _about(method: Method) -> dict[str, Any]:
-    """Name, title, claimed order and source, as far as they are known."""
-    document = method.document or {}
-    about: dict[str, Any] = {"name": method.name or "method"}
-    if "title" in document:
-        about["title"] = document["title"]
-    if isinstance(method.claims.get(ORDER.key), int):
-        about["order"] = method.claims[ORDER.key]
-    if "citation" in method.source:
-        about["source"] = {
-            key: method.source[key] for key in ("citation", "where", "doi") if key in method.source
-        }
-    if document.get("class") == "nystrom":
-        pass  # its components belong to position and velocity
-    elif method.parts == 2:
-        about["separable"] = not method.shared
-    elif not (method.additive or method.is_real):
-        about["field"] = "complex"
-    return {**about, "generated": f"glmref {__version__}"}
-
-
-#: Blocks of JSON that are a vector, not rows.
-_VECTORS = ("b", "b_prime", "c", "u", "u_hat", "abscissae", "output")
-
-
-def _json(method: Method, digits: int | None) -> str:
-    blocks, places = as_texts(method, held(method), digits)
-    document = {**_about(method), **({"digits": places} if places is not None else {})}
-    for name, rows in blocks.items():
-        outer, _, letter = name.partition(".") if "." in name else ("", "", name)
-        inside = document.setdefault(outer, {}) if outer else document
-        vector = letter in _VECTORS or (outer in ("embedded", "error") and len(rows) == 1)
-        inside[letter] = rows[0] if vector else rows
-    return canonical(document)
-
-
-def _csv(method: Method, digits: int | None) -> str:
-    blocks, places = as_texts(method, held(method), digits)
-    cells: list[Sequence[object]] = [("block", "row", "column", "value")]
-    for key, value in {**_about(method), "digits": places}.items():
-        if isinstance(value, Mapping):
-            cells += [(f"{key}.{inner}", "", "", text) for inner, text in value.items()]
-        elif value is not None:
-            cells.append((key, "", "", value))
-    cells += [
-        (name, i, j, text)
-        for name, rows in blocks.items()
-        for i, row in enumerate(rows, 1)
-        for j, text in enumerate(row, 1)
-    ]
-    return csv_text(cells) + "\n"
+# --- every method: LaTeX --------------------------------------------------------------
 
 
 def _latex(method: GLM | PartitionedGLM | AdditiveGLM, digits: int | None) -> str:
@@ -537,15 +481,13 @@ FORMATS: Mapping[str, Callable[[Any, int | None], str]] = {
     "diffrax": _with_digits(_diffrax),
     "ordinarydiffeq": _with_digits(_ordinarydiffeq),
     "rungekutta.jl": _with_digits(_rungekutta),
-    "json": _json,
-    "csv": _csv,
 }
 
 
 def table(method: GLM | PartitionedGLM | AdditiveGLM, target: str, digits: int | None) -> str:
     """Return a method as a table of another package, one of :data:`FORMATS`.
 
-    Decimals have :data:`DIGITS` by default; JSON, CSV and LaTeX have expressions then.
+    Decimals have :data:`DIGITS` by default; LaTeX has expressions then.
 
     Raises
     ------

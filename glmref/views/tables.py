@@ -246,6 +246,11 @@ def _cell(text: str) -> str:
     return text
 
 
+def csv_value(cell: str) -> str:
+    """Return the text that :func:`csv_text` wrote as a cell."""
+    return cell[1:] if cell[:1] == "'" and cell[1:].lstrip(" ").startswith(_FORMULA) else cell
+
+
 def findings_junit(
     findings: Sequence[Finding],
     errors: Sequence[tuple[str, str]] = (),

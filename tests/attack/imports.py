@@ -16,7 +16,7 @@ from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
 from glmref.exchange.export import TARGETS, export
-from glmref.exchange.import_tables import FORMATS, read_table
+from glmref.exchange.import_tables import READ, read_table
 from glmref.system.terminal import escaped
 
 from .tableaux import SPLINTERS, _splintered
@@ -62,7 +62,7 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
         said = "evil" in line and target not in ("json", "csv")
         if said and (line.strip()[0] not in "*/!#%" or re.search(r"\*/|=#", line)):
             wrong.append(f"{text!r} leaves its comment in {target}")
-    if target not in FORMATS or not table:
+    if target not in READ or not table:
         return "exported" if table else "no table", wrong
     at = draw.randrange(len(table) + 1)
     mutated = table[:at] + draw.choice((*MORE, *SPLINTERS)) + table[at:]

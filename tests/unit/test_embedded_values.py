@@ -16,7 +16,6 @@ from glmref.catalogue.lookup import document, load
 from glmref.catalogue.reader import load_document
 from glmref.exact import exact, linalg
 from glmref.exchange.export import export
-from glmref.exchange.import_tables import read_table
 from glmref.findings import Verdict
 from glmref.judge import verdict
 from glmref.method import GLM
@@ -200,11 +199,12 @@ def test_rows_follow_a_change_of_values_and_of_stages() -> None:
         assert kernels["estimate"].range("order-identity").value == 3
 
 
-@pytest.mark.parametrize("form", ["json", "csv"])
-def test_rows_are_exported_and_read_again(form: str) -> None:
-    text = export(NAME, to=form)
-    again = read_table(text, form)
-    assert again["embedded"] == document(NAME)["embedded"]
+def test_rows_are_exported_and_read_again() -> None:
+    (row,) = load_document(json.loads(export(NAME, to="json", digits=20))).embedded
+    (own,) = load(NAME).embedded
+    assert (row.name, row.difference) == (own.name, own.difference) and row.values and own.values
+    pairs = zip((*row.weights[0], *row.values), (*own.weights[0], *own.values), strict=True)
+    assert all((x - y).is_zero() is not False for x, y in pairs)
 
 
 def test_the_values_are_moved_along_u_until_the_output_is_the_row() -> None:
