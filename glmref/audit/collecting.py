@@ -57,7 +57,7 @@ class Block:
     name: str
     line: int
     parent: Block | None = None
-    kind: str = "code"  #: ``"code"`` or ``"record"``.
+    kind: str = "code"  #: ``"code"``, ``"record"`` or ``"case"``.
     indent: int = -1
     last: int = 0  #: Last line.
     items: list[Item] = field(default_factory=list)
@@ -70,6 +70,7 @@ class Block:
     user: Block | None = None  #: The block that has this one as a value.
     depth: int = 0  # of round brackets around a block in a macro
     own: str = ""  #: What a method that is defined outside of its class is called.
+    subject: str = ""  #: Name of what a choice is about.
 
     def path(self) -> list[str]:
         """Return names from the outermost block to this one."""
@@ -236,12 +237,15 @@ class Collector:
         return not any(t.text == "=" for t in head) and self.language.name != "rust"
 
     def _open(self, head: Sequence[Token], line: int, depth: int) -> None:
+        head = self._unlabelled(head)
         name = _named(head)
         first = head[0].line if head else line
         block = Block(name, first, self.block, depth=depth)
         marks = [x.text for x in head]
         if "(" in marks and marks[: marks.index("(")][-2:-1] == ["::"]:
             block.own = marks[marks.index("(") - 1]
+        if marks[:1] == ["switch"]:
+            block.name, block.subject = "switch", _last_name(head[1:])
         self.block.blocks.append(block)
         self.block = block
         pairs = [x.text + y.text for x, y in pairwise(head)]
@@ -263,7 +267,33 @@ class Collector:
                 k = end
             k += 1
 
+    def _unlabelled(self, row: Sequence[Token]) -> Sequence[Token]:
+        """Return a statement without ``case 3:`` before it, in the block of that case."""
+        if not row or row[0].text not in ("case", "default"):
+            return row
+        end = next((k for k, x in enumerate(row) if x.text == ":"), -1)
+        if end > 0 and (self.block.kind == "case" or self.block.name == "switch"):
+            self._case(row[1:end], row[0].line)
+        return row[end + 1 :]
+
+    def _case(self, label: Sequence[Token], line: int) -> None:
+        """Begin what a choice does in one case, where its subject has the value of the label."""
+        if self.block.kind == "case":
+            self._leave(line - 1)
+        name = label[0].text.strip("\"'") if label[:1] and label[0].kind == "string" else ""
+        inner = Block(name or _last_name(label), line, self.block, "case", depth=self.block.depth)
+        self.block.blocks.append(inner)
+        if self.block.subject and len(label) == 1 and label[0].kind == "number":
+            value = self._folder(label).expression()
+            inner.items.append(Item(self.block.subject, plain(value), line, self.count))
+        self.block = inner
+
     def _close(self, line: int) -> None:
+        if self.block.kind == "case":
+            self._leave(line)
+        self._leave(line)
+
+    def _leave(self, line: int) -> None:
         self.block.last = line
         if self.block.parent is not None:
             self.block = self.block.parent
@@ -376,10 +406,20 @@ class Collector:
 
     def _fortran_head(self, words: Sequence[str], row: Sequence[Token]) -> bool:
         kinds = ("subroutine", "function", "procedure", "module", "program", "type")
+        if words[0] == "select":
+            self._begin("switch", row[0].line, 0)
+            self.block.subject = _last_name(row[2:])
+            return True
+        if words[0] == "case" and (self.block.kind == "case" or self.block.name == "switch"):
+            self._case([x for x in row[1:] if x.text not in ("(", ")")], row[0].line)
+            return True
         if words[0].startswith("end"):
             rest = words[0][3:] or (words[1] if len(words) > 1 else "")
-            if (rest in kinds or not rest) and self.block.parent is not None:
+            if (rest in (*kinds, "select") or not rest) and self.block.parent is not None:
                 self._close(row[0].line)
+            return True
+        if words[0] == "type" and words[1:2] in ([","], ["::"]):
+            self._begin(_last_name(row), row[0].line, 0)
             return True
         for k, word in enumerate(words):
             if word in ("::", "=", ","):
@@ -401,10 +441,9 @@ class Collector:
             return
         spend()
         self.count += 1
-        if row[0].text in ("case", "default"):  # case 3: return {..}
-            row = row[next((k for k, x in enumerate(row) if x.text == ":"), -1) + 1 :]
-            if not row:
-                return
+        row = self._unlabelled(row)
+        if not row:
+            return
         if row[0].text == "return" or (tail and self.language.name == "rust"):
             self._returned(row[1:] if row[0].text == "return" else row)
             return
@@ -738,7 +777,9 @@ class Collector:
             return
         block = self.block
         while (
-            block.name in CHOICES and block.parent is not None and block.parent.parent is not None
+            (block.name in CHOICES or block.kind == "case")
+            and block.parent is not None
+            and block.parent.parent is not None
         ):
             block = block.parent
         held = block.names.get(row[0].text) if len(row) == 1 else None
@@ -815,6 +856,10 @@ class Collector:
                 item.value = plain(value)
                 if isinstance(block.names.get(item.name), Unread):
                     block.names[item.name] = item.value
+
+
+def _last_name(row: Sequence[Token]) -> str:
+    return next((x.text for x in reversed(row) if x.kind == "name"), "")
 
 
 def _places(x: Any) -> Iterator[int]:

@@ -42,14 +42,14 @@ for _role, _words in {
          "tableauintermediate",
     "b": "b bb bvec weights weight bcoef bcoeffs bcoefs bcoefficients bsol csol getb rkb bi bj "
          "bhigh b1 tableaufinal bex bim bexp bimp bexplicit bimplicit w",
-    "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha alphas getc rkc abscissae "
-         "abscissa times ci ch ah evalstages",
+    "c": "c cc cvec nodes node ccoef ccoeffs ccoefs ccoefficients alpha α alphas getc rkc times ci "
+         "abscissae abscissa ch ah evalstages",
     "embedded": "bhat bh b2 blow blower bembed bembedded bstar bt bemb embedded d dembedded bp be "
                 "embweights low lower bls αEEst aeest bloworder weightshat bht bcap bb2",
     "error": "e er err error berror cerror btilde dc db ec rke ee errweights bdiff be5 ecoef bhh "
              "tr",
     "gamma": "gamma gam γ",
-    "beta": "beta betas",
+    "beta": "beta β betas",
     "diagonal": "adiagonal adiag diagonal diag",
 }.items():  # fmt: skip
     _ROLES |= {x.lower(): _role for x in _words.split()}

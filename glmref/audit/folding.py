@@ -467,7 +467,8 @@ class Folder:
             ):
                 found = found[0]  # {{{..}, {..}}}
             return bounded(found)
-        if _is_numbered(record.fields):
+        records = any(isinstance(x, Record) for x in record.fields.values())
+        if _is_numbered(record.fields) and not records:
             return _numbered(record.fields)
         record.values = [("", x) for x in found]
         return record
@@ -511,6 +512,9 @@ class Folder:
             return None
         if name == "new":
             return self._new()
+        if name == "map" and language == "go" and self.sees("["):
+            self.take()
+            return self._of_go(self.partner(self.at - 1))
         if name in _WORDS and (name != "lambda" or language == "python"):
             raise Unread(f"{name!r} is not read here", t.line)
         after = self.tokens[self.at] if self.at < self.end else None

@@ -98,6 +98,7 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
             status = "wrong" if gap > method.coarse else status
     status = _rows(table, method, found, status, remarks)
     status = _estimates(table, method, status, remarks)
+    status = _dense(table, method, status, remarks)
     if library is not None:
         _alike(table, library, status, record, remarks)
     remarks += empty_rows(table)
@@ -161,7 +162,8 @@ def _meant(
     ):
         remarks.append("c is not the sums of the rows either: this may be no tableau")
         return "unread"
-    if status in ("wrong", "question") and not table.sure and not (
+    sure = table.sure or (table.kind == "composition" and table.doubt and 0 < found < 4)
+    if status in ("wrong", "question") and not sure and not (
         explained or rows or one_row_apart(method) or (found == 0 and _computed(table, method))
     ):  # fmt: skip
         remarks.append("matrix, weights or order may not be meant as they are read")
@@ -243,7 +245,7 @@ def _order(
     """Compare the declared order with the one found, and return the status."""
     fine, coarse, declared = method.fine, method.coarse, table.order
     record |= {"declared": declared, "found": found.to(coarse)}
-    if declared is None:
+    if declared is None or (table.kind == "composition" and not table.sure):
         record["residual"] = float(f"{found.size(record['found'] or 1):.2g}")
         if table.kind == "composition" and record["found"] < 4:
             cubes = complex(sum((x.value**3 for x in table.b[1]), Exact(0))).real
@@ -254,7 +256,8 @@ def _order(
             if mended:
                 record["correction"] = mended
             return "question"
-        return "found"
+        if declared is None:
+            return "found"
     looked = min(declared, len(found.sizes))
     size = found.size(looked)
     status = "right" if size <= fine else "digits" if size <= coarse else "wrong"
@@ -280,6 +283,17 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
             remarks += estimate(method, list(vector(error)))
             if total > method.coarse and status in _GOOD:
                 status = "wrong"
+    return status
+
+
+def _dense(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
+    """Ask about rows of a dense output whose sum, its weight at the end of the step, is not b."""
+    for name, rows in table.dense:
+        for k, (row, x) in enumerate(zip(rows, method.b[0], strict=False), 1):
+            gap = complex(sum(vector(row), Exact(0)) - x).real
+            if abs(gap) > method.coarse:
+                remarks.append(f"row {k} of {name} sums to b[{k}] {gap:+.3g}")
+                status = "question" if status in _GOOD else status
     return status
 
 

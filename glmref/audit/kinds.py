@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 from math import isqrt
 from typing import Any
@@ -31,7 +31,8 @@ _SPLITTING = re.compile(
     re.IGNORECASE,
 )
 _STEPS = re.compile(
-    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am|bdf)_?\d|nordsieck|\bbdf\b|\blmm\b",
+    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am|bdf)_?\d|nordsieck|\bbdf\b|\blmm\b|"
+    r"backward.?diff",
     re.IGNORECASE,
 )
 _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
@@ -65,9 +66,8 @@ def _numbers(*arrays: Array) -> None:
 
 def _word(x: Array) -> str:
     """Return a name without what says that it is one of coefficients."""
-    return re.sub(
-        r"[_ ]?(?:coeffs?|coefs?|coefficients|vals|vec)$", "", x.name, flags=re.IGNORECASE
-    )
+    said = r"[_ ]?(?:coeffs?|coefs?|coefficients|vals|vec)$"
+    return re.sub(said, "", x.name.rstrip("_"), flags=re.IGNORECASE)
 
 
 def _letter(x: Array) -> str:
@@ -106,12 +106,22 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         found += rule(block, matrices, vectors)
     steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
     vectors += [y for x in steps for y in _columns(x)]
+    if {"gamma1", "gamma2", "gamma3", "beta", "delta"} <= {x.name for x in vectors}:
+        first = next(x for x in vectors if x.name == "gamma1")
+        table = Table("", first.line, "low-storage", general=True, last=vectors[-1].last)
+        table.unread = "a low-storage method of three registers, which is not read"
+        return [Found(table, vectors)]
     if len(matrices) == len(steps):
         storage = _low_storage(vectors)
         found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
         steps = [] if found else list(_splitting(vectors))
-        if steps and _says(_SPLITTING, text):
-            found += steps
+        found += [
+            x
+            for x in steps
+            if x.table.loose > 1
+            or _says(_SPLITTING, text)
+            or all(len(y.value) > 2 and min(map(size, y.value)) < 0 for y in x.arrays)
+        ]
         if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
             found += _compositions(block, vectors, text)
     if not found:
@@ -219,7 +229,11 @@ def _general_linear(block: Block, matrices: list[Array], vectors: list[Array]) -
 
 def _near(anchor: Array, pool: Sequence[Array], role: str, s: int) -> Array | None:
     fits = [x for x in pool if x.role == role and len(x.value) == s and x is not anchor]
-    return min(fits, key=lambda x: abs(x.at - anchor.at), default=None)
+    return _nearest(anchor, fits)
+
+
+def _nearest(anchor: Array, pool: Sequence[Array]) -> Array | None:
+    return min(pool, key=lambda x: abs(x.at - anchor.at), default=None)
 
 
 def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
@@ -230,7 +244,7 @@ def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> It
             continue
         s = len(gamma)
         alphas = [y for y in matrices if y.role in ("A", "c") and len(y.value) == s]
-        other = min(alphas, key=lambda y: abs(y.at - x.at), default=None)
+        other = _nearest(x, alphas)
         b = _near(x, vectors, "b", s)
         alpha = _square(other, strict=True) if other is not None else None
         if other is None or b is None or alpha is None:
@@ -406,8 +420,7 @@ def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Ite
     for x in matrices:
         if _letter(x) != "alpha":
             continue
-        betas = [y for y in matrices if _letter(y) == "beta"]
-        beta = min(betas, key=lambda y: abs(y.at - x.at), default=None)
+        beta = _nearest(x, [y for y in matrices if _letter(y) == "beta"])
         alpha, other = _stages(x), _stages(beta) if beta is not None else None
         if beta is None or alpha is None or other is None or len(alpha) != len(other):
             continue
@@ -425,25 +438,66 @@ def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Ite
 
 
 def _low_storage(vectors: list[Array]) -> Iterator[Found]:
-    """Yield a and B of dU = A dU + h f(U), U = U + B dU: Williamson (1980)."""
+    """Yield a and B of dU = A dU + h f(U), U = U + B dU: Williamson (1980).
+
+    Codes with -A are known by the nodes, or by the conditions, and so is the form in which a is the
+    entry before the diagonal and b, before it, are the weights: Kennedy, Carpenter, Lewis (2000).
+    """
     for x in vectors:
         if _letter(x) != "a":
             continue
         same = [y for y in vectors if _stem(y) == _stem(x)]
-        b = next((y for y in same if _letter(y) == "b"), None)
+        b = _nearest(x, [y for y in same if _letter(y) == "b"])
         if b is None or len(b.value) < 3 or len(b.value) - len(x.value) not in (0, 1):
             continue
         A = [ZERO, *x.value] if len(x.value) < len(b.value) else x.value
-        first = size(A[0]) == 0 and all(size(y) < 0 for y in A[1:])
-        if not first or not 0 < size(b.value[0]) < 1:
+        if size(A[0]) != 0 or not 0 < size(b.value[0]) < 1:
             continue
-        c = next((y for y in same if _letter(y) == "c" and len(y.value) == len(A)), None)
+        nodes = [y for y in same if _letter(y) == "c" and len(y.value) == len(A)]
+        c = _nearest(x, nodes)
+        given = [x, b, *([c] if c else [])]
+        down = sum(size(y) < 0 for y in A[1:])
 
-        def make(table: Table, A: Any = A, b: Array = b, c: Array | None = c) -> None:
-            table.kind, table.b = "low-storage", [A, b.value]
-            table.c = [c.value if c is not None else None]
+        def make(
+            table: Table, A: list[Any], b: Array = b, c: Array | None = c, form: str = ""
+        ) -> None:
+            times = c.value if c is not None else None
+            table.kind, table.b, table.c = "low-storage", [A, b.value], [times]
+            if form == "registers":
+                rows = enumerate(A)
+                table.kind, table.b = "rk", [b.value]
+                table.A = [[[*b.value[: i - 1], y, *([ZERO] * (len(A) - i))][: len(A)] if i else
+                            [ZERO] * len(A) for i, y in rows]]  # fmt: skip
 
-        yield from _guarded("", x.line, [x, b, *([c] if c else [])], make)
+        if down >= 0.8 * len(A[1:]):
+            yield from _guarded("", x.line, given, partial(make, A=A))
+            continue
+        if down and any(not isinstance(y, Number) for y in A):
+            continue
+        turned = [y.of(-y.value, y) if isinstance(y, Number) else y for y in A]
+        for form, values in (("registers", A), *([] if down else [("", turned)])):
+            (found,) = _guarded("", x.line, given, partial(make, A=values, form=form))
+            if found.table.unread or found.table.loose > 1 or _keeps_nodes(found.table):
+                yield found
+                break
+
+
+def _keeps_nodes(table: Table) -> bool:
+    """Return whether the stages of a low-storage method are at most of its nodes."""
+    if table.c[0] is None:
+        return False
+    rows = table.A[0] if table.kind == "rk" else _stages_of(*table.b)
+    good = [abs(sum(map(size, r)) - size(y)) < LOOSE for r, y in zip(rows, table.c[0], strict=True)]
+    return 2 * sum(good[1:]) >= len(good[1:])
+
+
+def _stages_of(A: list[Any], b: list[Any]) -> Iterator[list[Number]]:
+    """Yield what the slopes before each stage of a 2N method add to it, each as one number."""
+    slope, at = 0.0, 0.0
+    for x, y in zip(A, b, strict=True):
+        yield [Number(Exact(Fraction(at)))]
+        slope = size(x) * slope + 1
+        at += size(y) * slope
 
 
 # --- splittings -----------------------------------------------------------------------------------
@@ -461,7 +515,7 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             continue
         good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
         whole = all(size(v) % 1 == 0 for v in (*x.value, *y.value))
-        sure = letter in dict(_FLOWS) or _word(x) != x.name
+        sure = letter in dict(_FLOWS) or _word(x) != x.name.rstrip("_")
         if not (any(good) if sure else all(good)) or whole:
             continue
 
@@ -488,6 +542,8 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
     for x in vectors:
         word = _WEIGHTS.search(" ".join([*block.path(), x.name])) is not None
         values = [size(y) for y in x.value]
+        if x.named and any(set(values) <= set(map(size, y.value)) for y in vectors if y is not x):
+            continue  # the names of the numbers of another list
         same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
         full = len(values) > 2 and len(values) % 2 == 1 and _letter(x) not in ("b", "c", "d")
         given: list[Any] = []
@@ -548,11 +604,17 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
         ):  # fmt: skip
             yield _of_steps(block, [a, b], [(a.value, b.value)], None)
             return
+    rate = next((x for x in block.items if x.name in ("beta", "β", "b")
+                 and isinstance(x.value, Number)), None)  # fmt: skip
+    a = named.get("alpha", named.get("a"))
+    if rate is not None and a is not None and _STEPS.search(f"{about} {a.name}"):
+        yield _of_differences(a, rate.value)
+        return
     for x in made:
         if not _STEPS.search(f"{about} {x.name}"):
             continue
         rows = [x.value] if x.flat else [r for r in x.value if isinstance(r, list)]
-        rows = [_trimmed(r) for r in rows]
+        rows = [_trimmed(r) for r in rows if r]
         adams = _ADAMS.search(f"{about} {x.name}") is not None
         broken = [y for r in rows for y in r if size(y) % 1 != 0]
         small = all(abs(size(y)) < 0.1 for y in broken)  # these may be tolerances
@@ -567,6 +629,44 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
             table = Table(x.name, x.line, last=x.last, general=True)
             table.unread = "the coefficients of a multistep method, in a form that is not read"
             yield Found(table, [x])
+
+
+def _of_differences(x: Array, rate: Number) -> Found:
+    """Return a method with one slope, at the new step: sum alpha_j y_j = h beta f_n.
+
+    The coefficient 1 of y_n may stand among the others, which may have the other sign.
+    """
+    table = Table(x.name, x.line, last=x.last, general=True)
+    try:
+        given, slope = [_fraction(y) for y in x.value], _fraction(rate)
+    except Unread as error:
+        table.unread = str(error)
+        return Found(table, [x])
+    best: tuple[int, int, list[Fraction], list[Fraction]] = (-2, 0, [], [])
+    for turned, more, sign in product((False, True), (0, 1), (1, -1)):
+        row = [sign * y for y in (given[::-1] if turned else given)]
+        alpha = [*row, Fraction(1)] if more else row
+        beta = [*([Fraction(0)] * (len(alpha) - 1)), slope]
+        gaps = _conditions(alpha, beta, len(alpha) - 1)
+        if alpha[-1] == 1:
+            best = max(best, (sum(y == 0 for y in gaps), -more, alpha, beta), key=lambda y: y[:2])
+    _, more, alpha, beta = best
+    reached = _order(alpha, beta) if alpha else -1
+    table.unread = f"a linear multistep method; by its conditions of order {reached}"
+    full = len(alpha) - 1
+    for k in range(full if reached < full and full > 1 else 0):
+        moved = _conditions([*alpha[:k], alpha[k] + 1, *alpha[k + 1 :]], beta, full)
+        steps = [(-v, u - v) for v, u in zip(_conditions(alpha, beta, full), moved, strict=True)]
+        found = {v / w for v, w in steps if w}
+        if len(found) == 1 and all(v == 0 for v, w in steps if not w):
+            at = next((y.place for y, z in zip(x.value, given, strict=True)
+                       if abs(z) == abs(alpha[k]) and y.place), None)  # fmt: skip
+            line = f" (line {at[0]})" if at else ""
+            table.unread = (
+                f"question: a multistep method: the coefficient {alpha[k]} of step {k - full} "
+                f"should be {alpha[k] + found.pop()}{line}"
+            )
+    return Found(table, [x])
 
 
 def _trimmed(row: list[Any]) -> list[Any]:

@@ -11,7 +11,7 @@ import re
 from bisect import bisect_left, bisect_right
 from collections import Counter, deque
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import permutations, product
 from math import isqrt
 from typing import Any
@@ -37,7 +37,10 @@ MOST_ROWS = 0.6
 _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 #: So many numerals stand so near one another where there is a table.
 _NUMERALS, _WITHIN = 4, 600
-_LONG = re.compile(r"\b\d?\.\d{9}")
+#: A number with many digits, or a root of which weights of a composition are made.
+_LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\bpow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*3")
+#: A matrix or an argument of this name, not an article.
+_MATRIX = re.compile(r"\b[Aa]\b[\"']?\s*(?:\[|\(|\{|=(?!=)|:|,\s*[Bb]\b)")
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
 
 
@@ -52,7 +55,7 @@ def may_hold(text: str, where: str = "") -> bool:
             break
     else:
         return _LONG.search(text) is not None and WORDS.search(text) is not None
-    return of_subject(text) or of_subject(where) or re.search(r"\b[Aa]\b", text) is not None
+    return of_subject(text) or of_subject(where) or _MATRIX.search(text) is not None
 
 
 # --- readings -------------------------------------------------------------------------------------
@@ -239,7 +242,7 @@ def candidates(array: Array, others: list[Array]) -> Candidate | None:
         if array.stem and any(x.role == "b" for x in same)
         else [x for x in others if _stems(x, array)]
     )
-    vectors = [x for x in pool if x.flat]
+    vectors = _twins(array, [x for x in pool if x.flat])
     best: Candidate | None = None
     if array.role in ("b", "c") and not array.flat:  # matrix b or c, weights c or b, nodes a
         other = {"b": "c", "c": "b"}[array.role]
@@ -253,6 +256,19 @@ def candidates(array: Array, others: list[Array]) -> Candidate | None:
         if found is not None and (best is None or found.score > best.score):
             best = found
     return best
+
+
+def _twins(array: Array, vectors: list[Array]) -> list[Array]:
+    """Return vectors, of which those that differ from a matrix in its letter alone are its own.
+
+    Beside ``A_hat`` the weights are ``b_hat``, and ``b`` are those of another matrix.
+    """
+    at = [k for k, x in enumerate(array.name) if x in "Aa"]
+    own = {array.name[:k] + y + array.name[k + 1 :]: y.lower() for k in at for y in "bcBC"}
+    roles = {x.role for x in vectors if own.get(x.name) == "b"}
+    if array.role != "A" or not roles or "b" in roles:
+        return vectors
+    return [x.with_role(own[x.name]) if x.name in own else x.with_role("") for x in vectors]
 
 
 def _all_readings(array: Array, vectors: list[Array]) -> Iterator[Reading]:
@@ -895,7 +911,11 @@ def _built(block: Block, found: list[tuple[Candidate, list[Array]]]) -> list[Tab
 
 def _additive(x: Candidate, y: Candidate) -> bool:
     """Return whether two matrices are the explicit and the implicit part of one method."""
-    if len(x.reading.A) != len(y.reading.A) or x.array.name == y.array.name:
+    if x.array.name == y.array.name or not _stems(x.array, y.array):
+        return False
+    s, r = (len(z.reading.A) for z in (x, y))
+    rows = len(x.array.value) == len(y.array.value)  # the first of the explicit part is left out
+    if s != r and not (rows and abs(s - r) == 1):
         return False
     if {x.array.role, y.array.role} != {"A"}:
         return False
@@ -970,6 +990,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
     s = len(x.weights)
     lower = _lower_order(table.block)
     for y in near:
+        if not y.flat and _DENSE.search(y.name) and not y.lost:
+            table.dense += _of_dense_output(y, x.weights)
         if not y.flat or y is x.b or y is x.c or not _stems(y, x.array) or y.lost:
             continue
         if any(not isinstance(v, Number) for v in y.value):
@@ -996,6 +1018,22 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 table.rows.append((y.name, row, lower))
 
 
+_DENSE = re.compile(r"^P$|_P$|dense|interp|contin", re.IGNORECASE)
+
+
+def _of_dense_output(y: Array, weights: Sequence[Any]) -> list[tuple[str, Rows]]:
+    """Return a matrix whose rows, or columns, mostly sum to weights, by stages."""
+    rows = [r for r in y.value if isinstance(r, list) and len(r) == len(y.value[0])]
+    if len(rows) < len(y.value) or any(not isinstance(v, Number) for r in rows for v in r):
+        return []
+    for made in (rows, [list(r) for r in zip(*rows, strict=True)]):
+        pairs = list(zip(made, weights, strict=False))
+        good = sum(abs(sum(map(size, r)) - size(w)) < 1e-6 for r, w in pairs)
+        if len(weights) <= len(made) and good > 2 and good >= MOST_ROWS * len(weights):
+            return [(y.name, made)]
+    return []
+
+
 def _lower_order(block: Block) -> int | None:
     """Return the order that a block declares for its embedded weights."""
     word = re.compile(r"(?:low|emb\w*|second\w*)_?order|order_?(?:low|emb|bt)\w*", re.IGNORECASE)
@@ -1005,8 +1043,17 @@ def _lower_order(block: Block) -> int | None:
     return next((n for n in range(1, 15) if values == {n}), None)
 
 
+def _after_a_stage(x: Candidate) -> Candidate:
+    """Return the implicit part of a method whose first stage, the value itself, is left out."""
+    rows = [[ZERO] * (len(x.weights) + 1), *([ZERO, *row] for row in x.reading.A)]
+    nodes = x.c if x.c is None else replace(x.c, value=[ZERO, *x.c.value])
+    return replace(x, reading=Reading(rows), c=nodes, weights=[ZERO, *x.weights])
+
+
 def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) -> Table:
     explicit, implicit = (x, y) if _strict(x.reading.A) else (y, x)
+    if len(implicit.reading.A) < len(explicit.reading.A):
+        implicit = _after_a_stage(implicit)
     table = _single(block, explicit, near)
     why = table.unread or _lost(implicit, ())
     if why:
@@ -1017,7 +1064,7 @@ def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) ->
     parts = []
     for z in (explicit, implicit):
         mine = [v for v in own if v.name[1:] == z.array.name[1:]]
-        parts.append(list(mine[0].value) if mine else z.weights)
+        parts.append(list(mine[0].value) if mine and z in (x, y) else z.weights)
     table.kind, table.A, table.b = "additive", [explicit.reading.A, implicit.reading.A], parts
     times = [z.c.value if z.c is not None and z.match >= MOST_ROWS else None
              for z in (explicit, implicit)]  # fmt: skip

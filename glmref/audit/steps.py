@@ -667,7 +667,10 @@ def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
             except (GlmrefError, Unread, *ACCIDENTS):
                 step.lost = True
                 break
-        found = step.finished()
+        try:
+            found = step.finished()
+        except Unread:  # one of its values is no number
+            found = None
         if found is not None:
             found.line, found.last = row[first].line, row[last].line
             yield found

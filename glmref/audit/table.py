@@ -35,6 +35,8 @@ class Table:
     rows: list[tuple[str, list[Number], int | None]] = field(default_factory=list)
     #: Weights of error estimates, which sum to zero.
     errors: list[list[Number]] = field(default_factory=list)
+    #: Coefficients of theta, theta^2, .. of b(theta) by stages, each matrix with its name.
+    dense: list[tuple[str, Rows]] = field(default_factory=list)
     unread: str = ""  #: Why nothing could be read, or ``""``.
     #: Whether entries stand under names of their own, so that one may have none.
     named: bool = False

@@ -51,6 +51,17 @@ THERMOSTAT = source("thermostat.txt")
 SYMPLECTIC = source("symplectic.rs")
 PEFRL = source("pefrl.txt")
 CHAIN = source("thermostat-classes.txt")
+CHOICES = source("lsrk-cases.f90")
+SWITCH = source("symplectic-cases.cpp")
+REGISTERS = source("registers.jl")
+HATS = source("ars.txt")
+BDF = source("bdf.js")
+DENSE = source("dense.txt")
+TRIPLE = (
+    "/* Yoshida's composition of leapfrog, of order 4 */\n"
+    "void jump(double dt) {\n  const double cut = pow(2.0, 1.0/3.0);\n"
+    "  const double yoshida[3] = {1/(2 - cut), -cut/(2 - cut), 1/(2 - cut)};\n}\n"
+)
 CASES = {
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
@@ -92,6 +103,14 @@ CASES = {
     "an exponent of the wrong sign": Case(
         "ys.py", CHAIN, "1.3512071919596578, -1.7024143839193155, 1.3512071919596578",
         "0.828981543588751, -0.657963087177502, 0.828981543588751", "0.855"),
+    "2N in a choice": Case("l.f90", CHOICES, "-153._dp/128", "-135._dp/128", "A[3]"),
+    "a splitting in a choice": Case("s.cpp", SWITCH, "b_[1] = 0.75", "b_[1] = 0.57", "b[2]"),
+    "2N with the other sign": Case("r.jl", REGISTERS, "15 / 16", "16 / 15", "B[2]"),
+    "two registers": Case("r.jl", REGISTERS, "5 / 12)", "5 / 21)", "a[3][2]"),
+    "hats": Case("a.py", HATS, "[d, 1 - d]", "[d, 1 + d]", "a[3][2]"),
+    "BDF": Case("b.js", BDF, "9 / 11", "8 / 11", "9/11 (line 4)"),
+    "dense output": Case("d.py", DENSE, "-8 / 9", "-7 / 9", "row 3 of P"),
+    "a root": Case("t.c", TRIPLE, "(2.0, 1.0", "(2.0, -1.0", "cubes"),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
 
