@@ -175,6 +175,10 @@ def _meant(
         return "question"
     if status != "found":
         return status
+    pair = _exchanged_nodes(method)
+    if pair:
+        remarks.append(f"c[{pair[0] + 1}] and c[{pair[1] + 1}] are exchanged")
+        return "question"
     if one_row_apart(method):
         for order in range(8, max(found, 2), -1):  # two rows and order 2 are no evidence
             mended = at_row(method, order) or abscissa(method, order)
@@ -187,6 +191,15 @@ def _meant(
         remarks.append(f"the order of the nearest method is {near['order']}")
         return "question"
     return status
+
+
+def _exchanged_nodes(method: Trial) -> list[int]:
+    """Return the two stages of which each has the node that is the sum of the other's row."""
+    c = (method.c[0] if method.kind == "rk" and method.c else None) or []
+    sums = [sum(row, Exact(0)) for row in method.A[0]][: len(c)]
+    apart = [k for k, x in enumerate(sums) if abs(complex(x - c[k])) > method.coarse]
+    cross = [abs(complex(sums[k] - c[j])) for k, j in zip(apart, apart[::-1], strict=True)]
+    return apart if len(apart) == 2 and max(cross) <= method.coarse else []
 
 
 def _computed(table: Table, method: Trial) -> bool:

@@ -115,18 +115,22 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         storage = _low_storage(vectors)
         found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
         steps = [] if found else list(_splitting(vectors))
-        found += [
-            x
-            for x in steps
-            if x.table.loose > 1
-            or _says(_SPLITTING, text)
-            or all(len(y.value) > 2 and min(map(size, y.value)) < 0 for y in x.arrays)
-        ]
+        for x in steps:
+            good = x.table.loose > 1 or _says(_SPLITTING, text)
+            x.table.sure = good
+            found += [x] if good or _go_back(x.arrays) else []
         if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
             found += _compositions(block, vectors, text)
     if not found:
         found += _multistep(block, made)
     return found
+
+
+def _go_back(steps: Sequence[Array]) -> bool:
+    """Return whether steps of two lists both go back, and those of one sum to 1, to the digit."""
+    gaps = [abs(sum(map(size, x.value)) - 1) for x in steps]
+    back = all(len(x.value) > 2 and min(map(size, x.value)) < 0 for x in steps)
+    return back and min(gaps) < 1e-9 and max(gaps) < 0.5 and len({x.at for x in steps}) > 1
 
 
 def _length(row: Any) -> int:
@@ -477,7 +481,7 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
         turned = [y.of(-y.value, y) if isinstance(y, Number) else y for y in A]
         for form, values in (("registers", A), *([] if down else [("", turned)])):
             (found,) = _guarded("", x.line, given, partial(make, A=values, form=form))
-            if found.table.unread or found.table.loose > 1 or _keeps_nodes(found.table):
+            if found.table.loose > 1 or _keeps_nodes(found.table):
                 yield found
                 break
 

@@ -56,6 +56,12 @@ def test_an_order_that_a_comment_gives_is_asked_about() -> None:
     assert record["status"] == "question"
 
 
+def test_nodes_that_are_exchanged_are_asked_about() -> None:
+    text = CLASSES.replace("    order = 3\n", "").replace("[0, 1 / 3, 2 / 3]", "[0, 2 / 3, 1 / 3]")
+    record = judge(_one(text, "python"))
+    assert record["status"] == "question" and "c[2] and c[3] are exchanged" in record["remarks"]
+
+
 def test_a_table_without_an_order_whose_row_is_wrong_is_a_question() -> None:
     text = CLASSES.replace("    order = 3\n", "").replace("[0, 2 / 3, 0]]", "[0, 2 / 5, 0]]")
     record = judge(_one(text, "python"))
