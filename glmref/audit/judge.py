@@ -196,7 +196,7 @@ def _meant(
 def _exchanged_nodes(method: Trial) -> list[int]:
     """Return the two stages of which each has the node that is the sum of the other's row."""
     c = (method.c[0] if method.kind == "rk" and method.c else None) or []
-    sums = [sum(row, Exact(0)) for row in method.A[0]][: len(c)]
+    sums = [sum(row, Exact(0)) for row in method.A[0]] if c else []
     apart = [k for k, x in enumerate(sums) if abs(complex(x - c[k])) > method.coarse]
     cross = [abs(complex(sums[k] - c[j])) for k, j in zip(apart, apart[::-1], strict=True)]
     return apart if len(apart) == 2 and max(cross) <= method.coarse else []
