@@ -80,13 +80,14 @@ def test_the_sentences_of_the_page_hold():
         for r in x["runs"]
         if not r["renew"] and r["verdict"] != "bounded"
     }
-    assert not failed & {"multistep-8", "multistep-rkn-8", "s5z-w3"}
+    assert not failed & {"multistep-8", "multistep-rkn-8"}
     forms = {x["method"] for x in survey} - failed
     assert {x for x in forms if document(x)["class"] in ("glm", "sweep", "pair-sweep")} == {
-        "s5z-w3"
-    }
+        "s3z", "s5z-w3",
+    }  # fmt: skip
     kept, of = gallery.lost()
-    assert (kept, of) == (1, 21) and "only `s5z-w3` of them stayed bounded in every run" in said
+    assert (kept, of) == (1, 21)
+    assert "only `s3z` and `s5z-w3` of them stayed bounded in every run" in said
     laws = {(x["method"], x["h"]): x["law"] for x in measured("pendulum-1e8")["runs"]}
     assert laws["gauss-3", 0.1]["kind"] == laws["g6245", 0.05]["kind"] == "bounded"
     assert laws["g6245", 0.1]["kind"] == "blow-up" and laws["g6245", 0.1]["time"] > 1e5

@@ -26,9 +26,16 @@ are odd in K vanish, for A^T = D (P - Q) D^-1; ``tr P^3 = (1 + 3 g m^2) / 8`` an
 
     I3(-1) = (2/3) tr A^3 = -g sum d l^2 .
 
-So I3 = 0 where K w = 0. Two stages that are symmetric have d = 1/2, and mu = 0 leaves w = 0. Three
-are enough: d = (2, -1, 2)/3, w = (3, 6, 3)/2, g = 1, K_12 = K_23 = 1/3, K_13 = -2/3 has order 4,
-I1 = I3 = 0, and is symmetric.
+So I3 = 0 where K w = 0. Symmetric stages have palindromic d, w and K_12, K_13 with K_23 = K_12 (an
+antisymmetric w gives mu = 2 g d_1 w_1^2 = 0, so w = 0): two leave w = 0, for d = 1/2 and mu = 0.
+Three have l = (l_1, 0, -l_1), so that I3 = 0 only where K w = 0, with w = p (1, a, 1), K_12 = t,
+K_13 = -a t. Then mu = 0 gives d_1 = a^2 / (2 (a^2 - 1)); k = (k_1, 0, -k_1); and with order 3
+
+    I1 = 0 where  g p^2 = (2 a - 1) (a + 1)^2 / (3 a^2),  k_1^2 = (a^2 - 1) / (6 a):
+
+a > 1 with g = 1, or -1 < a < 0 with g = -1. The order is 4, the stage order 2, the linear test
+equation has lambda_1(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5 (1 - 2 a)/144 + .., and so a = -1/10
+is the only one of order 6: the method ``s3z``.
 
 References
 ----------

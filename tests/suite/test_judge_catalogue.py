@@ -46,10 +46,10 @@ MORE = (
     "explicit-euler-pair-symplectic", "milne-simpson-one-leg-order-4", "saba-3-digit",
     "ars-2-3-3-digit", "fine-rkn-4-3-second-stage", "mclachlan-atela-4-digits-swapped",
     "ros3p-w-order-2", "ros34pw2-sign", "suzuki-4-root-swapped", "gsymplectic-n-p-pair",
-    "dormand-prince-rkn-6-4-fd", "milne-predictor", "lobatto-iiia-iiib-4", "g6245",
+    "dormand-prince-rkn-6-4-fd", "milne-predictor", "lobatto-iiia-iiib-4", "g6245", "s3z-k13-sign",
 )  # fmt: skip
 #: Rules of which the catalogue has no statement; hostile certificates have them.
-UNUSED = {"absent", "no-dense-end", "not-dense", "other-second-order"}
+UNUSED = {"absent", "no-dense-end", "not-dense"}
 #: Minutes each: asked for by the environment variable GLMREF_LONG. ``verify --no-cache`` has all
 #: statements judged over FLINT's numbers.
 LONG = pytest.mark.skipif("GLMREF_LONG" not in os.environ, reason="GLMREF_LONG is not set")
