@@ -11,6 +11,7 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Iterator
+from typing import Any
 from zlib import crc32
 
 import pytest
@@ -33,7 +34,10 @@ PROCESSES = 4
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> None:
-    """Run the whole suite on several processes; with paths, ``-n`` or ``--pdb`` as they say."""
+    """Run the whole suite on several processes; with paths, ``-n`` or ``--pdb`` as they say.
+
+    The values in an assertion that fails are shown where the test is run by its path.
+    """
     option = config.option
     if (
         config.args_source is config.ArgsSource.TESTPATHS
@@ -43,8 +47,19 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     ):
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
         option.numprocesses = min(PROCESSES, cores or 1) if cores != 1 else None
+    if getattr(option, "numprocesses", None) and "PYTEST_XDIST_WORKER" not in os.environ:
+        if option.dist == "no" and "not slow" in option.markexpr:
+            option.dist = "loadfile"  # what the tests of a file share is made once
+        if config.args_source is config.ArgsSource.TESTPATHS:
+            option.assertmode = "plain"  # each process would rewrite all files
     if sys.dont_write_bytecode and "PYTEST_XDIST_WORKER" not in os.environ:
         compile_once(config)
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Say where the values of an assertion that failed are shown."""
+    if terminalreporter.stats.get("failed") and config.option.assertmode == "plain":
+        terminalreporter.write_line("A failed test that is run by its path shows the values.")
 
 
 def compile_once(config: pytest.Config) -> None:
