@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,27 +25,37 @@ SHOWN_FIRST = (
 
 
 def counts() -> str:
-    """Return the number of tables of each code by status, and of all."""
-    rows, total = [], [0] * len(STATUSES)
+    """Return the number of tables of each code, and how many of them have each status."""
+    rows, total = [], Counter[str]()
     for code, record in audited_codes().items():
-        found = [record["counts"].get(x, 0) for x in STATUSES]
-        total = [x + y for x, y in zip(total, found, strict=True)]
-        rows.append([code, source(record), sum(found), *(x or "" for x in found)])
-    rows.append(["all", "", sum(total), *total])
-    return markdown(["code", "source", "tables", *STATUSES], rows)
+        if record["tables"]:
+            total.update(record["counts"])
+            rows.append([source(code, record), numbers(record["counts"])])
+    return markdown(["code", "tables"], [*rows, ["all", numbers(total)]])
 
 
-def source(record: Mapping[str, Any]) -> str:
-    """Return the commit, date and licence of a code."""
-    x = record["source"]
-    return f"[{x['commit'][:7]}]({x['page']}/tree/{x['commit']}) {x['date']}, {x['licence']}"
+def numbers(count: Mapping[str, int]) -> str:
+    """Return the number of tables, and of those of each status that occurs."""
+    each = ", ".join(f"{count[x]} {x}" for x in STATUSES if count.get(x))
+    return f"{sum(count.values())}: {each}"
+
+
+def without() -> str:
+    """Return the codes that were read and in which no table is recognised, in one row."""
+    known = audited_codes().items()
+    found = [f"{source(code, x)} ({x['files']})" for code, x in known if not x["tables"]]
+    return markdown(["no table is recognised (files read)"], [[", ".join(found)]])
+
+
+def source(code: str, record: Mapping[str, Any]) -> str:
+    """Return the name of a code, linked at its commit."""
+    return f"[{code}]({record['source']['page']}/tree/{record['source']['commit']})"
 
 
 def place(record: Mapping[str, Any], table: Mapping[str, Any]) -> str:
-    """Return the path and line of a table, linked at its commit, with the date and licence."""
+    """Return the path and line of a table, linked at its commit."""
     x, line = record["source"], f"{table['path']}:{table['line']}"
-    link = f"{x['page']}/blob/{x['commit']}/{table['path']}#L{table['line']}"
-    return f"[`{line}`]({link}) {x['date']}, {x['licence']}"
+    return f"[`{line}`]({x['page']}/blob/{x['commit']}/{table['path']}#L{table['line']})"
 
 
 def said(table: Mapping[str, Any]) -> str:
@@ -54,17 +65,19 @@ def said(table: Mapping[str, Any]) -> str:
 
 
 def findings() -> str:
-    """Return every table that is not right, the wrong ones first."""
-    rows = []
+    """Return every table that is not right, the wrong ones first; places of like ones together."""
+    rows: dict[tuple[str, ...], list[str]] = {}
     for status in ("wrong", "question", "digits"):
         for code, record in audited_codes().items():
             for x in record["tables"]:
                 if x["status"] == status:
                     tree = f"`{x['tree']}`, {x['residual']}" if "tree" in x else ""
-                    cells = [code, x["name"], place(record, x), status, x.get("declared", "")]
-                    rows.append([*cells, x.get("found", ""), tree, said(x)])
-    head = "code, table, source, status, declared, found"
-    return markdown([*head.split(", "), "tree, residual", "named"], rows)
+                    orders = [str(x.get(k, "")) for k in ("declared", "found")]
+                    key = (f"{code}: {x['name']}", status, *orders, tree, said(x))
+                    rows.setdefault(key, []).append(place(record, x))
+    head = "table, source, status, declared, found"
+    cells = [[key[0], ", ".join(places), *key[1:]] for key, places in rows.items()]
+    return markdown([*head.split(", "), "tree, residual", "named"], cells)
 
 
 def first() -> str:
@@ -81,5 +94,5 @@ def first() -> str:
 
 PAGES: Pages = {
     SHORT: {"audit-short": first},
-    PAGE: {"audit-codes": counts, "audit-findings": findings},
+    PAGE: {"audit-codes": counts, "audit-none": without, "audit-findings": findings},
 }

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from campaigns.audited_codes import PAGE, SHORT
+from campaigns.audited_codes import PAGE, SHORT, without
 from glmref.audit.judge import judge
 from glmref.audit.readers import read
 from glmref.catalogue.audits import STATUSES, audited_codes, named
@@ -47,14 +47,16 @@ KNOWN = [
     ("jax-md", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
     ("gridap.jl", "tableau", "wrong", "the row emb_weights has order 3, declared is 2"),
     ("pathsim", "RKF45", "question", "`rkf45-4` has `a[6][3]` = -3544/2565"),
+    ("openmmtools", "YSWeights", "question", "the cubes of the weights is 0.855"),
     ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
 ]
 
 
 def test_the_counts_in_the_sentence_are_those_of_the_records() -> None:
     n = {x: sum(r["counts"].get(x, 0) for r in RECORDS.values()) for x in STATUSES}
+    codes = sum(1 for x in RECORDS.values() if x["tables"])
     said = (
-        f"Of {sum(n.values())} tables in {len(RECORDS)} codes {n['right']} are right, {n['digits']} "
+        f"Of {sum(n.values())} tables in {codes} codes {n['right']} are right, {n['digits']} "
         f"right to fewer digits, {n['wrong']} wrong, and {n['question']} a question; {n['found']} "
         f"declare no order, and {n['unread']} could not be read. Several of the {n['wrong']} wrong"
     )
@@ -73,6 +75,12 @@ def test_a_known_defect_is_found_with_its_entry(
 @pytest.mark.parametrize("code", ["sundials", "rklib", "gsl", "scipy"])
 def test_a_code_without_a_defect_has_no_wrong_table(code: str) -> None:
     assert "wrong" not in RECORDS[code]["counts"]
+
+
+def test_a_code_without_a_table_says_how_many_files_were_read() -> None:
+    assert all((x["files"] > 0) != bool(x["tables"]) for x in RECORDS.values() if "files" in x)
+    assert all(x["tables"] or "files" in x for x in RECORDS.values())
+    assert re.search(r"\[sdar\]\(\S+\) \(210\)", without())
 
 
 def test_the_one_wrong_method_of_principia_has_a_row_that_is_not_c() -> None:

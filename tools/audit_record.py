@@ -3,7 +3,8 @@
 ``glmref audit CHECKOUT/src/ts/impls --from petsc --all | python -m tools.audit_record petsc
 PETSC-COMMIT DATE PAGE LICENCE src/ts/impls`` writes ``data/audits/petsc.json``. The licence is that
 of the checkout (SPDX), the folder what was read of it, "." for all: paths are relative to the
-checkout. Only facts about each table are kept, no source.
+checkout. Only facts about each table are kept, no source. A last argument says how many files were
+read of a code in which no table is recognised.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ AUDITS = Path(__file__).resolve().parents[1] / "data" / "audits"
 
 def main(arguments: list[str]) -> None:
     """Write the record of one code from the lines on the standard input."""
-    code, commit, date, page, licence, folder = arguments
+    code, commit, date, page, licence, folder, *files = arguments
     records = []
     for line in sys.stdin:
         row = json.loads(line)
@@ -37,6 +38,7 @@ def main(arguments: list[str]) -> None:
         "name": code,
         "source": {"page": page, "commit": commit, "date": date, "licence": licence},
         "reader": f"glmref {__version__}",
+        **({"files": int(files[0])} if files else {}),
         "counts": summary(records),
         "tables": records,
     }

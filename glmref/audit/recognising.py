@@ -247,6 +247,8 @@ def candidates(array: Array, others: list[Array]) -> Candidate | None:
     if array.role in ("b", "c") and not array.flat:  # matrix b or c, weights c or b, nodes a
         other = {"b": "c", "c": "b"}[array.role]
         swapped = {other: "b", "A": "c"}
+        if any(x.role == "A" and not x.flat for x in pool):  # a pair of matrices, nodes c
+            swapped = {other: "c"}
         vectors = [x.with_role(swapped.get(x.role, x.role)) for x in vectors]
         array = array.with_role("A")
     elif array.role == "beta":
@@ -744,7 +746,7 @@ def _of_block(
             and len(array.value) < 3
         ):
             continue
-        if _GUESSES.search(array.name):
+        if _GUESSES.search(array.name) or _is_dense(array, made):
             continue
         near = _latest(_windows(array, made), array.at)
         near = [x for x in near if x is not array] + _closing(made)
@@ -781,6 +783,17 @@ def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
     return any(
         y.b is not None and y.b.at == x.b.at and y.b.name == x.b.name and y.order > x.order
         and y.match >= MOST_ROWS for y in others
+    )  # fmt: skip
+
+
+def _is_dense(array: Array, made: Sequence[Array]) -> bool:
+    """Return whether the rows of a matrix without the name A sum to the weights b beside it."""
+    if array.flat or array.role == "A":
+        return False
+    sums = [sum(map(size, row)) for row in array.value]
+    return any(
+        y.flat and y.role == "b" and 2 < len(y.value) <= len(sums)
+        and all(_near(p, size(q)) for p, q in zip(sums, y.value, strict=False)) for y in made
     )  # fmt: skip
 
 

@@ -162,6 +162,24 @@ def test_other_matrices_are_no_tables(text: str, language: str) -> None:
     assert tables(text, LANGUAGES[language]) == []
 
 
+#: A method whose weights have a sum of squares of 1/2, as if b b were order 2, and a dense output.
+DENSE = """
+order = 2  # Runge-Kutta
+a = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+b = [2 / 3, 1 / 6, 1 / 6]
+c = [0, 1, 2]
+bi = [[1, -1 / 3], [0, 1 / 6], [0, 1 / 6]]
+"""
+#: The matrices a and b of an implicit and an explicit part, and nodes c, whose last is to fill in.
+PAIR = """
+class IMEXRK222:
+    def stages(self):
+        g = (2 - 2**0.5) / 2
+        d = 1 - 1 / (2 * g)
+        a = [[0, 0, 0], [0, g, 0], [0, 1 - g, g]]
+        b = [[0, 0, 0], [g, 0, 0], [d, 1 - d, 0]]
+        c = (0, g, {})
+"""
 #: Kutta's method under names, with an abscissa to fill in.
 NODES = (
     "// Runge-Kutta\nconst int order = 4;\ndouble a21 = 1.0/3.0, a31 = -1.0/3.0, a32 = 1.0, "
@@ -417,6 +435,25 @@ READ = [
     ("call f(t, x, f1)\ncall f(t + h, x + h*f1, f2)\nx = x + h*(f1 + f2)/2", "fortran", "found"),
     (OUTPUTS.format("(k1[i] + 3*k2[i])/4"), "c", "found"),
     (OUTPUTS.format("k2[i]"), "c", "found"),
+    (DENSE, "python", "right"),
+    (  # the rows of a sum to the weights, too, and it is the matrix
+        (
+            "order = 2  # Runge-Kutta\n"
+            "a = [[2 / 3, 0, 0], [0, 1 / 6, 0], [0, 0, 1 / 6]]\nb = [2 / 3, 1 / 6, 1 / 6]\n"
+        ),
+        "python",
+        "right",
+    ),
+    (PAIR.format("1"), "python", "found found"),
+    (PAIR.format("1 / 2"), "python", ""),  # c is neither the nodes of b nor weights
+    (  # alpha and beta of Shu and Osher under names of a tableau
+        (
+            "# This is the second-order, strong-stability-preserving Runge-Kutta scheme.\n"
+            "RKA = [1.0 0.0; 1 // 2 1 // 2]\nRKB = [1.0, 1 // 2]\nRKC = [0.0, 1.0]\n"
+        ),
+        "julia",
+        "unread",
+    ),
     (  # the weights do not sum to 1, and nothing declares an order
         "// symplectic\ndouble a[2] = {0.5, 0.5}, b[2] = {0.25, 0.5};",
         "c",
