@@ -22,7 +22,8 @@ from glmref.derive.parameters import pivots
 from glmref.derive.parity_start import expanded
 from glmref.derive.search import Found, evaluate, search
 from glmref.errors import UsageError
-from glmref.prove.starting import Target, starting_function, starting_system
+from glmref.exact.judging import fast_judge
+from glmref.prove.starting import Target, function_of
 
 #: Width of the random coefficients: the solutions found have them between 0.05 and 1.
 WIDTH = 0.4
@@ -53,29 +54,30 @@ def general_start(pairs: int) -> dict[str, list[list[str]]]:
     }
 
 
-def _weighted(pairs: int, target: Target) -> tuple[Any, int]:
-    """Return the conditions times the density of their trees, and the number of unknowns.
+def _weighted(pairs: int, target: Target) -> tuple[Any, list[str]]:
+    """Return the conditions times the density of their trees, and the names of the unknowns.
 
     Without the factor high orders would hardly count.
     """
-    block = expanded(general_start(pairs))
-    conditions = starting_function(block, target)
-    weights = [t.density for k, _, t in target.conditions() if k > 0]
+    document = {"digits": 20, "starting": expanded(general_start(pairs))}
+    start = target.of_document(document).start
+    conditions = function_of(start, start.wanted)
+    weights = [fast_judge().trees.gamma(t) for _, t in start.wanted]
 
     def residuals(values: Sequence[Any]) -> list[Any]:
         return [x * w for x, w in zip(conditions(values), weights, strict=True)]
 
-    return residuals, len(starting_system(block).unknowns)
+    return residuals, list(start.unknowns)
 
 
 def search_start(
     target: Target, pairs: int, *, seed: int, starts: int, iterations: int = 300
 ) -> Iterator[Found]:
     """Solve the conditions from random coefficients, reproducibly."""
-    residuals, size = _weighted(pairs, target)
+    residuals, names = _weighted(pairs, target)
 
     def draw(generator: np.random.Generator) -> np.ndarray:
-        return generator.normal(size=size) * WIDTH
+        return generator.normal(size=len(names)) * WIDTH
 
     return search(residuals, draw, seed=seed, starts=starts, iterations=iterations)
 
@@ -87,11 +89,10 @@ def fixed_start(
 
     The point is a solution that :func:`search_start` found.
     """
-    residuals, _ = _weighted(pairs, target)
+    residuals, order = _weighted(pairs, target)
     _, jacobians = evaluate(residuals, np.array([point], dtype=float))
     free = set(pivots(jacobians[0]))
     half = general_start(pairs)
-    order = starting_system(expanded(half)).unknowns
     texts: Mapping[str, str] = {
         name: str(Fraction(round(x * 10**places), 10**places)) if k in free else f"{x:.14f}"
         for k, (name, x) in enumerate(zip(order, point, strict=True))

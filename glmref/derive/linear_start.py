@@ -14,14 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from ..catalogue.writer import decimal
+from ..catalogue.writer import DIGITS, decimal
 from ..errors import ExactnessError
-from ..exact import Exact, linalg
+from ..exact import Exact, ball, linalg
+from ..exact.judging import as_numbers, as_scalar, consulted
 from ..exact.linalg import Matrix
-from ..prove.classes import classes
-from ..prove.starting import Target, functionals, inverse_block, prove_starting
-from ..prove.tableau_series import stage_order, weights
-from ..theory.trees import Tree
+from ..prove.starting import Target, inverse_block, prove_blocks
 from .parameters import RankError, pivots
 from .parity_start import add_terms, negated
 from .recognise import exact_text
@@ -78,19 +76,7 @@ def tableau(pairs: Sequence[Mapping[str, str]], *, moments: int = 3) -> list[lis
     return rows
 
 
-def _columns(series: Mapping[Tree, Sequence[Any]], rows: Sequence[Tree], *, even: bool) -> Matrix:
-    """Return what a weight on stage 0 (odd values only) or on each pair adds at the given trees."""
-    return tuple(
-        tuple(
-            Exact(0) + (series[t][j] if j == 0 else series[t][j] * 2)
-            for j in range(1 if even else 0, len(series[t]), 1)
-            if j == 0 or j % 2
-        )
-        for t in rows
-    )
-
-
-def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
+def _choose(matrix: Matrix, density: Sequence[int]) -> list[int]:
     """Choose as many columns as rows: the first ones if regular, else by pivoting.
 
     Raises
@@ -98,9 +84,7 @@ def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
     ExactnessError
         When the columns do not span.
     """
-    rows = np.array(
-        [[float(x) * t.density for x in row] for row, t in zip(matrix, trees, strict=True)]
-    )
+    rows = np.array([[float(x) * y for x in row] for row, y in zip(matrix, density, strict=True)])
     try:
         left_out = pivots(rows, tolerance=1e-9)
     except RankError as error:
@@ -111,47 +95,57 @@ def _choose(matrix: Matrix, trees: Sequence[Tree]) -> list[int]:
 
 
 def linear_start(
-    pairs: Sequence[Mapping[str, str]], target: Target, *, first: int, moments: int = 3
+    pairs: Sequence[Mapping[str, str]],
+    target: Target,
+    L: Matrix,
+    *,
+    first: int,
+    moments: int = 3,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Solve for the weights; return the start and the finish that inverts its first value.
 
     The first value may use the first so many of the pairs, block included: few keep the finish
-    short. ``target`` is that of a method with ``moments`` as its stage order, see :func:`tableau`.
+    short. ``target`` is that of a method with ``moments`` as its stage order, see :func:`tableau`,
+    which L reverses.
 
     Raises
     ------
     ExactnessError
         When the stages do not span the conditions, or the proof fails.
     """
-    A = tuple(tuple(Exact(x) for x in row) for row in tableau(pairs, moments=moments))
-    q = stage_order(A, most=target.stage_order)
-    unit = linalg.identity(len(A))
-    found = weights(A, unit, target.order, parity=True, q=q)
-    series = {t: [row[t] for row in found] for t in found[0]}
+    rows = [[str(x) for x in row] for row in tableau(pairs, moments=moments)]
     count = 3 + len(pairs)
-    parts: list[list[str]] = []
-    forms = functionals(target.L["o"])
-    for k, (form, sign) in enumerate(forms):
-        order = target.order - (k == 0)
-        rows = [t for n in range(2 if sign > 0 else 1, order + 1, 2) for t in classes(n, q)]
-        matrix = _columns(series, rows, even=sign > 0)
-        if k == 0:
-            matrix = tuple(row[:first] for row in matrix)
-        chosen = _choose(matrix, rows)
-        square = tuple(tuple(row[j] for j in chosen) for row in matrix)
-        right = tuple((linalg.dot(form, target.zeta[t]),) for t in rows)
-        solved = dict(zip(chosen, (x[0] for x in linalg.solve(square, right)), strict=True))
-        texts = {j: decimal(x.ball()) for j, x in solved.items()}
-        shift = 1 if sign > 0 else 0
-        parts.append([texts.get(j - shift, "0") for j in range(count + 1)])
-    block = _block(A, parts, forms)
-    block["order"] = target.order
-    prove_starting(block, target)
+    with consulted() as judge:
+        found = judge.parity.parts_of(as_numbers(L))
+        forms = [(tuple(map(as_scalar, row)), sign) for row, sign in found]
+        idle = _block(rows, [["0"] * (count + 1)] * len(forms), forms)
+        start = target.of_document({"starting": {**idle, "order": target.order}}).start
+        parts = []
+        for k, (_, sign) in enumerate(forms):
+            listed = [t for i, t in start.wanted if i == k]
+            # a weight on stage 0 counts in odd values only; on a pair it stands twice
+            columns = [*([] if sign > 0 else [0]), *range(1, len(rows), 2)]
+            columns = columns[:first] if k == 0 else columns
+            slopes = [start.fixed.derivative(t) for t in listed]
+            matrix = tuple(
+                tuple(as_scalar(row[j] * (2 if j else 1)) for j in columns) for row in slopes
+            )
+            chosen = _choose(matrix, [judge.trees.gamma(t) for t in listed])
+            square = tuple(tuple(row[j] for j in chosen) for row in matrix)
+            right = tuple((as_scalar(start.aim(k, t)),) for t in listed)
+            solved = dict(zip(chosen, (x[0] for x in linalg.solve(square, right)), strict=True))
+            texts = {j: decimal(ball(x)) for j, x in solved.items()}
+            shift = 1 if sign > 0 else 0
+            parts.append([texts.get(j - shift, "0") for j in range(count + 1)])
+    block = {**_block(rows, parts, forms), "order": target.order}
+    prove_blocks(target.of_document({"digits": DIGITS, "starting": block}))
     return block, {**inverse_block(block), "order": target.order}
 
 
 def _block(
-    A: Matrix, parts: Sequence[Sequence[str]], forms: Sequence[tuple[tuple[Any, ...], int]]
+    A: Sequence[Sequence[str]],
+    parts: Sequence[Sequence[str]],
+    forms: Sequence[tuple[tuple[Any, ...], int]],
 ) -> dict[str, Any]:
     """Carry the values in eigenvectors of L back to y: B = (forms)^-1 parts."""
     back = linalg.inverse(tuple(row for row, _ in forms))
@@ -174,7 +168,7 @@ def _block(
     return {
         "name": f"start of {size} stages, seven of them one collocation block",
         "kind": "runge-kutta",
-        "A": [[str(x.as_fraction()) for x in row if isinstance(x, Exact)] for row in A],
+        "A": A,
         "B": B,
         "u": ["1"] + ["0"] * (len(back) - 1),
     }

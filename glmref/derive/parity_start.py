@@ -7,7 +7,6 @@ u_i (f(Y+_i) + f(Y-_i))``.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
@@ -15,20 +14,18 @@ from typing import Any
 from ..catalogue.claims import NYSTROM_ORDER, NYSTROM_STARTING_ORDER, ORDER, STARTING_ORDER
 from ..catalogue.writer import DIGITS, decimal
 from ..errors import ExactnessError
-from ..exact import Ball, ball
+from ..exact import ball
+from ..exact.judging import as_scalar, consulted, fast_judge
 from ..prove.enclosure import Enclosure
 from ..prove.newton import polish
 from ..prove.starting import (
-    StartingSystem,
+    DECIMAL,
     Target,
-    finishing_function,
-    finishing_system,
-    first_value,
-    prove_finishing,
-    prove_starting,
-    starting_function,
-    starting_system,
-    swap,
+    conditions_of,
+    function_of,
+    made,
+    proposed,
+    prove_blocks,
 )
 
 
@@ -174,9 +171,9 @@ def expanded(half: Mapping[str, Sequence[Sequence[str]]]) -> dict[str, Any]:
     block: dict[str, Any] = {}
     for name in ("A", "A_hat"):
         rows = [[_text(x) for x in row] for row in half[name]]
-        full = [["0"] * len(rows[0])]
+        full, partner = [["0"] * len(rows[0])], fast_judge().parity.partner
         for row in rows:
-            full += [row, [negated(row[swap(j)]) for j in range(len(row))]]
+            full += [row, [negated(row[partner(j)]) for j in range(len(row))]]
         block[name] = full
     for name in ("B", "B_hat"):
         rows = [[_text(x) for x in row] for row in half[name]]
@@ -204,20 +201,30 @@ def with_partitioned_start(
     if NYSTROM_ORDER.key in claims:
         claims[NYSTROM_STARTING_ORDER.key] = claims[NYSTROM_ORDER.key]
     changed = {**document, "claims": claims}
-    target = Target.of(changed, enclosure.system, enclosure.series)
+    target = Target.of(changed, enclosure.root.record)
     return {**changed, "starting": complete(expanded(half), None, target)[0]}
 
 
-def _substitute(rows: Any, system: StartingSystem, found: Sequence[Ball]) -> Any:
-    """Return rows with their rough decimals replaced; a sign that has changed is carried along."""
-    new = {old: decimal(x) for old, x in zip(system.unknowns, found, strict=True)}
+def _polished(key: str, texts: Mapping[str, Any], block: Any) -> dict[str, Any]:
+    """Return a start or finish with its rough decimals replaced by those of the root.
+
+    A sign that has changed is carried along.
+    """
+    function = function_of(block, conditions_of(key, block))
+    with consulted():
+        point = [ball(as_scalar(x)) for x in block.published]
+        found = polish(function, point, digits=90)
+    new = {old: decimal(x) for old, x in zip(block.unknowns, found, strict=True)}
     if any(x.startswith("-") for x in new.values()):
         raise ExactnessError("a parameter changed its sign while it was polished")
 
-    def replaced(text: str) -> str:
-        return re.sub(r"\d+\.\d{20,}", lambda m: new[m[0]], text)
+    def replaced(rows: Any) -> Any:
+        if isinstance(rows, str):
+            return DECIMAL.sub(lambda m: new[m[0]], rows)
+        return [replaced(x) for x in rows]
 
-    return [replaced(x) if isinstance(x, str) else [replaced(y) for y in x] for x in rows]
+    names = {"A", "B", "A_hat", "B_hat", "b"} & texts.keys()
+    return {**texts, **{x: replaced(texts[x]) for x in names}}
 
 
 def complete(
@@ -230,20 +237,19 @@ def complete(
     ConvergenceError, ExactnessError
         When a rough tableau leads to no exact one.
     """
-    system = starting_system(start)
-    found = polish(starting_function(start, target), system.published(DIGITS), digits=90)
-    opening = {**start, "order": target.order}
-    for name in {"A", "B", "A_hat", "B_hat"} & start.keys():
-        opening[name] = _substitute(start[name], system, found)
-    proved = prove_starting(opening, target)
-    if finish is None:
-        return opening, None
-    base = first_value(opening, proved.box, target.order)
-    ending = finishing_system(finish)
-    function = finishing_function(finish, base, target.order)
-    found = polish(function, ending.published(DIGITS), digits=90)
-    closing = {**finish, "order": target.order}
-    closing["A"] = _substitute(finish["A"], ending, found)
-    closing["b"] = _substitute(finish["b"], ending, found)
-    prove_finishing(closing, base, target.order)
-    return opening, closing
+    blocks = {"starting": {**start, "order": target.order}}
+    if finish is not None:
+        blocks["finishing"] = {**finish, "order": target.order}
+
+    def begun() -> Target:
+        return target.of_document({"digits": DIGITS, **blocks})
+
+    block = made("starting", lambda: begun().start)
+    blocks["starting"] = _polished("starting", blocks["starting"], block)
+    if finish is not None:
+        found = begun()
+        first = proposed("starting", found.start)
+        block = made("finishing", lambda: found.record.finish(found.start, first, target.order))
+        blocks["finishing"] = _polished("finishing", blocks["finishing"], block)
+    prove_blocks(begun())
+    return blocks["starting"], blocks.get("finishing")

@@ -26,7 +26,6 @@ from ..judge import arithmetic
 from ..judge.arithmetic import Number, Ring
 from ..judge.refusals import Refused, Undecided
 from ..system.budget import spend
-from .jet import Jet
 from .number import Ball, Exact
 from .products import sum_of_products
 
@@ -307,7 +306,7 @@ def newton(
 
 
 class Algebraic(Ring):
-    """An irrational number of the package, or a jet, among the numbers of the judge."""
+    """An irrational number of the package, a jet or the like, among the numbers of the judge."""
 
     __slots__ = ("value",)
 
@@ -341,15 +340,15 @@ class Algebraic(Ring):
         return as_number(1 / self.value)
 
 
-def as_number(x: Exact | Ball | Jet | int):
+def as_number(x: Any):
     """Return a number of the package as one of :func:`fast_judge`; an exact zero is rational."""
     if isinstance(x, Ball):
         re, im = x.parts()
         return Interval(re) if im.is_zero() else _box()(Interval(re), Interval(im))
     if isinstance(x, int):
         return Fraction(x)
-    if isinstance(x, Jet):
-        return Algebraic(x)
+    if not isinstance(x, Exact):
+        return Algebraic(x)  # a jet, or what else mixes with exact numbers and balls
     if x._q is not None:
         return x._q
     return Fraction(0) if x.is_zero() else Algebraic(x)

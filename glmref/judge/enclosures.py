@@ -117,7 +117,9 @@ class Enclosed:
         """Return the same equations with their root, or refuse its proof."""
         keys(proof, "radius centre inverse", self.members[0], "proof of the method")
         other = copy(self)
-        other.root = only_root(self.residuals, self.published, self.digits, proof, self.over_box)
+        other.root = only_root(
+            self.residuals, self.published, self.digits, proof, lambda: self.over_box
+        )
         return other
 
     def prepare(self) -> None:

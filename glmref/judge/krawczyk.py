@@ -85,13 +85,13 @@ def only_root(
     published: list[Fraction],
     digits: int,
     proof: Document,
-    over_box: list | None = None,
+    over_box: Callable[[], list],
 ) -> list[Interval]:
     """Return intervals around the one root of `function` near the published numbers (Krawczyk).
 
     The box X has the half-width `radius` around the published numbers, the centre lies in it, Y
-    is the matrix `inverse`. The root must be published rounded to nearest. `over_box` is
-    `function` at :func:`box_around`, where that is known.
+    is the matrix `inverse`. The root must be published rounded to nearest. `over_box` gives
+    `function` at :func:`box_around`.
     """
     n, radius = len(published), decimal_number(proof["radius"])
     require(n and 0 < radius <= Fraction(1, 10**60), "the radius")
@@ -103,9 +103,9 @@ def only_root(
     require(max(away) < radius, "the centre lies outside the box")
     Y = [[floor(decimal_number(x) * 2**80) for x in row] for row in rows]
     at_centre = [as_interval(x) for x in function([around(x) for x in centre])]
-    over_box = function(box_around(published, radius)) if over_box is None else over_box
-    require(len(at_centre) == len(over_box) == n, "there are not as many equations as unknowns")
-    by = [x.by if isinstance(x, Gradient) else {} for x in over_box]
+    image = over_box()
+    require(len(at_centre) == len(image) == n, "there are not as many equations as unknowns")
+    by = [x.by if isinstance(x, Gradient) else {} for x in image]
     news, slacks = newton_sums(Y, at_centre, by)
     reach, worst = radius + max(away), max(slacks)
     for d, step_, slack in zip(away, news, slacks, strict=True):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
+import json
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property
 from typing import TypeAlias
 
 from .arithmetic import Fraction, Number
@@ -11,29 +12,31 @@ from .classes import classes
 from .document import Component
 from .enclosed_pair import ALTERNATING, Pair
 from .fields import Numbers
-from .grammar import published_decimal
-from .krawczyk import Linear, at_values, only_root
+from .grammar import decimal_number, published_decimal
+from .krawczyk import Linear, at_values, box_around, only_root
 from .linalg import apply, diagonal, dot, equal, identity, kernel, minus, transpose
 from .numbers import as_reals, is_nil, total, vanishes
-from .refusals import SIZE, Document, as_list, as_object, keys, require, whole
+from .refusals import SIZE, Document, as_list, as_object, as_text, keys, require, whole
 from .series import Series
 from .trees import Tree, is_nystrom, read_tree, trees
 
-#: The row and the tree of a condition, and the function that gives how far conditions fail.
+#: The row and the tree of a condition.
 Label: TypeAlias = tuple[int, Tree]
-Gaps: TypeAlias = Callable[[list[Label], list], list]
 
 
 class Block:
-    """A start or finish whose decimals are unknowns, equal decimals one unknown, with its proof."""
+    """A start or finish whose decimals are unknowns, and the conditions that they satisfy.
 
-    def __init__(
-        self, numbers: Numbers, document: Document, proof: object = None, more: str = ""
-    ) -> None:
+    Equal decimals are one unknown. Each class has its conditions, those `wanted`, and the `gaps` by
+    which they fail at values of the unknowns: that is what a finder of the root evaluates.
+    """
+
+    members = ""  # of the proof, besides those of every class
+    wanted: list[Label]
+
+    def __init__(self, numbers: Numbers, document: Document) -> None:
         self.unknowns, self.numbers = {}, numbers.changed(decimal=self.unknown, unknowns={})
-        self.digits, self.proof = document.get("digits", 75), proof
-        if proof is not None:
-            keys(proof, "radius centre inverse conditions" + more, where="proof")
+        self.document, self.roots, self.boxes = document, {}, {}
 
     def unknown(self, text: str, digits: int) -> Linear:
         """Return the unknown that a decimal stands for."""
@@ -50,25 +53,54 @@ class Block:
         require(len(A) == len(A[0]) == len(b), "shapes of the finish")
         return A, b
 
-    def root(
-        self,
-        gaps: Gaps,
-        wanted: list[Label],
-        may_lack: Callable[[Label], bool] = lambda label: False,
-    ) -> list:
+    @cached_property
+    def digits(self) -> int:
+        """The places of the decimals, which are rounded to nearest."""
+        return whole(self.document.get("digits", 75), 20, 400)
+
+    @cached_property
+    def published(self) -> list[Fraction]:
+        """The numbers that the decimals are."""
+        return [published_decimal(text, self.digits) for text in self.unknowns]
+
+    def gaps(self, labels: list[Label], values: list) -> list:
+        """Return by how much the conditions fail at values of the unknowns."""
+        return []
+
+    def over_box(self, labels: list[Label], radius: str) -> list:
+        """Return the gaps over the box of a proof, with their derivatives."""
+        new = [x for x in labels if (radius, x) not in self.boxes]
+        if new:
+            box = box_around(self.published, decimal_number(radius))
+            found = self.gaps(new, box)
+            self.boxes |= {(radius, x): gap for x, gap in zip(new, found, strict=True)}
+        return [self.boxes[radius, x] for x in labels]
+
+    def may_lack(self, label: Label) -> bool:
+        """Tell whether a condition may be missing in a proof where it holds exactly."""
+        return False
+
+    def root(self, proof: Document) -> list:
         """Return intervals around the one root of the conditions, in the order of the proof.
 
         They are all that are `wanted`, less some that hold exactly, where these may be missing.
         """
-        proof = as_object(self.proof)
+        key = json.dumps(proof)
+        if key not in self.roots:
+            keys(proof, "radius centre inverse conditions" + self.members, where="proof")
+            self.roots[key] = self.only_root(as_object(proof))
+        return self.roots[key]
+
+    def only_root(self, proof: Document) -> list:
+        """Return the root after the checks of its proof."""
         labels = [(whole(k, 0, SIZE), read_tree(t)) for k, t in as_list(proof["conditions"])]
-        left = [x for x in wanted if x not in set(labels)]
-        fine = len(set(labels)) == len(labels) == len(wanted) - len(left)
-        require(fine and all(map(may_lack, left)), "the conditions are other ones")
-        digits = whole(self.digits, 20, 400)
-        published = [published_decimal(text, digits) for text in self.unknowns]
-        root = only_root(lambda values: gaps(labels, values), published, digits, proof)
-        require(all(map(is_nil, gaps(left, root))), "a condition is missing")
+        left = [x for x in self.wanted if x not in set(labels)]
+        fine = len(set(labels)) == len(labels) == len(self.wanted) - len(left)
+        require(fine and all(map(self.may_lack, left)), "the conditions are other ones")
+        radius = as_text(proof["radius"], "the radius")
+        root = only_root(lambda values: self.gaps(labels, values), self.published, self.digits,
+                         proof, lambda: self.over_box(labels, radius))  # fmt: skip
+        require(all(map(is_nil, self.gaps(left, root))), "a condition is missing")
         return root
 
 
@@ -77,10 +109,15 @@ def partner(i: int) -> int:
     return 0 if i == 0 else i + 1 if i % 2 else i - 1
 
 
-def opposite(rows: list, images: list) -> None:
-    """Refuse unless entry [i][partner j] of rows is minus entry [i][j] of images."""
-    for row, image in zip(rows, images, strict=True):
+def opposite(rows: list, images: list | None = None) -> None:
+    """Refuse unless entry [i][partner j] of rows is minus entry [i][j] of images.
+
+    The images of the rows of stages are those of their partners.
+    """
+    for row in rows if images else [*rows, rows]:
         require(len(row) % 2 == 1, "a start with parity has an odd number of stages")
+    for row, image in zip(rows, images or [rows[partner(i)] for i in range(len(rows))],
+                          strict=True):  # fmt: skip
         fine = all(is_nil(row[partner(j)] + x) for j, x in enumerate(image))
         require(fine, "the stages have no parity")
 
@@ -119,40 +156,57 @@ def first_is_solution(numbers: Numbers, texts: object, r: int) -> None:
     require(numbers.vector(texts) == [Fraction(int(k == 0)) for k in range(r)], "u of the start")
 
 
-def start_with_parity(
-    proof: Document,
-    numbers: Numbers,
-    document: Document,
-    series: Callable[[Tree], list],
-    L: list,
-    order: int,
-    q_most: int,
-) -> tuple[Block, list, list]:
-    """Return (block, root, rows) of the start; `series` gives zeta(t) for any tree (6.7)."""
-    table, block, r = as_object(document["starting"]), Block(numbers, document, proof), len(L)
-    keys(table, "A B u", "name kind order", "start")
-    first_is_solution(numbers, table["u"], r)
-    A, B = block.matrix(table["A"]), block.matrix(table["B"])
-    n = len(A)
-    require(len(A[0]) == len(B[0]) == n and len(B) == r, "shapes of the start")
-    opposite(A, [A[partner(i)] for i in range(n)])
-    images = [[dot(row, [b[j] for b in B]) for j in range(n)] for row in L]
-    opposite(B, images)
-    known = not any(isinstance(x, Linear) for row in A for x in row)
-    q = simplifies(A, q_most) if known else 1
-    rows = [(as_reals(f), s) for f, s in parts_of(L)]
-    wanted = [(k, t) for k, (_, s) in enumerate(rows) for m in range(1, order + (k > 0))
-              if (m % 2 == 0) == (s > 0) for t in classes(m, q)]  # fmt: skip
-    fixed = stage_series(as_reals(A), q) if known else None
+class OddStart(Block):
+    """The start of one method, whose stages and values have a parity (6.7).
 
-    def gaps(labels: list[Label], values: list) -> list:
-        stages = fixed or stage_series(at_values(A, values), q)
-        weights, slopes = transpose(at_values(B, values)), cache(stages.derivative)
-        seen = {k: [dot(rows[k][0], column) for column in weights] for k, _ in labels}
-        return [dot(seen[k], slopes(t)) - dot(rows[k][0], series(t)) for k, t in labels]
+    It is to agree with `series`, which gives zeta(t) for any tree, through the `order`.
+    """
 
-    root = block.root(gaps, wanted, lambda label: label[0] == 0)
-    return block, at_values(A, root), at_values(B, root)
+    def __init__(
+        self,
+        numbers: Numbers,
+        document: Document,
+        series: Callable[[Tree], list],
+        L: list,
+        order: int,
+        q_most: int,
+    ) -> None:
+        super().__init__(numbers, document)
+        table, r = as_object(document["starting"]), len(L)
+        keys(table, "A B u", "name kind order", "start")
+        first_is_solution(numbers, table["u"], r)
+        self.A, self.B, self.series = self.matrix(table["A"]), self.matrix(table["B"]), series
+        n = len(self.A)
+        require(len(self.A[0]) == len(self.B[0]) == n and len(self.B) == r, "shapes of the start")
+        opposite(self.A)
+        opposite(self.B, [[dot(row, [b[j] for b in self.B]) for j in range(n)] for row in L])
+        known = not any(isinstance(x, Linear) for row in self.A for x in row)
+        self.q = simplifies(self.A, q_most) if known else 1
+        self.rows = [(as_reals(f), s) for f, s in parts_of(L)]
+        self.wanted = [(k, t) for k, (_, s) in enumerate(self.rows)
+                       for m in range(1, order + (k > 0))
+                       if (m % 2 == 0) == (s > 0) for t in classes(m, self.q)]  # fmt: skip
+        self.fixed = stage_series(as_reals(self.A), self.q) if known else None
+
+    def may_lack(self, label: Label) -> bool:
+        """Tell whether a condition is one of the first value."""
+        return label[0] == 0
+
+    def gaps(self, labels: list[Label], values: list) -> list:
+        """Return start - zeta in the parts of the values that L keeps or turns round."""
+        stages = self.fixed or stage_series(at_values(self.A, values), self.q)
+        weights, slopes = transpose(at_values(self.B, values)), cache(stages.derivative)
+        seen = {k: [dot(self.rows[k][0], column) for column in weights] for k, _ in labels}
+        return [dot(seen[k], slopes(t)) - self.aim(k, t) for k, t in labels]
+
+    def aim(self, k: int, t: Tree) -> Number:
+        """Return zeta(t) in a part of the values."""
+        return dot(self.rows[k][0], self.series(t))
+
+    def at(self, proof: Document) -> tuple[list, list]:
+        """Return A and B at the root."""
+        root = self.root(proof)
+        return at_values(self.A, root), at_values(self.B, root)
 
 
 def undoes(numbers: Numbers, opening: Document, closing: Document) -> bool:
@@ -175,60 +229,68 @@ def undoes(numbers: Numbers, opening: Document, closing: Document) -> bool:
         for k, i in enumerate(stages) for m, j in enumerate(stages))  # fmt: skip
 
 
-def finish_with_parity(
-    proof: Document, numbers: Numbers, document: Document, A: list, b: list, order: int
-) -> None:
-    """Refuse unless the finish has the order, after the start with stages A and weights b."""
-    first, block = stage_series(A, 1), Block(numbers, document, proof)
-    C, d = block.finish(as_object(document["finishing"]))
-    opposite(C, [C[partner(i)] for i in range(len(C))])
-    opposite([d], [d])
-    wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
-    base = cache(lambda t: dot(b, first.derivative(t)))
+class OddFinish(Block):
+    """The finish with parity of a method that gives y back after a start with stages A, weights b.
 
-    def gaps(labels: list[Label], values: list) -> list:
-        stages, weights = stage_series(at_values(C, values), 1, base), at_values(d, values)
-        return [dot(weights, stages.derivative(t)) + base(t) for _, t in labels]
+    That is so at the even trees through the `order`; at the odd ones it follows.
+    """
 
-    block.root(gaps, wanted)
+    def __init__(self, numbers: Numbers, document: Document, A: list, b: list, order: int) -> None:
+        super().__init__(numbers, document)
+        self.C, self.d = self.finish(as_object(document["finishing"]))
+        opposite(self.C)
+        opposite([self.d], [self.d])
+        self.wanted = [(0, t) for m in range(2, order + 1, 2) for t in classes(m, 1)]
+        first = stage_series(A, 1)
+        self.base = cache(lambda t: dot(b, first.derivative(t)))
+
+    def gaps(self, labels: list[Label], values: list) -> list:
+        """Return the series of the finish after the start, less y."""
+        stages = stage_series(at_values(self.C, values), 1, self.base)
+        weights = at_values(self.d, values)
+        return [dot(weights, stages.derivative(t)) + self.base(t) for _, t in labels]
 
 
-def even_start(
-    proof: Document, pair: Pair, numbers: Numbers, document: Document
-) -> tuple[int, int]:
-    """Return the orders (all trees, second-order systems) of the start of a pair (6.7)."""
-    table, block = as_object(document["starting"]), Block(numbers, document, proof, " orders")
-    most, nystrom = (whole(x, 0, 12) for x in as_list(proof["orders"], "orders"))
-    for L in pair.reversal().values():
-        equal(L, identity(len(L)), "L = I")
-    zeta = {}
-    for order, kind in ((most, False), (nystrom, True)):
-        if order:
-            require(pair.identity_through(order - 1, kind), "a principal part is not shown to be 0")
-            series = pair.series(pair.root, order, kind)
-            series.fill()
-            zeta.update(series.eta)
-    keys(table, "A B u A_hat B_hat u_hat", "name kind order", "start")
-    tables = {}
-    for c, hat in (("f", ""), ("k", "_hat")):
-        first_is_solution(numbers, table["u" + hat], len(pair.V[c]))
-        tables[c] = block.matrix(table["A" + hat]), block.matrix(table["B" + hat])
-    sizes = {"f": len(tables["f"][0]), "k": len(tables["k"][0])}
-    for c, other in (("f", "k"), ("k", "f")):
-        A, B = tables[c]
-        require(len(A[0]) == len(B[0]) == sizes[other] and len(B) == len(pair.V[c]), "shapes")
-        require(all(map(is_nil, A[0] + B[0])), "the first stage and value are the solution")
-        opposite(A, [A[partner(i)] for i in range(len(A))])
-        opposite(B, B)
-    wanted = [(k, t) for n in range(2, max(most, nystrom) + 1, 2) for t in trees(ALTERNATING, n)
-              if n <= most or (n <= nystrom and is_nystrom(t))
-              for k in range(1, len(pair.V[t[0]]))]  # fmt: skip
+class EvenStart(Block):
+    """The start of a pair through two orders, on all trees and on second-order systems (6.7)."""
 
-    def gaps(labels: list[Label], values: list) -> list:
+    members = " orders"
+
+    def __init__(
+        self, numbers: Numbers, document: Document, pair: Pair, orders: Sequence[int]
+    ) -> None:
+        super().__init__(numbers, document)
+        table, (most, nystrom) = as_object(document["starting"]), orders
+        for L in pair.reversal().values():
+            equal(L, identity(len(L)), "L = I")
+        self.zeta = {}
+        for order, kind in ((most, False), (nystrom, True)):
+            if order:
+                fine = pair.identity_through(order - 1, kind)
+                require(fine, "a principal part is not shown to be 0")
+                series = pair.series(pair.root, order, kind)
+                series.fill()
+                self.zeta.update(series.eta)
+        keys(table, "A B u A_hat B_hat u_hat", "name kind order", "start")
+        self.tables = tables = {}
+        for c, hat in (("f", ""), ("k", "_hat")):
+            first_is_solution(numbers, table["u" + hat], len(pair.V[c]))
+            tables[c] = self.matrix(table["A" + hat]), self.matrix(table["B" + hat])
+        sizes = {"f": len(tables["f"][0]), "k": len(tables["k"][0])}
+        for c, other in (("f", "k"), ("k", "f")):
+            A, B = tables[c]
+            require(len(A[0]) == len(B[0]) == sizes[other] and len(B) == len(pair.V[c]), "shapes")
+            require(all(map(is_nil, A[0] + B[0])), "the first stage and value are the solution")
+            opposite(A)
+            opposite(B, B)
+        self.wanted = [(k, t) for n in range(2, max(most, nystrom) + 1, 2)
+                       for t in trees(ALTERNATING, n)
+                       if n <= most or (n <= nystrom and is_nystrom(t))
+                       for k in range(1, len(pair.V[t[0]]))]  # fmt: skip
+
+    def gaps(self, labels: list[Label], values: list) -> list:
+        """Return start - zeta in the values beyond the first."""
         start = Series.of_tables({c: (at_values(A, values), at_values(B, values))
-                                  for c, (A, B) in tables.items()})  # fmt: skip
+                                  for c, (A, B) in self.tables.items()})  # fmt: skip
         slopes = cache(start.derivative)
-        return [dot(start.part(t[0]).B[k], slopes(t)) - zeta[t][k] for k, t in labels]
-
-    block.root(gaps, wanted)
-    return most, max(most, nystrom)
+        return [dot(start.part(t[0]).B[k], slopes(t)) - self.zeta[t][k] for k, t in labels]

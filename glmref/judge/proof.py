@@ -20,7 +20,7 @@ from .grammar import published_decimal
 from .krawczyk import at_values
 from .linalg import apply, equal, is_exact
 from .numbers import apart, as_reals
-from .parity import even_start, start_with_parity
+from .parity import EvenStart, OddFinish, OddStart
 from .refusals import (
     Document,
     Malformed,
@@ -37,7 +37,7 @@ from .refusals import (
 )
 from .rule import Bound, Conclusion, Replaced, Reversal, Rule
 from .series import Solved
-from .trees import PATHS, Tree, size, through
+from .trees import PATHS, size, through
 
 FORMAT = "glmref-certificate-1"
 
@@ -86,6 +86,45 @@ class Record:
         """Read the matrices of the document, at the root of an enclosure."""
         self.method = Method(self.document, self.numbers, base)
         self.method.check_shapes()
+
+    def odd_start(self, order: int) -> OddStart:
+        """Return the conditions of the start of a sweep."""
+        root = self.root
+        if not isinstance(root, Sweep):
+            raise NotShown("a start with parity of another class")
+        return self.known(("start", order), lambda: OddStart(
+            self.exact, self.document, root.series(root.root, order + 1).cut_value,
+            root.reversal()["o"], order, root.q))  # fmt: skip
+
+    def exact_start(self, order: int, L: list, eta: Solved) -> OddStart:
+        """Return the conditions of a start of a method without decimals that L reverses."""
+
+        def made() -> OddStart:
+            for t in through(eta.method, order, False):
+                sign_ = -1 if size(t) % 2 else 1
+                equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))],
+                      "eta(-h) = L eta(h)")  # fmt: skip
+            return OddStart(self.exact, self.document,
+                            lambda t: as_reals(eta.eta_of(t)), L, order, 1)  # fmt: skip
+
+        return self.known(("start", order, eta, *map(tuple, L)), made)
+
+    def even_start(self, most: int, nystrom: int) -> EvenStart:
+        """Return the conditions of the start of a pair."""
+        pair = self.root
+        if not isinstance(pair, Pair):
+            raise NotShown("the proof of a start of a pair")
+        return self.known(("start", most, nystrom), lambda: EvenStart(
+            self.exact, self.document, pair, (most, nystrom)))  # fmt: skip
+
+    def finish(self, start: OddStart, proof: Document, order: int) -> OddFinish:
+        """Return the conditions of the finish after a start with its proof."""
+
+        def made() -> OddFinish:
+            A, B = start.at(proof)
+            return OddFinish(self.exact, self.document, A, B[0], order)
+
+        return self.known(("finish", start, json.dumps(proof), order), made)
 
     def known(self, key: tuple | None, make: Callable[[], T]) -> T:
         """Return what was made before under this key; None keeps nothing."""
@@ -317,37 +356,21 @@ class Proof:
 
     def even_orders(self) -> tuple[int, int]:
         """Return the orders of the start of a pair."""
-        proof, pair = self.block("starting"), self.root()
-        if not isinstance(pair, Pair):
-            raise NotShown("the proof of a start of a pair")
-        return self.record.known(("start", json.dumps(proof)), lambda: even_start(
-            proof, pair, self.record.exact, self.method.document))  # fmt: skip
+        proof = self.block("starting")
+        most, nystrom = (whole(x, 0, 12) for x in as_list(proof.get("orders"), "orders"))
+        self.root()
+        self.record.even_start(most, nystrom).root(proof)
+        return most, max(most, nystrom)
 
-    def odd_start(self, order: int) -> tuple[list, list]:
-        """Return A and B of the start of one method, proved to have the order."""
-        proof, numbers = self.block("starting"), self.record.exact
-
-        def made() -> tuple[list, list]:
-            L, series, q = self.target(order)
-            return start_with_parity(proof, numbers, self.method.document, series, L, order, q)[1:]
-
-        key = ("start", order, json.dumps(proof)) if self.record.root is not None else None
-        return self.record.known(key, made)
-
-    def target(self, order: int) -> tuple[list, Callable[[Tree], list], int]:
-        """Return (L, starting series, stage order) that a start has to meet."""
-        root = self.record.root
-        if isinstance(root, Sweep):
-            return root.reversal()["o"], root.series(root.root, order + 1).cut_value, root.q
-        require(root is None, "a start with parity of another class")
+    def odd_start(self, order: int) -> OddStart:
+        """Return the conditions of the start of one method, which are to be satisfied."""
+        if self.record.root is not None:
+            return self.record.odd_start(order)
         known = shown(self.known.get("order"), "the order is missing")
         reversals = self.all_shown(Reversal)
         require(reversals, "symmetry is missing")
-        L, eta = reversals[0].L["o"], self.series(*known.kind, order, filled=True)
-        for t in through(self.method, order, False):
-            sign_ = -1 if size(t) % 2 else 1
-            equal(eta.eta_of(t), [sign_ * x for x in apply(L, eta.eta_of(t))], "eta(-h) = L eta(h)")
-        return L, lambda t: as_reals(eta.eta_of(t)), 1
+        eta = self.series(*known.kind, order, filled=True)
+        return self.record.exact_start(order, reversals[0].L["o"], eta)
 
     def claimed(self, texts: object) -> list:
         """Return declared numbers; claims use no constants."""

@@ -9,7 +9,7 @@ from .arithmetic import Fraction, Number
 from .document import Method
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
-from .parity import finish_with_parity, undoes
+from .parity import undoes
 from .refusals import as_list, as_object, keys, require
 from .rule import Fails, Rule
 from .rules_orders import (
@@ -192,7 +192,7 @@ def start_follows_from_the_equations(case: StartCase) -> bool:
         return q <= proof.even_orders()[nystrom]
     if not 1 <= q == case.order.low:
         return False
-    proof.odd_start(q)
+    proof.odd_start(q).root(proof.block("starting"))
     return True
 
 
@@ -283,9 +283,8 @@ def finish_follows_from_the_digits(case: FinishCase) -> bool:
         return True
     if "finishing" not in proof.blocks:
         return False
-    A, B = proof.odd_start(case.q)
-    block = proof.block("finishing")
-    finish_with_parity(block, case.method.numbers, document, A, B[0], case.q)
+    start = proof.odd_start(case.q)
+    proof.record.finish(start, proof.block("starting"), case.q).root(proof.block("finishing"))
     return True
 
 

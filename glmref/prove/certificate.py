@@ -60,7 +60,6 @@ from ..theory.stability import SAMPLES
 from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symplectic import find_forms, form_identities
 from .algebra import diagonal_values, is_exact
-from .certificate_enclosed import start_proofs
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
@@ -132,12 +131,6 @@ class Shared:
         return {} if implied is None or implied.root is None else {"method": implied.root.proof}
 
     @cached_property
-    def starts(self) -> dict[str, Any]:
-        """The tests of the start and of the finish."""
-        implied = self.facts.implied
-        return start_proofs(self.document, implied.blocks, implied.system)
-
-    @cached_property
     def exact_texts(self) -> Texts:
         """The entries of a file whose numbers are exact."""
         kept = {k: v for k, v in self.document.items() if k != "claims"}
@@ -186,7 +179,7 @@ class Shared:
             return field_of_decimals("balls", radicals)
         proofs = dict(self.method)
         if claim in (STARTING_ORDER.key, NYSTROM_STARTING_ORDER.key, FINISHING_ORDER.key):
-            proofs |= self.starts
+            proofs |= self.facts.implied.blocks.proofs
         return {**field_of_decimals("enclosure", radicals), "proofs": proofs}
 
 

@@ -32,11 +32,9 @@ from ..theory.trees import Tree, trees
 from .classes import Family, plan, representatives
 from .equations import Series
 from .field import about, field_of_decimals, texts_of_decimals
-from .starting import Blocks, Target, prove_blocks
+from .starting import Blocks, Target, prove_blocks, texts_of
 from .system import SweepSystem
 
-#: Significant digits of a centre and of an approximate inverse.
-CENTRE, INVERSE = 110, 14
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
 _RADIUS = re.compile(r"\d{1,99}(\.\d{1,99})?(e-\d{1,3})?")
@@ -167,7 +165,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
         principal=principal,
     )
     if "starting" in document:  # not by `replace`, which would drop the series
-        blocks = prove_blocks(document, Target.of(document, system, record.series))
+        blocks = prove_blocks(Target.of(document, root.record))
         object.__setattr__(record, "blocks", blocks)
     return record
 
@@ -260,8 +258,8 @@ class Root:
     ----------
     enclosed : Any
         The judge's equations with their root; what they imply is asked of them.
-    method : Any
-        The judge's method at the root.
+    record : Any
+        The judge's record of the root, with its method there.
     box : tuple[Ball, ...]
         (n,) balls around the unknowns.
     proof : Mapping[str, Any]
@@ -269,7 +267,7 @@ class Root:
     """
 
     enclosed: Any
-    method: Any
+    record: Any
     box: tuple[Ball, ...]
     proof: Mapping[str, Any]
 
@@ -325,14 +323,13 @@ def root_of(document: Mapping[str, Any], equations: Any) -> Root:
     name = document.get("name", "the file")
     with consulted() as judge:
         try:
-            centre, inverse = newton(equations.residuals, equations.published, equations.over_box)
+            found = newton(equations.residuals, equations.published, equations.over_box)
         except (ZeroDivisionError, Undecided) as error:
             _check_satisfied(name, equations)
             raise ExactnessError(f"{name}: the Jacobian is singular near the digits") from error
         proof = {
             "radius": equations.proof["radius"],
-            "centre": [x.ball.str(CENTRE, radius=False) for x in centre],
-            "inverse": [[x.str(INVERSE, radius=False) for x in row] for row in inverse.tolist()],
+            **texts_of(*found),
             **{k: x for k, x in equations.proof.items() if k != "radius"},
         }
         try:
@@ -343,7 +340,7 @@ def root_of(document: Mapping[str, Any], equations: Any) -> Root:
             _check_satisfied(name, equations)
             raise ExactnessError(f"{name}: the root is not enclosed: {error}") from error
         found = record.root
-        return Root(found, record.method, tuple(x.as_ball() for x in found.root), proof)
+        return Root(found, record, tuple(x.as_ball() for x in found.root), proof)
 
 
 def _check_satisfied(name: str, equations: Any) -> None:

@@ -180,7 +180,7 @@ def _by_start(document: Mapping[str, Any], method: Any) -> Implied | None:
     if method.starting.is_exact:
         return None
     try:
-        blocks = prove_blocks(document, target_of(method))
+        blocks = prove_blocks(target_of(document, method))
     except (DataError, ExactnessError):
         return None
     return Implied(at_least=blocks.orders, blocks=blocks)

@@ -6,7 +6,6 @@ import json
 import random
 from fractions import Fraction
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import jsonschema
@@ -18,7 +17,6 @@ from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
 from glmref.findings import Verdict
-from glmref.prove import certificate_enclosed, starting
 from glmref.prove.field import Tower, radicals_of
 from glmref.prove.verifier import facts_for
 from glmref.theory.symplectic import GSymplecticity
@@ -314,48 +312,3 @@ def test_what_refutes_an_order_of_several_values_sees_no_unknown(seed: int) -> N
             part["witness"]["order"] = other
         found["statement"]["declared"] = found["document"]["claims"]["order"] = other
         assert not judge.verdict(found)[0], other
-
-
-def test_a_finish_without_unknowns_has_no_test(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only what is enclosed is tested: a start in decimals, and a finish that is."""
-    digits = "0.14433756729740644112728719512548936391"
-    d = shipped("gsymplectic-n")
-    d["digits"], d["starting"]["B"][1] = 38, ["0", f"-{digits}", digits]
-    for name in ("_test", "_conditions"):
-        monkeypatch.setattr(certificate_enclosed, name, lambda *given: {})
-    monkeypatch.setattr(
-        starting, "enclosed_block",
-        lambda system, conditions, digits, key: SimpleNamespace(box=system.published(digits)),
-    )  # fmt: skip
-    monkeypatch.setattr(starting, "_check_parity", lambda *given: None)
-    target = starting.target_of(load_document(shipped("gsymplectic-n")))
-    finishes = {"0": None, "1/3": None, f"0.{38 * '3'}": "finishing"}
-    for entry, more in finishes.items():
-        d["finishing"] = {"A": [["0", "0"], [entry, "0"]], "b": ["1", "-1"]}
-        found = certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None)
-        assert list(found) == ["starting"] + [more] * (more is not None), entry
-    d["starting"]["B"] = [["0"] * 3] * 2
-    assert certificate_enclosed.start_proofs(d, starting.prove_blocks(d, target), None) == {}
-
-
-@pytest.mark.parametrize(
-    ("zeta", "mu"),
-    [("1", x) for x in (("5/2", "1/2"), ("-1", "9/10"), ("3", "3/2"))]
-    + [("-1", x) for x in (("5/2", "1/2"), ("-1", "9/10"), ("2", "2"))],
-)
-def test_both_numbers_of_a_multiple_eigenvalue_are_shown_without_the_principal_value(
-    zeta: str, mu: tuple[str, str]
-) -> None:
-    """Two values at 1 beside the solution, or at -1."""
-    a, b = mu if zeta == "1" else (f"-({x})" for x in mu)
-    d = {"format": "glmref-method-1", "class": "glm", "name": "x", "A": [["0"] * 3] * 3,
-         "U": [["1", "0", "0"], ["1", "1", "0"], ["1", "0", "1"]],
-         "B": [["1", "0", "0"], [f"-({a})", a, "0"], [f"-({b})", "0", b]],
-         "V": [["1", "0", "0"], ["0", zeta, "0"], ["0", "0", zeta]],
-         "claims": {"growth": list(mu)}, "source": SOURCE}  # fmt: skip
-    shown = facts_for(load_document(d)).judge("growth", list(mu))
-    numbers: Any = shown.value
-    assert shown.verdict is Verdict.HOLDS
-    right = sorted(float(Fraction(x)) for x in mu)
-    assert sorted(map(float, numbers)) == pytest.approx(right, abs=1e-9)
-    assert zeta == "-1" or certified(d, "growth")["statement"]["verdict"] == "holds"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
@@ -15,7 +16,10 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact, ball, linalg
 from glmref.exact.expression import parse
+from glmref.exact.judging import Fraction as rational
+from glmref.exact.judging import consulted, newton
 from glmref.findings import Proof, Verdict
+from glmref.judge.refusals import Refused
 from glmref.method import GLM
 from glmref.method.component import Component
 from glmref.method.sweep import SweepForm
@@ -24,7 +28,7 @@ from glmref.prove.enclosure import obstruction, prove, shift_matrix
 from glmref.prove.equations import starting_series
 from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
-from glmref.prove.krawczyk import Outcome, krawczyk
+from glmref.prove.starting import texts_of
 from glmref.prove.verifier import verify
 from glmref.theory.trees import parse_tree, single, trees
 
@@ -40,64 +44,46 @@ def document(name: str) -> dict[str, Any]:
     return doc
 
 
+def root_near(function: Any, published: Sequence[Any], digits: int = 75) -> list[Any]:
+    """The root of a system of the judge, with centre and inverse as a finder proposes them."""
+    with consulted() as judge:
+        points = [rational(x.numerator, x.denominator) for x in map(Fraction, published)]
+        radius = rational(1, 10**60)
+        over = function(judge.krawczyk.box_around(points, radius))
+        proof = {"radius": "1e-60", **texts_of(*newton(function, points, over))}
+        return judge.krawczyk.only_root(function, points, digits, proof, lambda: over)  # fmt: skip
+
+
+ROOT_2 = "1.414213562373095048801688724209698078569671875376948073176679737990732478462"
+
+
 def test_one_root_is_found_and_enclosed_far_inside_the_box() -> None:
-    # x^2 = 2 near 1.41421356237...: K = x - Y f(x) + (1 - Y f'(X)) (X - x) contracts quadratically.
-    result = krawczyk(
-        lambda v: [v[0] * v[0] - 2],
-        [ball(Fraction("1.41421356237309504880168872420969807"))],
-        Fraction(1, 10**30),
-    )
-    assert result.outcome is Outcome.UNIQUE
-    assert result.contraction < 1e-29
-    assert result.box[0].contains(Exact(2).sqrt())
-    assert result.box[0].radius() < 1e-58  # of the order of radius^2
-
-
-def test_no_root_is_proved_by_a_component_that_excludes_zero() -> None:
-    result = krawczyk(lambda v: [v[0] * v[0] + 1], [ball(1)], Fraction(1, 10))
-    assert result.outcome is Outcome.NONE
-    assert "excludes zero" in result.witness
-
-
-def test_no_root_is_proved_where_each_component_vanishes_somewhere() -> None:
-    # x + y = 1/5 and x + 11/10 y = -1/5 meet at (4.2, -4); each line crosses the box of radius 1.
-    result = krawczyk(
-        lambda v: [v[0] + v[1] - Fraction(1, 5), v[0] + v[1] * Fraction(11, 10) + Fraction(1, 5)],
-        [ball(0), ball(0)],
-        Fraction(1),
-    )
-    assert result.outcome is Outcome.NONE
-    assert "misses" in result.witness
+    # x^2 = 2: K = x - Y f(x) + (1 - Y f'(X)) (X - x) contracts quadratically.
+    (found,) = root_near(lambda v: [v[0] * v[0] + rational(-2)], [ROOT_2])
+    assert found.as_ball().contains(Exact(2).sqrt())
+    assert found.as_ball().radius() < 1e-105
 
 
 @pytest.mark.parametrize(
-    ("centre", "radius", "outcome"),
+    ("gap", "centre", "said"),
     [
-        (Fraction(1), Fraction(1, 10**20), Outcome.UNDECIDED),  # both roots lie in the box
-        (1 + Fraction(1, 10**30), Fraction(1, 10**40), Outcome.UNIQUE),
-        (1 - Fraction(1, 10**30), Fraction(1, 10**40), Outcome.UNIQUE),
-        (Fraction(1), Fraction(1, 10**40), Outcome.NONE),  # between the two
+        (-2, f"{ROOT_2[:-1]}3", "rounded"),  # the last digit is another
+        (-2, f"{ROOT_2[:50]}0{ROOT_2[51:]}", "outside the box"),
+        (2, ROOT_2, "box"),  # there is no root
+        (Fraction(-1, 10**160), 0, "singular"),  # two roots 2e-80 apart, in one box
     ],
 )
-def test_two_roots_near_each_other_are_never_called_one(
-    centre: Fraction, radius: Fraction, outcome: Outcome
+def test_a_root_that_is_not_the_one_within_the_digits_is_refused(
+    gap: Any, centre: Any, said: str
 ) -> None:
-    # (x - 1)^2 = 1e-60: roots 1 +- 1e-30.
-    result = krawczyk(
-        lambda v: [(v[0] - 1) * (v[0] - 1) - Fraction(1, 10**60)], [ball(centre)], radius
-    )
-    assert result.outcome is outcome
-
-
-def test_a_double_root_is_undecided_at_every_radius() -> None:
-    for k in (10, 30, 60):
-        result = krawczyk(lambda v: [(v[0] - 1) * (v[0] - 1)], [ball(1)], Fraction(1, 10**k))
-        assert result.outcome is Outcome.UNDECIDED
+    shift = rational(Fraction(gap).numerator, Fraction(gap).denominator)
+    with pytest.raises((Refused, ZeroDivisionError), match=said):
+        root_near(lambda v: [v[0] * v[0] + shift], [centre])
 
 
 def test_a_system_that_is_not_square_is_refused() -> None:
-    with pytest.raises(DataError, match="square"):
-        krawczyk(lambda v: [v[0]], [ball(0), ball(0)], TINY)
+    with pytest.raises((Refused, ValueError)):
+        root_near(lambda v: [v[0]], [0, 0])
 
 
 SMALL = ("s3i1-w3", "s4-w3", "t115a-i")
@@ -242,29 +228,24 @@ def test_obstruction_is_zero_for_a_method_of_the_higher_order() -> None:
     assert obstruction(starting_series(gauss, ONE, 7), 6) > 1e-6
 
 
-@pytest.mark.parametrize(
-    ("gap", "outcome"),
-    [
-        (Fraction(-1, 10**50), Outcome.NONE),  # the circle and the line do not meet
-        (Fraction(0), Outcome.UNDECIDED),  # they touch
-        (Fraction(1, 10**30), Outcome.UNDECIDED),  # two roots 1e-15 apart, both in the box
-    ],
-)
-def test_two_unknowns_with_no_one_and_two_roots_near_the_centre(
-    gap: Fraction, outcome: Outcome
-) -> None:
-    # x^2 + y^2 = 2 and x + y = 2 - gap touch at (1, 1) for gap = 0; for gap > 0 they meet at
-    # 1 - gap/2 +- sqrt(gap - gap^2/4) in x.
-    def circle_and_line(v: Sequence[Any]) -> list[Any]:
-        return [v[0] * v[0] + v[1] * v[1] - 2, v[0] + v[1] - 2 + gap]
+@pytest.mark.parametrize(("k", "fine"), [(3, True), (6, True), (62, False)])
+def test_of_two_roots_one_is_found_where_the_other_lies_outside_the_box(k: int, fine: bool) -> None:
+    """The circle x^2 + y^2 = 2 and the line x + y = 2 - 10^-2k meet twice near (1, 1)."""
+    gap = Fraction(1, 10 ** (2 * k))
+    square = (gap - gap * gap / 4) * 10**300
+    root = math.isqrt(int(square)) * Fraction(1, 10**150)
+    below = rational(gap.numerator, gap.denominator)
 
-    radius = Fraction(1, 10**60) if outcome is Outcome.NONE else Fraction(1, 10**12)
-    result = krawczyk(circle_and_line, [ball(1), ball(1)], radius)
-    assert result.outcome is outcome
-    if gap > 0:  # a box around one of the two holds one
-        x = 1 - gap / 2 + Fraction(1, 10**15)  # sqrt(gap) to 1e-45
-        near = [ball(x), ball(2 - gap - x)]
-        assert krawczyk(circle_and_line, near, Fraction(1, 10**25)).outcome is Outcome.UNIQUE
+    def circle_and_line(v: Sequence[Any]) -> list[Any]:
+        return [v[0] * v[0] + v[1] * v[1] + rational(-2), v[0] + v[1] + rational(-2) + below]
+
+    x = 1 - gap / 2 + root
+    near = [x, 2 - gap - x]
+    if fine:
+        assert len(root_near(circle_and_line, near)) == 2
+    else:
+        with pytest.raises(Refused, match=r"image|contraction"):
+            root_near(circle_and_line, near)
 
 
 def with_growth_replaced() -> dict[str, Any]:

@@ -13,8 +13,9 @@ import pytest
 from glmref import DataError
 from glmref.catalogue.lookup import load
 from glmref.errors import ExactnessError
-from glmref.exact import Ball, Exact, ball, linalg
+from glmref.exact import Ball, Exact, ball
 from glmref.exact.expression import parse
+from glmref.exact.judging import fast_judge
 from glmref.method import as_matrix
 from glmref.prove import implications, starting
 from glmref.prove.certificate import _Writer
@@ -22,9 +23,7 @@ from glmref.prove.classes import Family, reduce_tree
 from glmref.prove.enclosure import WIDTH, _checked_width, _members, equations_of, radius_of
 from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
-from glmref.prove.krawczyk import Outcome, _compared
 from glmref.prove.ranges import Range
-from glmref.prove.starting import _check_even, start_orders
 from glmref.prove.system import Affine, Equation, SweepSystem
 from glmref.theory.starting_series import NotPreconsistent, component
 from glmref.theory.trees import parse_tree, single, trees, trees_up_to
@@ -251,23 +250,6 @@ def test_products_over_classes_of_trees_are_those_over_all(stage_order: int) -> 
         assert _products(t, everywhere, 2, 1) == wanted
 
 
-def test_an_even_start_asks_for_first_values_below_its_order() -> None:
-    """Of order n at the trees of order n - 1 and less, for each family of trees."""
-    one = linalg.identity(1)
-    known = {Family.SEPARABLE: 3, Family.SECOND_ORDER: 5}
-    pair: Any = SimpleNamespace(
-        V={"f": one, "k": one}, signs=lambda: ((1,), (1,)),
-        identity_through=lambda n, family: n <= known[family],
-    )  # fmt: skip
-    for n, m in itertools.product(range(1, 7), range(1, 9)):
-        orders = ((n, Family.SEPARABLE), (m, Family.SECOND_ORDER))
-        if n <= 4 and m <= 6:
-            _check_even(pair, orders)
-        else:
-            with pytest.raises(DataError, match="add equations `start`"):
-                _check_even(pair, orders)
-
-
 @pytest.mark.parametrize(
     ("text", "components", "expected"),
     [("order [oo]", 1, ("order", "[oo]", 0, "o", "0")),
@@ -287,18 +269,22 @@ def test_what_the_name_of_an_equation_says(text: str, components: int, expected:
     assert (e.kind, name, e.number, e.colour, e.value) == expected
 
 
-def test_a_start_has_the_orders_that_are_claimed_and_no_other() -> None:
-    pair = SimpleNamespace(is_partitioned=True)
-    whole, second = Family.SEPARABLE, Family.SECOND_ORDER
-    for claims, block, expected in (
-        ({}, {}, ()),
-        ({}, {"order": 3}, ((3, whole),)),
-        ({"starting-order": 4}, {"order": 3}, ((4, whole),)),
-        ({"nystrom-starting-order": 6}, {}, ((6, second),)),
-        ({"starting-order": 4, "nystrom-starting-order": 6}, {}, ((4, whole), (6, second))),
-    ):
-        found = start_orders({"claims": claims, "starting": block}, pair)  # type: ignore[arg-type]
-        assert found == expected
+@pytest.mark.parametrize(
+    ("start", "nystrom", "fine"), [(4, 6, True), (6, 8, True), (7, 0, False), (6, 9, False)]
+)
+def test_a_start_has_the_orders_that_are_claimed_and_none_above_the_pair(
+    start: int, nystrom: int, fine: bool
+) -> None:
+    record: Any = SimpleNamespace(method=SimpleNamespace(parts={"f": None, "k": None}))
+    claims = {"order": 6, "nystrom-order": 8, "nystrom-starting-order": nystrom}
+    for document in ({"claims": {**claims, "starting-order": start}, "starting": {"order": 1}},
+                     {"claims": claims, "starting": {"order": start}}):  # fmt: skip
+        if fine:
+            found = starting.Target.of(document, record)
+            assert (found.order, found.nystrom) == (start, nystrom)
+        else:
+            with pytest.raises(DataError, match="no higher order than the pair"):
+                starting.Target.of(document, record)
 
 
 @pytest.mark.parametrize(
@@ -334,20 +320,6 @@ def test_radii_of_boxes(radius: Any, said: str | None) -> None:
             radius_of(document)
 
 
-def test_where_the_image_of_a_box_lies_decides() -> None:
-    def around(middle: int, radius: int) -> Ball:
-        return Ball.around(ball(middle), Fraction(radius))
-
-    for image, outcome, where in (
-        ((0, 1), Outcome.UNIQUE, "interior"), ((1, 2), Outcome.UNDECIDED, "unknown 2"),
-        ((2, 1), Outcome.UNDECIDED, "unknown 2"), ((9, 1), Outcome.NONE, "misses"),
-    ):  # fmt: skip
-        found = _compared((around(0, 2), around(0, 2)), (around(0, 1), around(*image)), 0.5)
-        assert found.outcome is outcome
-        assert where in found.witness
-        assert found.contraction == 0.5
-
-
 def matrices(*found: Any) -> list[Any]:
     return [tuple(tuple(map(Exact, row)) for row in x) for x in found]
 
@@ -369,29 +341,29 @@ def test_why_a_component_has_no_u() -> None:
 def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    digits, asked = "0.14433756729740644112728719512548936391", []
-    monkeypatch.setattr(
-        starting, "prove_starting",
-        lambda block, target, digits: SimpleNamespace(box=[ball(Fraction(1, 7))]),
-    )  # fmt: skip
-    monkeypatch.setattr(starting, "prove_finishing", lambda *given, digits: asked.append(given))
-    target = starting.target_of(load("gsymplectic-n"))
+    """Only what is enclosed has a proof: a start in decimals, and a finish that is."""
+    digits = "0.14433756729740644112728719512548936391"
+    monkeypatch.setattr(starting, "proposed", lambda key, block: {})
+    monkeypatch.setattr(starting, "accepted", lambda *given: None)
     A = [["0", "0"], ["1/2", "0"]]
     opening = {"A": A, "B": [["0", "0"], ["0", digits]], "u": ["1", "0"]}
+
+    def found(**blocks: Any) -> tuple[Any, list[str]]:
+        record = SimpleNamespace(
+            document=blocks, exact=fast_judge().fields.Numbers({"kind": "rational"}),
+            finish=lambda *given: None,
+        )  # fmt: skip
+        blocks_of: Any = SimpleNamespace(record=record, order=4, nystrom=None, start=None)
+        made = starting.prove_blocks(blocks_of)
+        return made.orders, list(made.proofs)
+
     begun, both = {"starting-order": 4}, {"starting-order": 4, "finishing-order": 4}
-    for first, closing, expected, tests in (
-        (["0", "0"], None, begun, 0),
-        (["0", "0"], {"A": [["0"]], "b": ["1/3"]}, begun, 0),
-        (["0", digits], {"A": A, "b": ["0", digits]}, both, 1),
-        (["0", digits], None, both, 0),
-    ):
-        asked.clear()
-        opening["B"][0] = first
-        given = {"starting": opening, "finishing": closing, "digits": 38}
-        if first[1] == digits and closing is None:
-            given["finishing"] = starting.inverse_block(opening)
-        wanted = {k: v for k, v in given.items() if v is not None}
-        found = starting.prove_blocks(wanted, target).orders
-        assert (found, len(asked)) == (expected, tests)
+    alone, tested = ["starting"], ["starting", "finishing"]
+    assert found(starting=opening) == (begun, alone)
+    assert found(starting=opening, finishing={"A": [["0"]], "b": ["1/3"]}) == (begun, alone)
+    opening["B"][0] = ["0", digits]
+    assert found(starting=opening, finishing={"A": A, "b": ["0", digits]}) == (both, tested)
+    inverse = starting.inverse_block(opening)
+    assert found(starting=opening, finishing=inverse) == (both, alone)
     opening["B"] = [["0", "0"], ["0", "1/3"]]
-    assert starting.prove_blocks({"starting": opening}, target).orders == {}
+    assert found(starting=opening) == ({}, [])

@@ -80,7 +80,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
 def _started(document: Mapping[str, Any]) -> tuple[dict[str, Any], Statement]:
     """Add the explicit start on record."""
     method = load_document(document, where=document["name"])
-    result = with_start(document, target_of(method), 1)
+    result = with_start(document, target_of(document, method), 1)
     text = (
         f"{document['name']}: explicit start of {len(result['starting']['A'])} stages exact within "
         "the digits on all trees of order 6 or less"

@@ -11,6 +11,7 @@ from typing import Any
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
 from ...errors import UsageError
 from ...exact import ball
+from ...exact.linalg import Matrix
 from ...findings import Proof
 from ...prove.enclosure import Enclosure, prove
 from ...prove.newton import polish
@@ -57,14 +58,19 @@ def rough_starts() -> Mapping[str, Any]:
     return stored("starts.json")["methods"]
 
 
-def with_start(document: Mapping[str, Any], target: Target, parity: int) -> dict[str, Any]:
-    """Add the start and the finish that are on record for the method of a document."""
+def with_start(
+    document: Mapping[str, Any], target: Target, parity: int, L: Matrix = ()
+) -> dict[str, Any]:
+    """Add the start and the finish that are on record for the method of a document.
+
+    L reverses it; asked for where the weights of the start are solved for linearly.
+    """
     record = rough_starts()[document["name"]]
     claims = {**document["claims"], "starting-order": target.order}
     if "linear" in record:
         linear = record["linear"]
         pairs = stored("starts.json")["pairs"][str(linear["moments"])]
-        opening, closing = linear_start(pairs, target, **linear)
+        opening, closing = linear_start(pairs, target, L, **linear)
         blocks = {"starting": opening, "finishing": closing}
         return {**document, **blocks, "digits": DIGITS, "claims": claims}
     opening, closing = complete(
@@ -113,9 +119,10 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
         document["notes"] = notes
     statements = [_statement(document, enclosure)]
     if start and document["name"] in rough_starts():
-        target = Target.of(document, enclosure.system, enclosure.series)
+        target = Target.of(document, enclosure.root.record)
         assert enclosure.signs is not None  # it has an involution
-        document = with_start(document, target, enclosure.signs[0][3])
+        L = enclosure.system.involutions["o"]
+        document = with_start(document, target, enclosure.signs[0][3], L)
         stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
         text = (
             f"{document['name']}: start of {stages[0]} stages and finish of {stages[1]} "
