@@ -182,8 +182,10 @@ class OddStart(Block):
         opposite(self.B, [[dot(row, [b[j] for b in self.B]) for j in range(n)] for row in L])
         known = not any(isinstance(x, Linear) for row in self.A for x in row)
         self.q = simplifies(self.A, q_most) if known else 1
-        self.rows = [(as_reals(f), s) for f, s in parts_of(L)]
-        self.wanted = [(k, t) for k, (_, s) in enumerate(self.rows)
+        parts = parts_of(L)
+        self.rows = [as_reals(f) for f, _ in parts]
+        self.seen = [[dot(f, [b[j] for b in self.B]) for j in range(n)] for f, _ in parts]
+        self.wanted = [(k, t) for k, (_, s) in enumerate(parts)
                        for m in range(1, order + (k > 0))
                        if (m % 2 == 0) == (s > 0) for t in classes(m, self.q)]  # fmt: skip
         self.fixed = stage_series(as_reals(self.A), self.q) if known else None
@@ -195,13 +197,13 @@ class OddStart(Block):
     def gaps(self, labels: list[Label], values: list) -> list:
         """Return start - zeta in the parts of the values that L keeps or turns round."""
         stages = self.fixed or stage_series(at_values(self.A, values), self.q)
-        weights, slopes = transpose(at_values(self.B, values)), cache(stages.derivative)
-        seen = {k: [dot(self.rows[k][0], column) for column in weights] for k, _ in labels}
-        return [dot(seen[k], slopes(t)) - self.aim(k, t) for k, t in labels]
+        slopes = cache(stages.derivative)
+        weights = {k: at_values(self.seen[k], values) for k in {k for k, _ in labels}}
+        return [dot(weights[k], slopes(t)) - self.aim(k, t) for k, t in labels]
 
     def aim(self, k: int, t: Tree) -> Number:
         """Return zeta(t) in a part of the values."""
-        return dot(self.rows[k][0], self.series(t))
+        return dot(self.rows[k], self.series(t))
 
     def at(self, proof: Document) -> tuple[list, list]:
         """Return A and B at the root."""

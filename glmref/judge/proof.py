@@ -20,7 +20,7 @@ from .grammar import published_decimal
 from .krawczyk import at_values
 from .linalg import apply, equal, is_exact
 from .numbers import apart, as_reals
-from .parity import EvenStart, OddFinish, OddStart
+from .parity import EvenStart, OddFinish, OddStart, undoes
 from .refusals import (
     Document,
     Malformed,
@@ -117,6 +117,11 @@ class Record:
         return self.known(("start", most, nystrom), lambda: EvenStart(
             self.exact, self.document, pair, (most, nystrom)))  # fmt: skip
 
+    def undoes(self) -> bool:
+        """Tell whether the finish undoes the first value of the start whatever the digits are."""
+        blocks = (as_object(self.document[x]) for x in ("starting", "finishing"))
+        return self.known(("undoes",), lambda: undoes(self.exact, *blocks))
+
     def finish(self, start: OddStart, proof: Document, order: int) -> OddFinish:
         """Return the conditions of the finish after a start with its proof."""
 
@@ -139,7 +144,10 @@ class Record:
     ) -> Solved:
         """Return the starting series of the method, or of another with what tells it apart."""
         key = ("series", identity_mode, nystrom, *about_of(method, *about))
-        return self.known(key, lambda: Solved(method, identity_mode, nystrom))
+        found = self.memory.get(key)
+        if found is None or found.moving:  # it may have been left half made by a refusal
+            found = self.memory[key] = Solved(method, identity_mode, nystrom)
+        return found
 
 
 def about_of(method: Method, row: str | None, *replaced: Replaced) -> tuple:
@@ -164,7 +172,7 @@ def equations_of(text: str) -> Enclosed:
     return kind(document, numbers_of(json.dumps(field)).changed(), members)
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=2)  # the file's own and, of some statements, one with other radicals
 def record_of(text: str) -> Record:
     """Return the record of the text of a document, a base, a field and the proof of the method."""
     document, base, field, block = json.loads(text)

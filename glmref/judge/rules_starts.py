@@ -9,7 +9,6 @@ from .arithmetic import Fraction, Number
 from .document import Method
 from .linalg import apply, dot, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
-from .parity import undoes
 from .refusals import as_list, as_object, keys, require
 from .rule import Fails, Rule
 from .rules_orders import (
@@ -279,7 +278,7 @@ def finish_follows_from_the_digits(case: FinishCase) -> bool:
     proof, document = case.proof, case.method.document
     closing = as_object(document["finishing"])
     keys(closing, "A b", "name kind order", "finish")
-    if undoes(case.method.numbers, as_object(document["starting"]), closing):
+    if proof.record.undoes():
         return True
     if "finishing" not in proof.blocks:
         return False

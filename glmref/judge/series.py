@@ -160,6 +160,7 @@ class Solved(Series):
         """Stand before the first order, with no part yet."""
         self.free, self.last, self.order, self.filled = free, None, 0, 0
         self.loose = False  # whether principal parts of a lower order are not the only ones
+        self.moving = False  # whether only some parts of the last order are moved
         self.W, self.N, self.lift, self.eta, self.k, self.w = {}, {}, {}, {}, {}, {}
         self.gaps, self.rights, self.parts = {}, {}, {}
         super().__init__(self.parts.__getitem__, {}, self.cut_value)
@@ -245,10 +246,12 @@ class Solved(Series):
         while self.order < order and self.last is None:
             if self.order and not self.solved:
                 self.fill()
+                self.moving = True
                 if not self.simple:
                     self.settle_all()
                 elif self.free:
                     self.settle()
+                self.moving = False
                 # of the trees of this order a part before may have looked at the stages
                 self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
                 self.products = {t: x for t, x in self.products.items() if size(t) <= self.order}

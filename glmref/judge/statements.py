@@ -156,7 +156,6 @@ def verdict(certificate: object) -> tuple[bool, str]:
     try:
         return True, judged(certificate)
     except Refused as error:
-        record_of.cache_clear()  # a series may have been left half made
         return False, str(error)
     except (ArithmeticError, MemoryError, RecursionError):
         record_of.cache_clear()

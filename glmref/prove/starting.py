@@ -172,7 +172,7 @@ def prove_blocks(target: Target) -> Blocks:
     opening, closing = (record.document.get(x) for x in ("starting", "finishing"))
     if opening is None or not has_unknowns(opening):
         return Blocks()
-    with consulted() as judge:
+    with consulted():
         start = made("starting", lambda: target.start)
         proof = proposed("starting", start)
         found, proofs = {STARTING_ORDER.key: order}, {"starting": proof}
@@ -182,8 +182,7 @@ def prove_blocks(target: Target) -> Blocks:
         accepted("starting", start, proof)
         if closing is None:
             return Blocks(found, proofs)
-        undoes = judge.parity.undoes
-        if not made("finishing", lambda: undoes(record.exact, opening, closing)):
+        if not made("finishing", record.undoes):
             if not has_unknowns(closing):
                 return Blocks(found, proofs)
             finish = made("finishing", lambda: record.finish(start, proof, order))

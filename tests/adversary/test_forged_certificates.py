@@ -12,7 +12,8 @@ from glmref.catalogue.reader import load_document
 from glmref.findings import Verdict
 from glmref.judge.arithmetic import PLACES
 from glmref.judge.numbers import around
-from glmref.judge.proof import record_of
+from glmref.judge.refusals import NotShown
+from glmref.judge.series import Solved
 from glmref.judge.towers import Tower
 from glmref.prove.verifier import facts_for
 from tests.build import SOURCE
@@ -152,15 +153,25 @@ def test_a_forged_certificate_is_refused(name: str) -> None:
         assert facts.judge(claim, declared).verdict in (other, Verdict.OPEN)
 
 
-def test_a_refusal_leaves_no_series_behind() -> None:
-    """A series may be half made when time is up; the next certificate starts anew."""
-    series = {"order": 1, "principal": "identity", "trees": "all"}
-    below, above = ("order-at-least", series), ("order-at-most", {**series, "tree": "[o]"})
-    true = certificate(EULER, "order", 1, "holds", [below, above])
+def test_a_series_that_a_refusal_left_half_made_is_not_gone_on_with(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Parts may be moved twice when time is up between them; the next certificate starts anew."""
+    series = {"order": 1, "principal": "free", "trees": "all"}
+    parts = [("order-at-least", series), ("order-at-most", {**series, "tree": "[o]"})]
+    true = certificate(EULER, "effective-order", 1, "holds", parts)
+    settle, used = Solved.settle, []
+
+    def cut_short(self: Solved) -> None:
+        used.append(self)
+        settle(self)
+        if len(used) == 1:
+            raise NotShown("time is up")
+
+    monkeypatch.setattr(Solved, "settle", cut_short)
+    assert judge.verdict(true) == (False, "time is up")
     assert judge.verdict(true)[0]
-    assert record_of.cache_info().currsize == 1
-    assert not judge.verdict(certificate(EULER, "order", 1, "fails", [below, above]))[0]
-    assert record_of.cache_info().currsize == 0
+    assert used[0] is not used[1]
 
 
 def test_stages_of_one_certificate_are_not_those_of_another_start() -> None:
