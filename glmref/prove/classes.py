@@ -32,7 +32,6 @@ residuals R at n + 1:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -42,6 +41,7 @@ from math import factorial
 from ..errors import DataError
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
+from ..judge.classes import Span
 from ..method.component import ROOTED, SEPARABLE, Palette
 from ..theory.trees import Tree, is_nystrom, parse_tree, pruned, single, tree, trees
 
@@ -139,27 +139,6 @@ def _spread(pair: Pair, index: dict[Tree, int], q: int, size: int) -> list[Fract
     return row
 
 
-class _Span:
-    """A growing set of independent rational rows; each is 0 where those before it lead."""
-
-    def __init__(self) -> None:
-        self.rows: dict[int, list[Fraction]] = {}
-
-    def add(self, row: Sequence[Fraction]) -> bool:
-        """Add a row; return whether it was independent of the others."""
-        rest = list(row)
-        for lead, known in self.rows.items():
-            if rest[lead]:
-                factor = rest[lead]
-                rest = [x - factor * y for x, y in zip(rest, known, strict=True)]
-        lead = next((j for j, x in enumerate(rest) if x), None)
-        if lead is None:
-            return False
-        rest = [x / rest[lead] for x in rest]
-        self.rows[lead] = rest
-        return True
-
-
 @dataclass(frozen=True)
 class Plan:
     """How zeta_1 is found at one even order.
@@ -207,13 +186,13 @@ def plan(order: int, q: int, given: tuple[Tree, ...] = (), family: Family = Fami
     """
     unknown = classes(order, q, family)
     index = {t: i for i, t in enumerate(unknown)}
-    size, span = len(unknown), _Span()
+    size, span = len(unknown), Span()
     rows: list[list[Fraction]] = []
     defining: list[Pair] = []
     leftover: list[Pair] = []
     for pair in pairs(order, q, family):
         row = _spread(pair, index, q, size)
-        if span.add(row):
+        if span.add(dict(enumerate(row))):
             rows.append(row)
             defining.append(pair)
         else:
@@ -222,7 +201,7 @@ def plan(order: int, q: int, given: tuple[Tree, ...] = (), family: Family = Fami
     for t in dict.fromkeys((*given, *unknown)):
         reduced, factor = reduce_tree(t, q)
         row = [factor if i == index[reduced] else Fraction(0) for i in range(size)]
-        if span.add(row):
+        if span.add(dict(enumerate(row))):
             rows.append(row)
             free.append(t)
         elif t in given:
@@ -275,15 +254,13 @@ def representatives(order: int, q: int = 1, family: Family = Family.ROOTED) -> t
     if order == 1:
         return classes(1, q, family)
     index, rows = _identities(order, q, family)
-    span = _Span()
-    rank = sum(span.add(row) for row in rows)
+    span = Span()
+    rank = sum(span.add(dict(enumerate(row))) for row in rows)
     preferred = [t for t in map(parse_tree, _PREFERRED) if t.order == order and t in family]
     chosen: list[Tree] = []
     for t in dict.fromkeys([*preferred, *classes(order, q, family)]):
         reduced, _ = reduce_tree(t, q)
-        if rank < len(index) and span.add(
-            [Fraction(int(i == index[reduced])) for i in range(len(index))]
-        ):
+        if rank < len(index) and span.add({index[reduced]: 1}):
             chosen.append(t)
             rank += 1
     return tuple(chosen)

@@ -84,7 +84,7 @@ class Enclosure:
     def series(self) -> tuple[Series, ...]:
         """For each order claimed, in the order of :attr:`~.system.SweepSystem.families`."""
         return tuple(
-            self.system.series(self.form, self.principal, order, family=family, starts=True)
+            self.system.series(self.form, self.principal, order, family=family)
             for order, family in self.system.families
         )
 
@@ -106,11 +106,6 @@ class Enclosure:
             Where one of them does not vanish.
         """
         return _checked_width(self.system, self.form, self.series)
-
-    @property
-    def started(self) -> Mapping[str, int]:
-        """The claims about the start and the finish that were proved."""
-        return self.blocks.orders
 
     @cached_property
     def next_order(self) -> float:

@@ -102,7 +102,6 @@ def starting_series(
     stage_order: int = 1,
     identity: bool = False,
     wanted: Sequence[Tree] | None = None,
-    starts: bool = False,
 ) -> Series:
     """Compute eta, zeta and the residuals R tree by tree.
 
@@ -126,8 +125,6 @@ def starting_series(
     wanted : Sequence[Tree] or None
         Residuals at these trees only, and the series on classes only, which is all that is needed
         to solve; ``None`` means all trees.
-    starts : bool
-        Whether zeta is computed at the trees of the last order too.
     """
     blocks = {c.colour: c for c in components}
     resolvents = {c.colour: _resolvent(c.V) for c in components}
@@ -163,11 +160,10 @@ def starting_series(
                     below.append(value)
             right = _minus_weighted(right, weights, below)
             residual[t] = right[0] - Fraction(1, t.density)
-            if needed or starts:
+            if needed:
                 reduced, factor = reduce_tree(t, stage_order)
                 above = linalg.matvec(resolvents[t.colour], right[1:])
                 zeta[t] = (first.get(reduced, zero) * factor, *above)
-            if needed:
                 stages, values = linalg.matvec(c.A, derivative), linalg.matvec(c.U, zeta[t])
                 eta[t] = tuple(x + y for x, y in zip(stages, values, strict=True))
     return Series(eta=eta, zeta=zeta, residual=residual)

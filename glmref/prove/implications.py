@@ -34,7 +34,6 @@ from ..theory.trees import MAX_ORDER
 from .classes import Family
 from .enclosure import Enclosure, Root, equations_of, prove, root_of
 from .starting import Blocks, prove_blocks, target_of
-from .system import SweepSystem
 
 #: Classes whose equations have a meaning.
 ONE_STEP = frozenset({"rk", "rosenbrock"})
@@ -55,8 +54,6 @@ class Implied:
         How many growth parameters there are, all of them zero; ``None``: unknown.
     rows : Mapping[str, int]
         Embedded row -> a lower bound of its order.
-    system : SweepSystem or None
-        The equations of a file in the sweep form.
     root : Root or None
         Their root; ``None`` where only the start of the file is enclosed.
     blocks : Blocks
@@ -67,7 +64,6 @@ class Implied:
     at_least: Mapping[str, int] = field(default_factory=dict)
     growth_zeros: int | None = None
     rows: Mapping[str, int] = field(default_factory=dict)
-    system: SweepSystem | None = None
     root: Root | None = None
     blocks: Blocks = field(default_factory=Blocks)
 
@@ -151,7 +147,7 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
                 at_least[claim] = next((q for q in orders if found.zero_start_holds(q, nystrom)), 0)
     return Implied(
         true if zeros is None else true | {PARASITISM_FREE.key}, at_least, zeros,
-        system=system, root=record.root, blocks=record.blocks,
+        root=record.root, blocks=record.blocks,
     )  # fmt: skip
 
 

@@ -383,8 +383,7 @@ class SweepSystem:
         order : int
             Of the last residuals.
         more : Any
-            ``family``, ``wanted`` and ``starts`` of
-            :func:`~glmref.prove.equations.starting_series`.
+            ``family`` and ``wanted`` of :func:`~glmref.prove.equations.starting_series`.
         """
         family = more.setdefault("family", self.family)
         identity = self.identity_through(order - 1, family)

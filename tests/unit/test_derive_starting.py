@@ -253,7 +253,7 @@ def test_a_finish_block_has_the_form_it_needs() -> None:
 
 def test_enclosure_records_name_the_start() -> None:
     record = prove(document(NAME))
-    assert {"starting-order", "finishing-order"} <= set(record.started)
+    assert {"starting-order", "finishing-order"} <= set(record.blocks.orders)
 
 
 def test_the_stages_that_a_row_needs_are_those_it_reads_and_those_they_read():

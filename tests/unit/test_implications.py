@@ -109,7 +109,7 @@ def test_a_start_in_decimals_is_proved_of_one_exact_method(
 ):
     method = SimpleNamespace(components=[None] * components, is_exact=exact, starting=starting)
     asked = []
-    monkeypatch.setattr("glmref.prove.implications.target_of", asked.append)
+    monkeypatch.setattr("glmref.prove.implications.target_of", lambda *x: asked.append(x))
     monkeypatch.setattr("glmref.prove.implications.prove_blocks", lambda *given: sys.exit())
     if proved:
         with pytest.raises(SystemExit):
