@@ -349,9 +349,10 @@ def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(
     opening = {"A": A, "B": [["0", "0"], ["0", digits]], "u": ["1", "0"]}
 
     def found(**blocks: Any) -> tuple[Any, list[str]]:
+        numbers = fast_judge().fields.Numbers({"kind": "rational"})
         record = SimpleNamespace(
-            document=blocks, exact=fast_judge().fields.Numbers({"kind": "rational"}),
-            finish=lambda *given: None,
+            document=blocks, finish=lambda *given: None,
+            undoes=lambda: fast_judge().parity.undoes(numbers, *blocks.values()),
         )  # fmt: skip
         blocks_of: Any = SimpleNamespace(record=record, order=4, nystrom=None, start=None)
         made = starting.prove_blocks(blocks_of)
