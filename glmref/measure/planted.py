@@ -20,15 +20,16 @@ from .longtime import energy_deviation, follow
 #: Size of a planted part relative to the solution, and at which it is no longer small: between
 #: round-off and what its square does.
 SMALL, LINEAR = 1e-7, 1e-2
-#: Numbers that two runs compute at most, and evaluations of a right-hand side that is interpreted.
-NUMBERS, BUDGET = 8_000_000, 50_000
+#: Numbers that two runs compute at most, so many more where nothing else shows growth, for so many
+#: steps of both; and evaluations of a right-hand side that is interpreted.
+NUMBERS, FURTHER, BOTH, BUDGET = 8_000_000, 10, 1_000_000, 50_000
 #: Halvings of a decade range of sizes: one in a hundred of the exponents.
 HALVINGS = 8
 
 
 def follow_part(
     method: Method, problem: Problem, h: float, start: np.ndarray, part: np.ndarray,
-    *, limit: float = math.inf,
+    *, further: bool = False, limit: float = math.inf,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Follow a small part for as long as :data:`NUMBERS` and a limit to the steps of both runs do.
 
@@ -40,6 +41,8 @@ def follow_part(
         (r, d) values of step 0.
     part : np.ndarray
         (r, d) what the part adds to them, of the size of the solution.
+    further : bool
+        Whether for :data:`FURTHER` times the numbers, in no more steps than :data:`BOTH`.
     limit : float
         Steps of both runs together.
 
@@ -53,7 +56,8 @@ def follow_part(
     GlmrefError
         Where a run cannot be started.
     """
-    steps, runs = int(min(NUMBERS // start.size, limit)) // 2, []
+    most = min(FURTHER * NUMBERS // start.size, BOTH) if further else NUMBERS // start.size
+    steps, runs = int(min(most, limit)) // 2, []
     for sign in (1, -1):
         planted = start + sign * SMALL * part
         runs.append(

@@ -55,7 +55,7 @@ from ..system.shown import Shown
 from .first_order import along, coupling_of
 from .linearised import step_derivatives
 from .longtime import energy_deviation
-from .planted import BUDGET, HALVINGS, LINEAR, SMALL, follow_part, size_at
+from .planted import BOTH, BUDGET, HALVINGS, LINEAR, NUMBERS, SMALL, follow_part, size_at
 from .saturation import TOO_MUCH, saturation
 from .underlying import Underlying
 
@@ -548,11 +548,16 @@ def _start(
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """A part whose course is known."""
+    """A part and its course."""
 
     bundle: _Bundle
     course_to: Callable[[float], _Course]  #: to a size
     course: _Course  #: to that of the loss
+
+    @property
+    def open(self) -> bool:
+        """Whether that is not known."""
+        return math.isnan(self.course.steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -565,6 +570,7 @@ class _Pilot:
     y: np.ndarray  #: (N, d)
     start: np.ndarray  #: (r, d)
     period: float | None
+    most: float  #: Steps of the run.
     limit: float  #: Steps that runs with a part may take.
 
     @cached_property
@@ -585,13 +591,14 @@ class _Pilot:
         return found.reshape(self.start.shape)
 
     def followed(
-        self, bundles: Sequence[_Bundle], starts: Sequence[np.ndarray]
+        self, bundles: Sequence[_Bundle], starts: Sequence[np.ndarray], *, further: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """Follow all parts in one run: steps (N,) and values (N, n)."""
         part = sum(self.part(b, phi) for b, phi in zip(bundles, starts, strict=True))
         return follow_part(
-            self.method, self.problem, self.h, self.start, np.asarray(part), limit=self.limit
-        )
+            self.method, self.problem, self.h, self.start, np.asarray(part),
+            further=further, limit=self.limit,
+        )  # fmt: skip
 
     def long(self, b: _Bundle, start: np.ndarray, size: float, level: float) -> _Known | None:
         """Return a part as a long orbit shows it, ``None`` where its growth is not clear."""
@@ -604,7 +611,7 @@ class _Pilot:
             return _OPEN if at is None else _Course(at[1], at[0], at[2])
 
         one = _Known(b, course, course(level))
-        return None if math.isnan(one.course.steps) else one
+        return None if one.open else one
 
     def end(self, one: _Known) -> tuple[float | None, str, str]:
         """Return the level at which the energy error stays, the verdict, and why that is open."""
@@ -707,11 +714,11 @@ def predict(
     steps = step_derivatives(chosen, subject, h, values[:-1])
     if not np.isfinite(steps).all():
         return Prediction(*given, OPEN, why="the derivatives of the step are not finite")
-    limit = _limit(run)
-    pilot = _Pilot(chosen, subject, h, y, values[0], period, limit)
+    most = abs((end - begin) / h)
+    pilot = _Pilot(chosen, subject, h, y, values[0], period, most, _limit(run))
     if not pilot.size:
         return Prediction(*given, OPEN, why="the solution is zero")
-    most, large, least = abs((end - begin) / h), LEVEL * pilot.size, ROUND_OFF * pilot.size
+    large, least = LEVEL * pilot.size, ROUND_OFF * pilot.size
 
     def expanded(b: _Bundle) -> tuple[_Growing, _Course, float]:
         """Return a part, its course, and the loss; NaN where the passes for Psi do not converge."""
@@ -729,14 +736,22 @@ def predict(
     expansions = [expanded(b) for b in bundles]
 
     @cache
-    def followed() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def followed(further: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return steps, the values that all parts add by then, and the size in the solution."""
-        n, change = pilot.followed(bundles, [growing.start for growing, *_ in expansions])
+        starts = [growing.start for growing, *_ in expansions]
+        n, change = pilot.followed(bundles, starts, further=further)
         moved = engine.solution(change.reshape(-1, *engine.shape))
         return n, change, np.linalg.norm(moved, axis=1)
 
-    known: list[_Known] = []
-    parts = []
+    def shown(b: _Bundle, begins: float, further: bool = False) -> _Known:
+        n, change, moved = followed(further)
+        smooth = max(float(np.linalg.norm(b.left @ x.ravel())) for x in values[:START])
+        other = SMOOTH * smooth / pilot.size * moved
+        seen = _Followed(n, change @ b.left.T, begins or least, other).found
+        return _Known(b, seen, seen(large))
+
+    every: list[_Known] = []
+    starts: list[float] = []
     for b, (growing, course, expected) in zip(bundles, expansions, strict=True):
         begins = float(np.linalg.norm(growing.start))
         begins = begins if begins > least else 0.0
@@ -744,27 +759,63 @@ def predict(
         if not begins < pilot.size:  # steps are so large that the start is not known either
             one = _Known(b, growing.found, _OPEN)
         elif growing.period is None or math.isnan(expected):
-            n, change, moved = followed()
-            smooth = max(float(np.linalg.norm(b.left @ x.ravel())) for x in values[:START])
-            other = SMOOTH * smooth / pilot.size * moved
-            seen = _Followed(n, change @ b.left.T, begins or least, other).found
-            at = seen(large).steps
+            seen = shown(b, begins)
+            at = seen.course.steps
             within = expected <= count and at <= count  # the pilot's own steps say when
             if (b.grows and not within) or math.isnan(expected) or at < EARLIER * expected:
-                one = _Known(b, seen, seen(large))
-            if b.grows and math.isnan(one.course.steps):
-                one = pilot.long(b, growing.start, begins or least, large) or one
-        rate, lost = float(one.course.rate / h), float(one.course.steps)
-        parts.append(ParasiticPart(complex(b.zeta), begins, rate, lost))
-        if not math.isnan(one.course.steps):
-            known.append(one)
+                one = seen
+        starts.append(begins)
+        every.append(one)
+
+    def further(k: int) -> _Known:
+        return shown(every[k].bundle, starts[k], True)
+
+    def longer(k: int) -> _Known | None:
+        return pilot.long(every[k].bundle, expansions[k][0].start, starts[k] or least, large)
+
+    room = NUMBERS < min(BOTH, pilot.limit) * values[0].size
+    ways = [further, longer] if room else [longer]
+    every = _clearer(every, [x < pilot.size for x in starts], ways)
+    return _told(Prediction(*given, OPEN), pilot, every, starts)
+
+
+def _clearer(
+    every: Sequence[_Known], small: Sequence[bool], ways: Sequence[Callable[[int], _Known | None]]
+) -> Sequence[_Known]:
+    """Return the parts, those that grow as a longer run shows them where theirs is not clear.
+
+    Where no part is clear at all the first way is tried before the last: growth of higher order, in
+    a direction of which the start has little, comes late.
+    """
+    for way in ways if all(one.open for one in every) else ways[-1:]:
+        every = [
+            (way(k) if start and one.bundle.grows and one.open else None) or one
+            for k, (one, start) in enumerate(zip(every, small, strict=True))
+        ]
+        if not all(one.open for one in every):
+            break
+    return every
+
+
+def _told(
+    found: Prediction, pilot: _Pilot, every: Sequence[_Known], starts: Sequence[float]
+) -> Prediction:
+    """Return what follows from the courses of all parts, and their sizes at the start."""
+    h = found.h
+    parts = tuple(
+        ParasiticPart(
+            complex(one.bundle.zeta), begins, float(one.course.rate / h), float(one.course.steps)
+        )
+        for one, begins in zip(every, starts, strict=True)
+    )
+    known = [one for one in every if not one.open]
     first = min(known, key=lambda one: one.course.steps, default=None)
-    found = Prediction(*given, OPEN, parts=tuple(parts), departure=pilot.departure(known))
-    if first is not None and first.course.steps <= most:
+    found = replace(found, parts=parts, departure=pilot.departure(known))
+    if first is not None and first.course.steps <= pilot.most:
         level, verdict, why = pilot.end(first)
         found = replace(found, why=why)
     elif first is None or len(known) < len(parts):
-        return replace(found, why=UNRESOLVED if limit == math.inf else SPENT)
+        return replace(found, why=UNRESOLVED if pilot.limit == math.inf else SPENT)
     else:
         level, verdict = None, BOUNDED
     zeta = complex(first.bundle.zeta)
