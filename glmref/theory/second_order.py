@@ -37,6 +37,10 @@ a > 1 with g = 1, or -1 < a < 0 with g = -1. The order is 4, the stage order 2, 
 equation has lambda_1(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5 (1 - 2 a)/144 + .., and so a = -1/10
 is the only one of order 6: the method ``s3z``.
 
+A pair of eigenvalues instead of -1, V = diag(1, R) with a rotation R and G = diag(1, g, g), has two
+rows w. Where m = 0, c is 1/2 + k as before, the block of G X D X^T that belongs to w has the trace
+sum mu = 0 and with it a cube of trace 0, and so ``I3 = -(g/2) sum d |l|^2`` at both.
+
 References
 ----------
 Hairer, Lubich, Wanner (2006), sections XIV.3 and XV.5: modified equations of parasitic components.

@@ -593,6 +593,22 @@ def test_three_symmetric_stages_have_no_growth_of_second_order(a):
     assert second_order(other)[0].I3 == more and more != 0
 
 
+@pytest.mark.parametrize("name", ["s4-symmetric", "thesis-3-8"])
+def test_growth_of_second_order_of_a_pair(name):
+    method, g = load(name), (1, F(-1, 4), F(-1, 4))
+    d = method.B[0]
+    X = [[x / y for x, y in zip(row, d, strict=True)] for row in method.B]
+    gram = [[linalg.dot(row, x) for x in X] for row in method.B]
+    assert [row[0] for row in gram] == [1, 0, 0]  # m = 0
+    total = exact(0)
+    for w, products in zip(X[1:], gram[1:], strict=True):
+        for i, (row, y) in enumerate(zip(method.A, d, strict=True)):
+            half = sum((a * b[i] * c for a, b, c in zip(products, X, g, strict=True)), exact(0)) / 2
+            turned = linalg.dot(row, w) - half
+            total = total + turned * turned * y
+    assert all(one.I3 == total / 8 for one in second_order(method))
+
+
 def test_the_method_without_growth_of_second_order_is_the_one_of_order_6():
     method, shipped = _three(F(-1, 10))[0], load("s3z")
     assert method.A == shipped.A  # values beyond the first are scaled by 10
