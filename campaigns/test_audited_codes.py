@@ -47,6 +47,7 @@ KNOWN = [
     ("jax-md", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
     ("gridap.jl", "tableau", "wrong", "the row emb_weights has order 3, declared is 2"),
     ("pathsim", "RKF45", "question", "`rkf45-4` has `a[6][3]` = -3544/2565"),
+    ("gusto", "b", "question", "is 967/240 and should be 1901/720"),
     ("openmmtools", "YSWeights", "question", "the cubes of the weights is 0.855"),
     ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
 ]
