@@ -44,7 +44,7 @@ SOLVERS = ("fixed-point", "newton")
 METHODS: Mapping[str, Sequence[str]] = {
     "order 6, general linear": (
         *("g6245", "g6245-w3", "c2-3-10-w3", "s5t-w3", "s5i2-w3", "s5i1-w3", "s5i1-i", "s4-w3"),
-        *("s3-w3", "s3i1-w3", "t115-i", "t115-w3", "t115a-i", "t115a-w3", "s5z-w3"),
+        *("s3-w3", "s3i1-w3", "t115-i", "t115-w3", "t115a-i", "t115a-w3", "s5z-w3", "s3z"),
     ),
     "order 8, general linear": (
         *("order8-s5-w3", "order8-s5a-w3", "order8-s5q3-w3", "order8-s5i1-w3", "order8-s3-w3-i"),
