@@ -89,7 +89,8 @@ class Pair(Enclosed):
         self.order = max((size(e[1]) + (e[0] == "start") for e in self.equations
                           if e[0] != "growth"), default=1)  # fmt: skip
         self.signs = self.find_signs() if letters == letters[::-1] else None
-        require(self.identity_through(self.order - 1, self.nystrom), "a principal part is not 0")
+        why = "a principal part is not 0" if self.signs else "b, c, w, v must be palindromic"
+        require(self.identity_through(self.order - 1, self.nystrom), why)
 
     def read(self, text: object) -> tuple:
         """Return an equation: (order, tree), (growth, -, form) or (start, tree, value)."""

@@ -81,8 +81,8 @@ class Sweep(Enclosed):
                 return q
             q += 1
 
-    def series(self, values: list, order: int) -> ByClasses:
-        """Return the series by classes, with eta below the order (6.2)."""
+    def series(self, values: list, order: int, nystrom: bool | str = False) -> ByClasses:
+        """Return the series by classes, with eta below the order (6.2); it has one component."""
         found = ByClasses(self, values)
         found.advance(order)
         return found

@@ -14,26 +14,24 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
 from typing import Any
 
+from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..catalogue.strict_json import shown
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, ball, linalg
 from ..exact.judging import Fraction as rational
-from ..exact.judging import Interval, consulted, newton
+from ..exact.judging import Interval, as_scalar, consulted, newton
 from ..exact.linalg import Matrix
 from ..judge.refusals import Refused, Undecided
-from ..method.sweep import SweepForm
 from ..theory.error_constants import commutator_row
-from ..theory.trees import Tree, trees
+from ..theory.trees import Tree, parse_tree, trees
 from .classes import Family, plan, representatives
-from .equations import Series
 from .field import about, field_of_decimals, texts_of_decimals
 from .starting import Blocks, Target, prove_blocks, texts_of
-from .system import SweepSystem
 
 #: Redundant identities are enclosed in balls around zero no wider than this.
 WIDTH = 1e-50
@@ -52,60 +50,62 @@ class Enclosure:
         Half-width of the box in which the root is unique.
     root : Root
         The root of the equations.
-    order : int
-        The order proved (a lower bound; see ``next_order`` for the upper one).
-    nystrom_order : int
-        The same on second-order systems; ``order`` for one component.
-    blocks : Blocks
-        What was proved about the start and the finish.
+    orders : tuple[tuple[int, bool], ...]
+        The orders proved, each with whether it is that on second-order systems (lower bounds; see
+        ``next_order`` for the upper one).
     signs : tuple[tuple[int, ...], ...] or None
         Diagonal of E = V L, the symmetry of the values, by component; ``None`` for a product of
         flows that is not symmetric.
-    system : SweepSystem
-        The equations.
-    form : SweepForm
-        The numbers of the sweep form.
-    principal : Mapping[Tree, Any]
-        The principal parts that are unknowns.
+    blocks : Blocks
+        What was proved about the start and the finish.
     """
 
     values: Mapping[str, Ball]
     radius: Fraction
     root: Root
-    order: int
-    nystrom_order: int
+    orders: tuple[tuple[int, bool], ...]
     signs: tuple[tuple[int, ...], ...] | None
-    system: SweepSystem = field(repr=False)
-    form: SweepForm = field(repr=False)
-    principal: Mapping[Tree, Any] = field(repr=False)
     blocks: Blocks = field(default_factory=Blocks)
 
-    @cached_property
-    def series(self) -> tuple[Series, ...]:
-        """For each order claimed, in the order of :attr:`~.system.SweepSystem.families`."""
-        return tuple(
-            self.system.series(self.form, self.principal, order, family=family)
-            for order, family in self.system.families
-        )
+    @property
+    def is_partitioned(self) -> bool:
+        """Whether there are two components."""
+        return len(self.root.enclosed.halves) == 2
+
+    @property
+    def order(self) -> int:
+        """The order proved on all trees, 0 where none is claimed."""
+        return max((order for order, nystrom in self.orders if not nystrom), default=0)
+
+    @property
+    def nystrom_order(self) -> int:
+        """The order on second-order systems; ``order`` for one component."""
+        return max(order for order, _ in self.orders)
 
     @cached_property
     def identity(self) -> bool:
         """Whether the first values are the solution itself, to the orders claimed."""
-        return all(
-            self.root.enclosed.principal_is_zero(order, True, family is Family.SECOND_ORDER)
-            for order, family in self.system.families
-        )
+        found = self.root.enclosed
+        return all(found.principal_is_zero(order, True, nystrom) for order, nystrom in self.orders)
 
     @cached_property
     def width(self) -> float:
-        """Largest magnitude over all residuals up to the order, growth parameters included.
+        """Largest magnitude over all residuals up to the order and over the equations.
 
         Raises
         ------
         ExactnessError
             Where one of them does not vanish.
         """
-        return _checked_width(self.system, self.form, self.series)
+        found = self.root.enclosed
+        with consulted():
+            small = found.residuals(found.root)
+            for order, nystrom in self.orders:
+                series = found.series(found.root, order, nystrom)
+                for n in range(1, order + 1):
+                    small += [x for t in series.pool(n) for x in series.condition(t)]
+                small += [row[0] - 1 for part in series.parts.values() for row in part.U]  # U u = 1
+            return _checked_width([ball(as_scalar(x)) for x in small])
 
     @cached_property
     def next_order(self) -> float:
@@ -113,8 +113,11 @@ class Enclosure:
 
         Positive, it proves that the order is not higher: see :func:`obstruction`.
         """
-        further = self.system.series(self.form, self.principal, self.order + 1)
-        return obstruction(further, self.order)
+        found, n = self.root.enclosed, self.order + 1
+        with consulted() as judge:
+            further = found.series(found.root, n, False)
+            wanted = [judge.trees.read_tree(str(t)) for t in trees(n)]
+            return obstruction([as_scalar(x) for t in wanted for x in further.condition(t)], n - 1)
 
 
 def prove(document: Mapping[str, Any]) -> Enclosure:
@@ -123,7 +126,7 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     Parameters
     ----------
     document : Mapping[str, Any]
-        The parsed JSON object, of a class that :mod:`glmref.prove.system` reads.
+        The parsed JSON object, of class ``sweep``, ``pair-sweep`` or ``splitting``.
 
     Raises
     ------
@@ -132,53 +135,64 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
     ExactnessError
         When the interval test does not find exactly one root near the digits.
     """
-    system = SweepSystem(document)
-    if not system.families:
+    orders = _claimed(document)
+    if not orders:
         raise DataError("a file with an `enclosure` must claim an order of at least 1")
-    if system.signs() is None and not (system.is_partitioned and system.is_one_step):
-        names = "`b`, `c`, `w`, `v` and `stages`" if system.is_partitioned else "`D` and `X`"
+    equations = equations_of(document, members_of(document))
+    if not equations.is_of_the_theorem(False, False, None):
+        pair = document["class"] != "sweep"
+        names = "`b`, `c`, `w`, `v` and `stages`" if pair else "`D` and `X`"
         raise DataError(
             f"{names} must be palindromic up to a sign for each row of X, with V and G to match: "
             f"only then do the even orders follow"
         )
-    equations = equations_of(document, _members(system))
-    _check_orders(system, equations)
-    root = root_of(document, equations)
-    values = dict(zip(system.unknowns, root.box, strict=True))
-    form, principal = system.read(values)
-    form = replace(form, explicit=system.explicit)
-    signs = equations.signs
-    record = Enclosure(
-        values=values,
+    _check_orders(orders, equations)
+    root, signs = root_of(document, equations), equations.signs
+    return Enclosure(
+        values=dict(zip(equations.unknowns, root.box, strict=True)),
         radius=radius_of(document),
         root=root,
-        order=system.claimed,
-        nystrom_order=max(system.claimed, system.claimed_second_order),
+        orders=orders,
         signs=None if signs is None else tuple(map(tuple, signs.values())),
-        system=system,
-        form=form,
-        principal=principal,
+        blocks=prove_blocks(Target.of(document, root.record))
+        if "starting" in document
+        else Blocks(),
     )
-    if "starting" in document:  # not by `replace`, which would drop the series
-        blocks = prove_blocks(Target.of(document, root.record))
-        object.__setattr__(record, "blocks", blocks)
-    return record
 
 
-def _members(system: SweepSystem) -> dict[str, Any]:
-    """Return the trees that a proof of the method names: those that count, or the free ones."""
-    if system.is_partitioned:
-        return {"trees": "nystrom" if system.family is Family.SECOND_ORDER else "all"}
+def _claimed(document: Mapping[str, Any]) -> tuple[tuple[int, bool], ...]:
+    """Return the orders that a file claims, each with whether it is on second-order systems."""
+    claims = document.get("claims", {})
+    order = max(claims.get(x, 0) for x in (ORDER.key, ORDER_IDENTITY.key))
+    nystrom = 0 if document["class"] == "sweep" else claims.get(NYSTROM_ORDER.key, 0)
+    return tuple(x for x in ((order, False), (nystrom, True)) if x[0])
+
+
+def members_of(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the trees that a proof of the method names: those that count, or the free ones.
+
+    Raises
+    ------
+    DataError
+        Where the file names a principal part that is not free.
+    """
+    orders = sorted(_claimed(document), key=lambda x: x[0], reverse=True)
+    if document["class"] != "sweep":
+        return {"trees": "nystrom" if orders and orders[0][1] else "all"}
+    given: dict[int, tuple[Tree, ...]] = {}
+    for t in map(parse_tree, document.get("enclosure", {}).get("xi", {})):
+        given[t.order] = (*given.get(t.order, ()), t)
+    named = {str(n): list(map(str, ts)) for n, ts in given.items()}
+    equations = equations_of(document, {"free": named})  # its stage order says what is free
     free = {}
-    for n in range(2, max(system.claimed + 1, system.order) + 1, 2):
-        given = tuple(t for t in system.principal if t.order == n)
-        found = plan(n, system.stage_order, given).free
+    for n in range(2, max([equations.order, *(order + 1 for order, _ in orders)]) + 1, 2):
+        found = plan(n, equations.q, given.get(n, ())).free
         if found:
             free[str(n)] = [str(t) for t in found]
     return {"free": free}
 
 
-def _check_orders(system: SweepSystem, equations: Any) -> None:
+def _check_orders(orders: Sequence[tuple[int, bool]], equations: Any) -> None:
     """Check that the equations give all conditions up to the orders that the file claims.
 
     Raises
@@ -186,19 +200,19 @@ def _check_orders(system: SweepSystem, equations: Any) -> None:
     DataError
         Where equations are missing.
     """
-    for order, family in system.families:
-        nystrom = family is Family.SECOND_ORDER
-        fine = equations.is_of_the_theorem(False, nystrom, None)
+    pair, q = len(equations.halves) == 2, getattr(equations, "q", 1)
+    for order, nystrom in orders:
         for n in range(1, order + 1):
-            if not (fine and equations.gives_order(n, nystrom, None, None)):
-                trees_of = representatives(n, system.stage_order, family)
+            if not equations.gives_order(n, nystrom, None, None):
+                family = Family.SECOND_ORDER if nystrom else Family.SEPARABLE
+                trees_of = representatives(n, q, family if pair else Family.ROOTED)
                 raise DataError(
                     f"the equations of the file do not give the conditions of order {n}; those of "
-                    f"{', '.join(map(str, trees_of))} would (at stage order {system.stage_order})"
+                    f"{', '.join(map(str, trees_of))} would (at stage order {q})"
                 )
 
 
-def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series]) -> float:
+def _checked_width(small: Sequence[Ball]) -> float:
     """Return the largest magnitude of what the theorems say vanishes.
 
     Raises
@@ -206,17 +220,9 @@ def _checked_width(system: SweepSystem, form: SweepForm, series: Sequence[Series
     ExactnessError
         When it does not.
     """
-    small: list[Any] = [
-        x
-        for (order, _), found in zip(system.families, series, strict=True)
-        for t, x in found.residual.items()
-        if t.order <= order
-    ]
-    small += [system.growth(e, form) for e in system.equations if e.kind == "growth"]
-    small += [row[0] - 1 for c in form.blocks for row in c.U]  # U u = 1
-    width = max(ball(x).magnitude() for x in small)
+    width = max(x.magnitude() for x in small)
     # one by one: the largest of numbers that are no numbers may be any of the others
-    if not all(ball(x).contains_zero() and ball(x).magnitude() < WIDTH for x in small):
+    if not all(x.contains_zero() and x.magnitude() < WIDTH for x in small):
         raise ExactnessError(
             f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
             f"and it must be a ball around zero below {WIDTH}"
@@ -364,8 +370,11 @@ def shift_matrix(order: int) -> Matrix:
     return tuple(tuple(Exact(row.get(j, 0)) for j in range(len(place))) for row in rows)
 
 
-def obstruction(series: Series, order: int) -> float:
+def obstruction(residuals: Sequence[Any], order: int) -> float:
     """Return a lower bound of what no starting method can remove at ``order + 1``.
+
+    The residuals are those of the trees of this order, as :func:`~glmref.theory.trees.trees` lists
+    them.
 
     Let S' be any starting method with which the method has order ``order + 1``. It gives order
     ``order`` too, and composing it with the flow over a multiple of h makes its principal part
@@ -381,7 +390,6 @@ def obstruction(series: Series, order: int) -> float:
         largest entry 1; 0.0 when nothing was refuted.
     """
     best = 0.0
-    residuals = [ball(series.residual[t]) for t in trees(order + 1)]
     for row, size in _annihilators(order):
         best = max(best, ball(linalg.dot(row, residuals)).lower_magnitude() / size)
     return best

@@ -31,7 +31,6 @@ from ..catalogue.claims import (
 from ..errors import DataError, ExactnessError
 from ..exact.judging import consulted
 from ..theory.trees import MAX_ORDER
-from .classes import Family
 from .enclosure import Enclosure, Root, equations_of, prove, root_of
 from .starting import Blocks, prove_blocks, target_of
 
@@ -134,11 +133,11 @@ def _true(root: Root) -> frozenset[str]:
 
 def _enclosed(document: Mapping[str, Any]) -> Implied:
     record = prove(document)  # of the theorem, covered, one root: or an error
-    system, found = record.system, record.root.enclosed
+    found = record.root.enclosed
     with consulted():
         zeros, true = found.zero_growths(), _true(record.root)
         at_least = {**_orders(record), **record.blocks.orders}
-        if system.is_partitioned and "starting" not in document:
+        if record.is_partitioned and "starting" not in document:
             for claim, base, nystrom in (
                 (STARTING_ORDER.key, ORDER_IDENTITY.key, False),
                 (NYSTROM_STARTING_ORDER.key, NYSTROM_ORDER.key, True),
@@ -154,17 +153,16 @@ def _enclosed(document: Mapping[str, Any]) -> Implied:
 def _orders(record: Enclosure) -> dict[str, int]:
     """Return lower bounds of the orders that the equations give."""
     found: dict[str, int] = {}
-    system, enclosed = record.system, record.root.enclosed
-    for order, family in system.families:
-        nystrom = family is Family.SECOND_ORDER
+    enclosed = record.root.enclosed
+    for order, nystrom in record.orders:
         identity = enclosed.principal_is_zero(order, True, nystrom)
         if not nystrom:
             found |= {ORDER.key: order, EFFECTIVE_ORDER.key: order}
             if identity:
                 found[ORDER_IDENTITY.key] = order
-        if identity and system.is_partitioned:
+        if identity and record.is_partitioned:
             found[NYSTROM_ORDER.key] = max(order, found.get(NYSTROM_ORDER.key, 0))
-    if not system.is_partitioned:
+    if not record.is_partitioned:
         found[STAGE_ORDER.key] = min(enclosed.q, record.order)
     return found
 

@@ -33,7 +33,7 @@ from ..exact import Ball, Exact, ball, linalg
 from ..exact.expression import parse
 from ..exact.linalg import Matrix
 from ..method import as_matrix
-from ..method.sweep import SweepForm, columns, explicit_stages, stage_word
+from ..method.sweep import SweepForm, columns, stage_word
 from ..theory.trees import Tree, parse_tree, single, tree
 from .classes import Family, classes, reduce_tree
 from .equations import Series, starting_series
@@ -317,11 +317,6 @@ class SweepSystem:
             if self.families
             else (Family.SEPARABLE if self.is_partitioned else Family.ROOTED)
         )
-
-    @property
-    def explicit(self) -> frozenset[int]:
-        """Stages (from 1) whose diagonal entry is zero by an equation of the file, mirrored."""
-        return explicit_stages(self.document.get("enclosure", {}), self.s)
 
     @property
     def order(self) -> int:

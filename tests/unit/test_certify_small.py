@@ -17,9 +17,8 @@ from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
-from glmref.prove.enclosure import _members
+from glmref.prove.enclosure import members_of
 from glmref.prove.field import Tower, equation_numbers
-from glmref.prove.system import SweepSystem
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import shipped
 from tests.build import SOURCE
@@ -460,5 +459,5 @@ def test_orders_of_pairs_on_all_systems_and_on_those_of_second_order(name: str) 
 
 def test_the_trees_of_free_principal_parts_are_listed_by_order() -> None:
     """That which the file names comes first among those of its own order."""
-    free = _members(SweepSystem(shipped("s5t-w3")))["free"]
+    free = members_of(shipped("s5t-w3"))["free"]
     assert free == {"4": ["[ooo]"], "6": ["[ooooo]", "[ooo[o]]", "[o[o][o]]", "[[o][oo]]"]}

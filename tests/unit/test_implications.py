@@ -84,8 +84,8 @@ def test_an_order_with_the_identity_needs_every_first_value_below_it_zero(at, fo
     made.series = lambda values, order: SimpleNamespace(
         eta={n: [Fraction(n in at), Fraction(1)] for n in range(1, order)}
     )
-    system = SimpleNamespace(families=[(6, None)], is_partitioned=False)
-    record = SimpleNamespace(system=system, root=SimpleNamespace(enclosed=made), order=6)
+    root = SimpleNamespace(enclosed=made)
+    record = SimpleNamespace(orders=[(6, False)], is_partitioned=False, root=root, order=6)
     found = _orders(record)  # type: ignore[arg-type]
     assert found["order"] == 6
     assert found.get("order-identity") == (6 if follows else None)

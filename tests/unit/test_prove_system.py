@@ -19,14 +19,14 @@ from glmref.exact.judging import fast_judge
 from glmref.method import as_matrix
 from glmref.prove import implications, starting
 from glmref.prove.certificate import _Writer
-from glmref.prove.classes import Family, reduce_tree
-from glmref.prove.enclosure import WIDTH, _checked_width, _members, equations_of, radius_of
+from glmref.prove.classes import reduce_tree
+from glmref.prove.enclosure import WIDTH, _checked_width, equations_of, members_of, radius_of
 from glmref.prove.equations import _products
 from glmref.prove.kernel import Kernel
 from glmref.prove.ranges import Range
 from glmref.prove.system import Affine, Equation, SweepSystem
 from glmref.theory.starting_series import NotPreconsistent, component
-from glmref.theory.trees import parse_tree, single, trees, trees_up_to
+from glmref.theory.trees import parse_tree, trees, trees_up_to
 from tests.adversary.deceive import shipped
 
 SWEEP = {
@@ -84,7 +84,8 @@ def test_stage_orders_follow_from_the_equations_of_the_first_half() -> None:
 
     whole = SweepSystem(d)
     assert (whole.stage_order, whole.order, whole.s) == (2, 5, 3)
-    assert whole.signs() == ((1, -1, 1, 1),) and sorted(whole.explicit) == [1, 3]
+    assert whole.signs() == ((1, -1, 1, 1),)
+    assert sorted(equations_of(d, members_of(d)).explicit) == [0, 2]
     assert found("defect 1") == 1, "the tree [o] is even: the middle stage needs its equation"
     assert found("defect 1", "defect 2", "defect 1 [oo]") == 3, "and not for [oo]"
     assert found("defect 1", "defect 2", "defect 2 [oo]") == 2
@@ -156,7 +157,7 @@ def test_the_order_that_equations_give_ends_where_trees_are_compared(
 
 def test_the_proof_of_a_method_names_what_is_free() -> None:
     def proof(name: str) -> dict[str, Any]:
-        return _members(SweepSystem(shipped(name)))
+        return members_of(shipped(name))
 
     free = proof("yoshida-6-midpoint")["free"]
     assert free["4"] == ["[ooo]"] and free.keys() == {"4", "6"}
@@ -294,15 +295,12 @@ def test_a_start_has_the_orders_that_are_claimed_and_none_above_the_pair(
 def test_what_follows_must_be_a_small_ball_around_zero(low: int, high: int, fine: bool) -> None:
     """In units of 1e-60: a wide ball and one without zero are refused, large or small."""
     middle, radius = Fraction(low + high, 2) / 10**60, Fraction(high - low, 2) / 10**60
-    x = Ball.around(ball(middle), radius)
-    system: Any = SimpleNamespace(families=[(2, Family.ROOTED)], equations=())
-    series: Any = [SimpleNamespace(residual={single(): x})]
-    form: Any = SimpleNamespace(blocks=())
+    small = [Ball.around(ball(middle), radius), ball(0)]
     if fine:
-        assert _checked_width(system, form, series) < WIDTH
+        assert _checked_width(small) < WIDTH
     else:
         with pytest.raises(ExactnessError, match="not enclosed"):
-            _checked_width(system, form, series)
+            _checked_width(small)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,10 @@ from typing import Any
 
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
 from ...errors import UsageError
-from ...exact import ball
+from ...exact import Exact, ball, linalg
 from ...exact.linalg import Matrix
 from ...findings import Proof
+from ...method import as_matrix
 from ...prove.enclosure import Enclosure, prove
 from ...prove.newton import polish
 from ...prove.starting import Target
@@ -105,7 +106,7 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
     r = len(document["V"])
     document["claims"] = {
         "order": enclosure.order,
-        "stage-order": SweepSystem(document).stage_order,
+        "stage-order": enclosure.root.enclosed.q,
         **rough.claims,
         **SYMMETRIC,
         "conjugate-symplectic": True,
@@ -121,7 +122,10 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
     if start and document["name"] in rough_starts():
         target = Target.of(document, enclosure.root.record)
         assert enclosure.signs is not None  # it has an involution
-        L = enclosure.system.involutions["o"]
+        L = linalg.matmul(
+            linalg.inverse(as_matrix(document["V"], "V")),
+            linalg.diagonal(list(map(Exact, enclosure.signs[0]))),
+        )
         document = with_start(document, target, enclosure.signs[0][3], L)
         stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
         text = (
