@@ -13,15 +13,15 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
 from glmref.audit.lexer import FIXED, language_of
-from glmref.audit.readers import FORMATS, SUFFIXES, declared_orders, of_shu_osher, read
+from glmref.audit.readers import FORMATS, SUFFIXES, declared_orders, read
 from glmref.audit.recognising import numbers_of, tables
 from glmref.audit.sources import files, marks, read_source
-from glmref.audit.table import ZERO, Table
+from glmref.audit.table import Table
 from glmref.catalogue.audits import audited_codes
 from glmref.errors import DataError, GlmrefError
 
@@ -60,22 +60,12 @@ class Compared:
         return f"{self.code} {self.path}:{self.line}: {self.name}{order}: {self.seen} ({self.form})"
 
 
-def _in_one_form(x: Table) -> Table:
-    """Return a method of Shu-Osher form as A and b, as the special readers have it."""
-    if x.unread or x.kind != "shu-osher":
-        return x
-    s = len(x.b[0])
-    alpha, beta = ([[ZERO] * s, *rows] for rows in x.A)
-    A, b = of_shu_osher(alpha, beta)
-    return replace(x, kind="rk", A=[A], b=[b])
-
-
 def compared(special: Sequence[Table], general: Sequence[Table]) -> Iterator[tuple[Table, Seen]]:
     """Yield each method that a special reader has read, and how the general one sees it."""
     for x in special:
         if x.unread or x.kind not in KINDS:
             continue
-        near = sorted(map(_in_one_form, general), key=lambda y: abs(y.line - x.line))
+        near = sorted(general, key=lambda y: abs(y.line - x.line))
         same = [y for y in near if not y.unread and numbers_of(y) == numbers_of(x)]
         beside = [y for y in near if abs(y.line - x.line) <= NEAR and y.name.find(x.name) >= 0]
         if any(y.order == x.order for y in same):

@@ -1,4 +1,4 @@
-"""Steppers of GSL and of Boost.odeint: a file each, with the coefficients in arrays beside it."""
+"""Steppers of Boost.odeint: a file each, with the coefficients in structs beside it."""
 
 from __future__ import annotations
 
@@ -40,55 +40,6 @@ def _triangle(rows: Mapping[int, list[Number]], s: int) -> Rows:
         if len(rows.get(i, [])) != i - 1:
             raise Unread(f"row {i} of A is not an array of {i - 1} numbers")
     return [[*rows.get(i, []), *([_ZERO] * (s - len(rows.get(i, []))))] for i in range(1, s + 1)]
-
-
-# --- GSL ------------------------------------------------------------------------------------------
-
-_STATIC = re.compile(r"static\s+const\s+double\s+(\w+)\s*(?:\[\s*\w*\s*\])?\s*=\s*([^;=]+);")
-
-
-def gsl(text: str) -> Iterator[Table]:
-    """Yield the table of a stepper: rows b21, b3, b4, .., weights c1, .. or Abar, abscissae ah.
-
-    Yields
-    ------
-    Table
-        Unread where the coefficients stand in the arithmetic of the step.
-    """
-    text = bare(text)
-    order = r"^(\w+)_order\s*\([^)]{0,400}\)\s*\{.{0,4000}?return\s+(\d+)\s*;"
-    made = re.search(order, text, re.DOTALL | re.M)
-    stepper = made or re.search(r"^(\w+)_order\s*\(", text, re.M)
-    if stepper is None:
-        return
-    line = text.count("\n", 0, (_STATIC.search(text) or stepper).start()) + 1
-    for table in _guarded(_of_gsl, text, stepper[1].removesuffix("_eval"), line):
-        table.order = int(made[2]) if made else None
-        yield table
-
-
-def _of_gsl(text: str) -> Table:
-    scope: Scope = {key: _value(value, {}) for key, value in _STATIC.findall(text)}
-    rows = {int(k[1:]): x for k, x in scope.items() if re.fullmatch(r"b\d+", k) and k != "b21"}
-    if not rows:
-        raise Unread("the coefficients are computed, or stand in the arithmetic of the step")
-    rows[2] = scope.get("b21", scope.get("ah", [])[:1])
-    s = max(rows)
-    table = Table("", 0, A=[_triangle(rows, s)])
-    if "Abar" in scope:
-        table.b = [scope["Abar"]]
-        low = scope.get("A", [])
-        table.rows = [("A", [*low, *([_ZERO] * (s - len(low)))], None)]
-    else:
-        table.b = [[scope.get(f"c{k}", [_ZERO])[0] for k in range(1, s + 1)]]
-    if len(table.b[0]) != s:
-        raise Unread(f"there are {len(table.b[0])} weights for {s} stages")
-    if "ec" in scope:  # its entry 0 is not used
-        table.errors = [scope["ec"][1:]]
-    given = [_ZERO, *scope.get("ah", [])]
-    given += [Number(Exact(1))] * (s - len(given))  # where it is short, the last stages are at 1
-    table.c = [given[:s]]
-    return table
 
 
 # --- Boost.odeint ---------------------------------------------------------------------------------

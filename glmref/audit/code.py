@@ -1,11 +1,9 @@
-"""Statements of C, Julia, Fortran and Python sources, as Python statements with their lines."""
+"""Statements of C, Julia and Fortran sources, as Python statements with their lines."""
 
 from __future__ import annotations
 
 import ast
-import io
 import re
-import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -48,9 +46,6 @@ def statements(text: str, language: str) -> Iterator[Statement]:
     """Split a source into statements; comments are left out, lines are kept."""
     if len(text) > _MOST:
         raise DataError(f"the file has {len(text)} characters; at most {_MOST} are read")
-    if language == "python":
-        yield from _python(text)
-        return
     text = bare(text, language)
     if language == "fortran":
         text = re.sub(r"&[ \t]*\n[ \t]*&?", lambda m: " \n", text)  # joined below
@@ -81,76 +76,6 @@ def _quoted(text: str) -> str:
     """Return numbers with a point as strings, so that no digit is lost."""
     text = re.sub(r"(?<!\w)\d[\d_]*\.?[\d_]*", lambda m: m[0].replace("_", ""), text)
     return _FLOAT.sub(lambda m: "'" + re.sub("[dD]", "e", m[1]) + "'", text)
-
-
-# --- Python ---------------------------------------------------------------------------------------
-
-
-def _python(text: str) -> Iterator[Statement]:
-    """Yield all statements in the order of the file; a class or function opens a block."""
-    try:
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        why = error.args[0] if error.args else "nested too deep"
-        raise DataError(f"the file is no Python ({why})") from None
-    lines = _uncommented(text).splitlines()
-
-    def source(node: ast.stmt) -> str:
-        rows = lines[node.lineno - 1 : node.end_lineno]
-        rows[-1] = rows[-1].encode()[: node.end_col_offset].decode()
-        rows[0] = rows[0].encode()[node.col_offset :].decode()
-        return "\n".join(rows)
-
-    def walk(body: list[ast.stmt]) -> Iterator[Statement]:
-        for node in body:
-            if isinstance(node, ast.ClassDef | ast.FunctionDef):
-                word = "class" if isinstance(node, ast.ClassDef) else "def"
-                yield Statement(f"{word} {node.name}", node.lineno, "open")
-                yield from walk(node.body)
-                yield Statement(f"{word} {node.name}", node.end_lineno or node.lineno, "close")
-            elif isinstance(node, ast.If | ast.With | ast.Try):
-                yield from walk(node.body)
-                yield from walk(getattr(node, "orelse", []))
-            elif isinstance(node, ast.For):  # what a loop assigns is not known
-                steps = [x for x in ast.walk(node) if isinstance(x, ast.Assign | ast.AugAssign)]
-                targets = [
-                    y for x in steps for y in getattr(x, "targets", [getattr(x, "target", x)])
-                ]
-                for name in sorted({ast.unparse(y).partition("[")[0] for y in targets}):
-                    yield Statement(f"{name} = for", node.lineno)
-            elif isinstance(node, ast.AnnAssign) and node.value is not None:
-                target = ast.unparse(node.target)
-                value = source(node).partition("=")[2].strip()
-                yield Statement(_quoted(f"{target} = ({value})"), node.lineno)
-            elif isinstance(node, ast.AugAssign):  # ``x -= y`` as ``x = x - (y)``
-                yield Statement(
-                    _quoted(
-                        re.sub(
-                            r"^(.*?)\s*([-+*/])=(.*)$", r"\1 = \1 \2 (\3)", _joined(source(node))
-                        )
-                    ),
-                    node.lineno,
-                )
-            elif isinstance(node, ast.Assign | ast.Expr | ast.Return):
-                yield Statement(_quoted(_joined(source(node))), node.lineno)
-
-    yield from walk(tree.body)
-
-
-def _joined(text: str) -> str:
-    """Return the text as one line, without comments and with blanks for line ends."""
-    return re.sub(r"\s*\n\s*", " ", text)
-
-
-def _uncommented(text: str) -> str:
-    """Return the text with blanks for its comments."""
-    rows = text.splitlines(keepends=True)
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type == tokenize.COMMENT:
-            row, (at, k) = rows[token.start[0] - 1], token.start
-            end = "\n" if row.endswith("\n") else ""
-            rows[at - 1] = row[:k].rstrip() + end
-    return "".join(rows)
 
 
 # --- C and C++ ------------------------------------------------------------------------------------

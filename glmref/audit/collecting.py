@@ -680,7 +680,7 @@ class Collector:
         while at is not None and held is None:
             held = at.names.get(name)
             at = at.parent
-        if isinstance(held, list):
+        if isinstance(held, list) and held:
             part: Any = held
             base = self.language.base
             try:

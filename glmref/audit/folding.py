@@ -816,6 +816,11 @@ class Folder:
         return found
 
     def _taken(self, x: Any, index: list[Any]) -> Any:
+        if isinstance(x, Entries) and len(index) == 2 and index[1] == (None, None):
+            i = number(index[0]).whole()  # a row of a matrix whose entries are given one by one
+            top = max((k[1] for k in x if len(k) == 2 and k[0] == i), default=0)
+            zero = Number(Exact(0))
+            return [x.get((i, j), zero) for j in range(self.language.base, top + 1)]
         if isinstance(x, Entries):
             place = tuple(number(k).whole() for k in index)
             if place not in x and x.cleared:

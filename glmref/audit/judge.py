@@ -33,6 +33,7 @@ from ..prove.wrong_entry import (
     weight,
 )
 from ..system.budget import limited
+from .kinds import in_one_form
 from .nearest_method import Library
 from .table import Table
 
@@ -382,6 +383,8 @@ def _explained(
     if table.order and not swapped and "tree" in record and record["found"] < table.order:
         look = correction if search else abscissa
         record["correction"] = look(method, table.order)
+        if table.kind == "shu-osher" and not record["correction"]:
+            record["correction"] = look(Trial(in_one_form(table)), table.order)
     gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
     if not (record.get("correction") or entries or len(remarks) > gaps):
         remarks.append(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache, partial
 from itertools import product
@@ -439,6 +439,18 @@ def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Ite
             table.identities = [(f"sum of row {k} of alpha = 1", g) for k, g in enumerate(gaps, 1)]
 
         yield from _guarded("", x.line, [x, beta], make)
+
+
+def in_one_form(x: Table) -> Table:
+    """Return ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)`` as A and b: Shu, Osher (1988)."""
+    s = len(x.A[0])
+    rows: list[list[Number]] = [[ZERO] * s]
+    for alpha, beta in zip(*x.A, strict=True):
+        row = list(beta)
+        for a, before in zip(alpha, rows, strict=False):
+            row = [y.of(y.value + a.value * z.value, a) for y, z in zip(row, before, strict=True)]
+        rows.append(row)
+    return replace(x, kind="rk", A=[rows[:s]], b=[rows[s]], c=[None], identities=[])
 
 
 def _low_storage(vectors: list[Array]) -> Iterator[Found]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
-from .arrays import gsl, odeint
+from .arrays import odeint
 from .code import Statement, statements
 from .compositions import compositions
 from .kinds import imkg, transformed
@@ -73,19 +73,18 @@ class _Run:
             if re.match(r"(?:inline )?namespace|extern", step.text) and step.kind == "open":
                 continue  # its end leaves the depth at zero
             if step.kind == "open":
-                if self.depth == 0 or self.language == "python":
-                    if self.depth == 0:
-                        self.globals = {
-                            k: v for k, v in self.scope.items() if not isinstance(v, Sparse)
-                        }
-                    self.scope = dict(self.globals if self.language != "python" else self.scope)
+                if self.depth == 0:
+                    self.globals = {
+                        k: v for k, v in self.scope.items() if not isinstance(v, Sparse)
+                    }
+                    self.scope = dict(self.globals)
                     self.header, self.line = step.text, step.line
                 self.depth += 1
                 yield step, None
                 continue
             if step.kind == "close":
                 yield step, None
-                if self.depth == 1 and self.language != "python":
+                if self.depth == 1:
                     self.scope = dict(self.globals)
                 self.depth = max(0, self.depth - 1)
                 continue
@@ -597,64 +596,6 @@ def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
     return table
 
 
-def _python(text: str) -> Iterator[Table]:
-    """Read numpy, torch and jax modules: classes with arrays, and calls that take them."""
-    run = _Run(text, "python")
-    first: dict[str, int] = {}
-    last_class = ""
-    singles: dict[str, Table] = {}
-    orders = _python_orders(text)
-    for step, node in run.steps():
-        if step.kind == "open" and step.text.startswith("class "):
-            last_class = step.text.removeprefix("class ")
-            for key in ("A", "B", "C", "E", "order", "tableau_intermediate", "tableau_final",
-                        "Ap", "Bp", "b", "c", "b2"):  # fmt: skip
-                run.scope.pop(key, None)
-                run.globals.pop(key, None)
-            first = {"class": step.line}
-        if isinstance(node, ast.Assign):
-            target = ast.unparse(node.targets[0])
-            if isinstance(node.value, ast.Call) and not target.startswith("self."):
-                for table in _of_call(run, node.value, target, step.line):
-                    table.order = table.order or orders.get(target, orders.get(""))
-                    singles[target] = table
-                    yield table
-        if step.kind == "close" and step.text.startswith("class ") and last_class:
-            yield from _of_class(run, last_class, first.get("class", step.line))
-            last_class = ""
-        for call in _calls(node, ["MultiButcherTableau"]):
-            pair = [singles.get(ast.unparse(x)) for x in call.args]
-            if len(pair) == 2 and all(x is not None and not x.unread for x in pair):
-                yield _together([x for x in pair if x], orders.get(""))
-        if isinstance(node, ast.Return) and isinstance(node.value, ast.Tuple) and run.depth:
-            names = [ast.unparse(x) for x in node.value.elts]
-            if len(names) >= 3 and names[:2] == ["c", "a"] and run.header.startswith("def "):
-                arrays = (run.scope.get(x) for x in ("a", "bsol", "c"))
-                yield from _guarded(_of_lists, run, run.header[4:], run.line, *arrays)
-
-
-def _python_orders(text: str) -> dict[str, int]:
-    """Return orders by the name of the tableau; under ``""`` that of a module with one solver."""
-    found: dict[str, int] = {}
-    for block in re.split(r"\n(?=class )", text):
-        order = re.search(r"\n    order = (\d+)", block)
-        tableau = re.search(r"\n    tableau[^=\n]*= (\w+)", block)
-        if order and tableau:
-            found[tableau[1]] = int(order[1])
-    methods = re.findall(r"def order\(self, terms\):(?:\s*del \w+)?\s*return (\d+)", text)
-    if len(set(methods)) == 1:
-        found[""] = int(methods[0])
-    return found
-
-
-def _together(pair: list[Table], order: int | None) -> Table:
-    """Return two tables of one additive method."""
-    first, second = pair
-    return Table(f"{first.name} with {second.name}", second.line, "additive",
-                 [first.A[0], second.A[0]], [first.b[0], second.b[0]],
-                 [first.c[0], second.c[0]], order)  # fmt: skip
-
-
 def _guarded(
     make: Callable[..., Table], run: _Run, name: str, line: int, *more: Any
 ) -> Iterator[Table]:
@@ -664,82 +605,6 @@ def _guarded(
         yield _unread(name, line, error)
     except (TypeError, AttributeError, IndexError, KeyError, ValueError) as error:
         yield _unread(name, line, Unread(f"{type(error).__name__}: {error}"))
-
-
-def _of_lists(run: _Run, name: str, line: int, A: Any, b: Any, c: Any) -> Table:
-    weights = vector(_need(b))
-    s = len(weights)
-    times = vector(_need(c))
-    if len(times) == s - 1:
-        times = [ZERO, *times]
-    return Table(name, line, A=[_square(_need(A), s)], b=[weights], c=[times])
-
-
-def _of_call(run: _Run, call: ast.Call, target: str, line: int) -> Iterator[Table]:
-    made = ast.unparse(call.func).rpartition(".")[2]
-    words = _keywords(call)
-    if ast.unparse(call.func) == "ButcherTableau.from_lists":
-        yield from _guarded(_of_torchode, run, target, line, words)
-    elif made in ("_ButcherTableau", "ButcherTableau"):
-        yield from _guarded(_of_butcher, run, target, line, words)
-    elif made in ("ExplicitRungeKuttaMethod", "RungeKuttaMethod", "ExplicitRungeKuttaPair",
-                  "DIRKPair", "RungeKuttaPair"):  # fmt: skip
-        yield from _guarded(_of_nodepy, run, target, line, call)
-
-
-def _of_torchode(run: _Run, name: str, line: int, words: Mapping[str, ast.expr]) -> Table:
-    A, b, c = (run.value(words.get(x)) for x in "abc")
-    table = _of_lists(run, name, line, A, b, c)
-    if "b_low_order" in words:
-        table.rows = [("b_low_order", vector(run.value(words["b_low_order"])), None)]
-    block = run.text.split("\n", line)[-1]
-    said = re.search(r"def convergence_order\(self\)[^:]*:\s*return (\d+)", block)
-    table.order = int(said[1]) if said else None
-    return table
-
-
-def _of_butcher(run: _Run, name: str, line: int, words: Mapping[str, ast.expr]) -> Table:
-    get = {k: run.value(v) for k, v in words.items() if k in
-           ("a_lower", "b_sol", "b_error", "c", "c1", "a_diagonal", "alpha", "beta", "c_sol",
-            "c_error")}  # fmt: skip
-    A, b, c = (get[x] if x in get else get.get(y) for x, y in
-               (("a_lower", "beta"), ("b_sol", "c_sol"), ("c", "alpha")))  # fmt: skip
-    if A is None or b is None:
-        raise Unread("A or b is missing")
-    weights = vector(b)
-    s = len(weights)
-    rows = _square(A, s)
-    if get.get("a_diagonal") is not None:
-        for i, x in enumerate(vector(get["a_diagonal"])):
-            rows[i][i] = x
-    times = vector(c)
-    if len(times) == s - 1:
-        times = [*(vector(get["c1"]) if "c1" in get else [ZERO]), *times]
-    table = Table(name, line, A=[rows], b=[weights], c=[times])
-    error = get.get("b_error", get.get("c_error"))
-    if error is not None:
-        table.errors = [vector(error)]
-    return table
-
-
-def _of_nodepy(run: _Run, name: str, line: int, call: ast.Call) -> Table:
-    words = _keywords(call)
-    title = re.sub(r"^\w+\[['\"](.*)['\"]\]$", r"\1", name)
-    if "alpha" in words:
-        A, b = of_shu_osher(_need(run.value(words["alpha"])), _need(run.value(words["beta"])))
-    else:
-        given = [*call.args[:2], *(words[x] for x in ("A", "b") if x in words)]
-        if len(given) < 2:
-            raise Unread("A or b is missing")
-        A, b = (run.value(x) for x in given[:2])
-        b = vector(b)
-        A = _square(A, len(b)) if isinstance(A, list) and isinstance(A[0], list) else [vector(A)]
-    table = Table(title, line, A=[A], b=[b], c=[None])
-    if len(call.args) > 2:
-        table.rows = [("bhat", vector(run.value(call.args[2])), None)]
-    table.order = by_name(title, b, pair="Pair" in ast.unparse(call.func))
-    table.doubt = "the order is read from the name"
-    return table
 
 
 def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
@@ -753,107 +618,6 @@ def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
         return int(digits[1])
     alone = pair or re.fullmatch(r"(?i)(?:runge_?kutta|e?rk)_?\d", name)
     return int(digits[1]) or None if alone and len(digits[1]) == 1 else None
-
-
-def of_shu_osher(alpha: Any, beta: Any) -> tuple[Rows, list[Number]]:
-    """Return a and b of ``y_i = sum alpha_ij y_j + h beta_ij f(y_j)``: Shu, Osher (1988)."""
-    s = len(alpha) - 1
-    rows: list[list[Number]] = []
-    for i in range(s + 1):
-        row = [ZERO] * s
-        for k in range(min(i, len(alpha[i]))):
-            a = alpha[i][k]
-            for j in range(s):
-                if k < len(rows):
-                    term = a.of(a.value * rows[k][j].value, rows[k][j])
-                    row[j] = row[j].of(row[j].value + term.value, term)
-        for j in range(min(s, len(beta[i]))):
-            row[j] = row[j].of(row[j].value + beta[i][j].value, beta[i][j])
-        rows.append(row)
-    return rows[:s], rows[s]
-
-
-def _of_class(run: _Run, name: str, line: int) -> Iterator[Table]:
-    scope = run.scope
-    if "tableau_intermediate" in scope:
-        yield from _guarded(_of_desolver, run, name, line)
-    elif {"A", "B", "C"} <= scope.keys():
-        if scope["A"] is not None and not (scope["B"] is None or scope["C"] is None):
-            yield from _guarded(_of_scipy, run, name, line)
-    elif {"A", "b", "c"} <= scope.keys() and scope["A"] is not None:
-        yield from _guarded(_of_qmat, run, name, line)
-
-
-def _of_qmat(run: _Run, name: str, line: int) -> Table:
-    scope = run.scope
-    b = vector(_need(scope["b"]))
-    s = len(b)
-    table = Table(name, line, A=[_square(_need(scope["A"]), s)], b=[b], c=[vector(scope["c"])])
-    block = run.text.splitlines()[line - 1 :]
-    end = next((k for k, x in enumerate(block[1:], 1) if x.startswith("class ")), len(block))
-    said = re.search(r"def order\(self\)[^:]*: *return (\d+)", "\n".join(block[:end]))
-    table.order = int(said[1]) if said else None
-    if scope.get("b2") is not None:
-        table.rows = [("b2", vector(_need(scope["b2"])), None)]
-    return table
-
-
-def _of_scipy(run: _Run, name: str, line: int) -> Table:
-    scope = run.scope
-    b = vector(_need(scope["B"]))
-    s = len(b)
-    A = [list(vector(row))[:s] for row in _need(scope["A"])][:s]
-    table = Table(name, line, A=[_square(A, s)], b=[b], c=[vector(_need(scope["C"]))[:s]])
-    orders = re.search(rf"class {name}\b.*?\n    order = (\d+)", run.text, re.DOTALL)
-    table.order = int(orders[1]) if orders else None
-    if "Bp" in scope:  # q'' = g(q) or g(q, q')
-        table.kind = "nystrom"
-        table.A += [_square(_need(scope["Ap"]), s)] if "Ap" in scope else []
-        table.b.append(vector(_need(scope["Bp"])))
-        return table
-    if "E" in scope and not isinstance(scope["E"], Unread):
-        table.errors = [vector(scope["E"])]
-    return table
-
-
-def _of_desolver(run: _Run, name: str, line: int) -> Table:
-    rows = [vector(x) for x in _need(run.scope["tableau_intermediate"])]
-    order = run.scope.get("__order__")
-    if "tableau_final" not in run.scope:
-        drift = [(0, x[2]) for x in rows]
-        kick = [(1, x[1]) for x in rows]
-        steps = [x for pair in zip(kick, drift, strict=True) for x in pair
-                 if complex(x[1].value) != 0]  # fmt: skip
-        table = _steps_of(name, line, steps)
-    else:
-        final = [vector(x) for x in _need(run.scope["tableau_final"])]
-        s = len(rows[0]) - 1
-        table = Table(name, line, A=[_square([x[1:] for x in rows], s)], b=[final[0][1:]])
-        table.c = [[x[0] for x in rows]]
-        table.rows = [("second row", x[1:], None) for x in final[1:]]
-    table.order = whole_number(order) if isinstance(order, Number) else None
-    return table
-
-
-def _steps_of(name: str, line: int, steps: list[tuple[int, Number]]) -> Table:
-    """Return a splitting given step by step: (0, drift) or (1, kick).
-
-    The drift comes first; zeros are put between.
-    """
-    a: list[Number] = []
-    b: list[Number] = []
-    for which, x in steps:
-        if which == 0:
-            if len(a) > len(b):
-                b.append(ZERO)
-            a.append(x)
-        else:
-            if len(a) == len(b):
-                a.append(ZERO)
-            b.append(x)
-    if len(a) > len(b):
-        b.append(ZERO)
-    return Table(name, line, "splitting", [], [a, b])
 
 
 def _kpp(text: str) -> Iterator[Table]:
@@ -946,12 +710,10 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "csv": from_csv,
     "petsc": _petsc,
     "julia": _julia,
-    "python": _python,
     "kpp": _kpp,
     "matlode": _matlode,
     "constants": constants,
     "principia": structs,
-    "gsl": gsl,
     "odeint": odeint,
     "weights": compositions,
 }
@@ -960,12 +722,10 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "csv": (".csv",),
     "petsc": (".c",),
     "julia": (".jl",),
-    "python": (".py",),
     "kpp": (".f90",),
     "matlode": (".m",),
     "constants": (".cc", ".C", ".cpp", ".hh"),
     "principia": (".hpp",),
-    "gsl": (".c",),
     "odeint": (".hpp",),
     "weights": (".c", ".cc", ".cpp", ".cu", ".cuh", ".h", ".hpp", ".py"),
 }

@@ -431,6 +431,8 @@ def tables(
     found += _in_two_tables(found)
     if about:
         found += _of_arithmetic(found, everything, collector)
+    if about and not found:
+        found += _by_function(collector.top)
     if WORDS.search(text):
         found += known_numbers(text, collector.tokens, found)
     for table in found:
@@ -510,6 +512,16 @@ def _of_arithmetic(
         name = (block.own or block.name) if block.parent is not None else "step"
         yield Table(name, line, unread="the numbers of a step stand in its arithmetic",
                     general=True, last=line, block=block)  # fmt: skip
+
+
+def _by_function(top: Block) -> Iterator[Table]:
+    """Yield as unread the method that functions NAME_order and NAME_apply say is here."""
+    names = {x.name: x for x in top.blocks if x.kind == "code"}
+    for name, block in names.items():
+        stem = name.removesuffix("_order")
+        if stem != name and {f"{stem}_apply", f"{stem}_step"} & names.keys():
+            why = "the coefficients are computed, or stand in the arithmetic of the step"
+            yield Table(stem, block.line, unread=why, general=True, last=block.last, block=block)
 
 
 def _in_two_tables(found: list[Table]) -> list[Table]:

@@ -31,12 +31,10 @@ _MARKS: Mapping[str, str] = {
     "csv": r"\bb\b",
     "petsc": "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister|TSRosWRegister|TSGLEERegister",
     "julia": "Tableau|Butcher|ConstantCache",
-    "python": r"ButcherTableau|RungeKutta|tableau_intermediate|construct_|\bA\b.*=",
     "kpp": "ros_Alpha|rkA",
     "matlode": "ros_Alpha|rkA",
     "constants": r"\b[ab]21\b",
     "principia": "FixedVector<double",
-    "gsl": r"_order\s*\(\s*void",
     "odeint": "class",
     "weights": "(?i)suzuki|yoshida|(?:sy|ys)_|composition",
 }
@@ -231,7 +229,7 @@ def _tables(
 
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
-_MORE = ("petsc", "julia", "kpp", "matlode", "principia", "weights", "gsl", "odeint",
+_MORE = ("petsc", "julia", "kpp", "matlode", "principia", "weights", "odeint",
          "constants")  # fmt: skip
 
 

@@ -102,7 +102,7 @@ EXAMPLES = {
     compare: "glmref compare kepler --tolerance 1e-6",
     run: "glmref run kepler --plan",
     convert: "glmref convert gauss-2 --to c --output gauss_2.c",
-    audit: "glmref audit src/integrators --from python",
+    audit: "glmref audit src/integrators",
     lint: "glmref lint .",
     feed: "glmref feed --output public",
     probe: "glmref probe scipy",

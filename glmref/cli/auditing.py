@@ -29,9 +29,8 @@ from .output import (
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
-    *("json", "csv", "petsc", "julia", "python"),
-    *("kpp", "matlode", "constants"),
-    *("principia", "gsl", "odeint", "weights"),
+    *("json", "csv", "petsc", "julia", "kpp", "matlode"),
+    *("constants", "principia", "odeint", "weights"),
 )
 
 

@@ -29,8 +29,8 @@ COUNT = 2000
 SECONDS = 10.0
 SOURCES = {
     "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
-    "python": source("python.txt"),
-    "kpp": source("kpp.f90"), "principia": source("principia.hpp"), "gsl": source("gsl.c"),
+    "": source("python.txt"),
+    "kpp": source("kpp.f90"), "principia": source("principia.hpp"),
     "odeint": source("odeint.hpp"),
 }  # fmt: skip
 #: What stands in a source where it should not.
@@ -80,7 +80,7 @@ def judge(draw: random.Random) -> tuple[str, Iterable[str]]:
         return _checked(draw)
     form = draw.choice(list(SOURCES))
     with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / "x"
+        path = Path(name) / ("x" if form else "x.py")
         text = _splintered(draw, SOURCES[form])
         path.write_bytes(text.encode("utf-8", "surrogatepass"))
         search = draw.random() < 0.2

@@ -97,14 +97,13 @@ def test_julia_tables_in_their_four_styles() -> None:
 
 
 def test_python_modules() -> None:
-    found = judged(source("python.txt"), "python")
+    found = judged(source("python.txt"), "", "python")
     assert found["_tableau"]["status"] == "right"
     assert found["RK3"]["status"] == "right"
     assert found["RadauIIA3"]["correction"][0] == {
-        "entry": "a[2][2]", "is": "1/3", "should be": "1/4"
+        "entry": "a[2][2]", "is": "1/3", "should be": "1/4", "line": 22, "text": "1 / 3"
     }  # fmt: skip
     assert found["Heun22"]["status"] == "right"
-    assert found["Odd33"]["status"] == "right"  # two stages: the name says nothing
 
 
 def test_exchanged_rows_are_said_to_be_exchanged() -> None:
@@ -151,8 +150,9 @@ def test_an_unread_table_has_no_verdict() -> None:
 @pytest.mark.slow
 def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
     (tmp_path / "good.py").write_text(source("python.txt"))
-    (tmp_path / "bad.py").write_text("class A(:\n  ButcherTableau = [")
-    assert main(["audit", str(tmp_path), "--format", "python"]) == 1
+    bad = source("python.txt").replace("[0, 3/4, 0]]", "[0, f(2), 0]]")
+    (tmp_path / "bad.py").write_text(bad[bad.index("class RK3") : bad.index("class RadauIIA3")])
+    assert main(["audit", str(tmp_path)]) == 1
     out = capsys.readouterr()
     rows = [json.loads(x) for x in out.out.splitlines()]
     assert {(x["path"], x["status"]) for x in rows} >= {("bad.py", "unread"), ("good.py", "wrong")}
@@ -182,11 +182,11 @@ def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
 def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
     there = tmp_path / "made"
     text = f"A = __import__('pathlib').Path({str(there)!r}).touch()\nclass X(Y):\n    A = A\n"
-    list(read(text + "    B = [1]\n    C = [0]\n", "python"))
+    tables(text + "    B = [1]\n    C = [0]\n", LANGUAGES["python"], about=True)
     assert not there.exists()
 
 
-@pytest.mark.parametrize("form", ["petsc", "julia", "python", "kpp"])
+@pytest.mark.parametrize("form", ["petsc", "julia", "kpp"])
 def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, capsys: Any) -> None:
     assert main(["audit", str(tmp_path), "--format", form]) == 2
     assert "holds no file" in capsys.readouterr().err
@@ -299,12 +299,12 @@ def test_members_of_principia() -> None:
     assert wrong["Heun"]["found"] == 0
 
 
-def test_arrays_of_gsl_and_odeint() -> None:
-    kutta = judged(source("gsl.c"), "gsl")["kutta"]
-    assert (kutta["status"], kutta["found"], kutta["line"]) == ("right", 3, 2)
-    slip = judged(source("gsl.c").replace("-1.0, 2.0", "-1.0, 1.0"), "gsl")["kutta"]
-    assert slip["correction"][0] == {"entry": "a[3][2]", "is": "1", "should be": "2"}
-    assert judged(source("gsl.c").replace("b3[]", "x3[]"), "gsl")["kutta"]["status"] == "unread"
+def test_structs_of_odeint_and_functions_of_gsl() -> None:
+    text = (
+        "/* Runge-Kutta */\nint kutta_apply(void *s) {}\nint kutta_order(void *s) { return 3; }\n"
+    )
+    assert judged(text, "", "c")["kutta"]["status"] == "unread"
+    assert not judged(text.replace("_apply", "_sort"), "", "c")
     assert judged(source("odeint.hpp"), "odeint")["midpoint"]["status"] == "right"
     pair = judged(source("odeint-pair.hpp"), "odeint")["pair"]
     assert (pair["status"], pair["declared"], pair["stages"]) == ("right", 2, 3)
@@ -383,9 +383,9 @@ def test_methods_of_matlode() -> None:
 
 
 def test_python_classes_that_change_their_arrays() -> None:
-    found = judged(source("classes.txt"), "python")
-    assert found["Three"]["status"] == "right" and not found["Three"]["remarks"]
-    assert found["Loop"]["status"] == "unread"
+    found = judged(source("classes.txt"), "", "python")
+    assert found["Three"]["status"] == "unread" and "run time" in found["Three"]["remarks"][0]
+    assert "Loop" not in found
     assert found["Heun"]["status"] == "right" and found["Heun"]["declared"] == 2
     assert (found["Nystrom"]["kind"], found["Nystrom"]["status"]) == ("nystrom", "right")
     assert found["TABLEAU"]["status"] == "right" and found["TABLEAU"]["declared"] == 2
@@ -547,10 +547,6 @@ def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
         ("julia", "Tableau\n" + "#=" * 200_000),
         ("julia", "Tableau\n" + "x +\n" * 20_000),
         ("julia", "Tableau\nx = " + "1" * 100_000),
-        ("gsl", "x_order (void\n" + "static const double x = " * 20_000),
-        ("gsl", "a_order (void *v) {\n" * 5_000),
-        ("gsl", "a_order (void\n" * 10_000),
-        ("python", "A = " + "-" * 100_000 + "1"),
         ("json", '["A", ' + "0, " * 20_000 + "0]"),
         ("json", '{"A": [[0]], "A": [[1]], "b": [1], "order": 1}'),
         ("csv", f"name,b\n{'x' * 200_000},1\n"),
@@ -568,7 +564,7 @@ def test_sources_are_read_in_linear_time(tmp_path: Path, form: str, text: str) -
 
 def test_the_residual_is_that_of_the_tree_that_is_named() -> None:
     """RadauIIA3 with 1/3 for 1/4: [f] misses 1/2 by 1/48, a tree of order 3 misses by 0.043."""
-    found = judged(source("python.txt"), "python")["RadauIIA3"]
+    found = judged(source("python.txt"), "", "python")["RadauIIA3"]
     assert (found["status"], found["tree"], found["order_of_tree"]) == ("wrong", "f[f]", 2)
     assert found["residual"] == 0.021
 
@@ -617,20 +613,6 @@ def test_one_row_that_is_not_c_is_a_question_though_the_order_holds() -> None:
     assert judge(*read(right, "json", {}))["status"] == "right"
 
 
-def test_a_pair_that_propagates_the_lower_row_is_wrong_where_the_order_is_declared() -> None:
-    found = judged(source("swapped.txt"), "python")["Swapped"]
-    assert (found["declared"], found["found"], found["status"]) == (2, 1, "wrong")
-    assert found["remarks"] == ["the row second row has order 2: the rows may be exchanged"]
-    named = """
-import numpy as np
-A = np.array([[0, 0], [1, 0]])
-RK['Made2'] = ExplicitRungeKuttaPair(A, np.array([1, 0]), np.array([1, 1]) / 2, name='Made')
-"""
-    found = judged(named, "python")["Made2"]
-    assert (found["declared"], found["found"], found["status"]) == (2, 1, "question")
-    assert found["remarks"][-1] == "the order is read from the name"
-
-
 def test_weights_of_a_composition_have_the_order_of_the_sum_of_their_cubes() -> None:
     found = judged(source("chains.cpp"), "weights")
     assert [(x["name"], x["line"], x["found"], x["status"]) for x in found.values()] == [
@@ -666,13 +648,7 @@ def test_a_list_that_nothing_calls_weights_of_a_composition_is_not_read() -> Non
 
 def test_matrices_of_a_linear_system_are_no_tableau() -> None:
     """A, B, C of x' = A x + B u, y = C x: weights of order 0 and c that is not A 1, undeclared."""
-    found = judged(source("system.txt"), "python")["TestNormalize"]
-    assert (found["status"], found["found"]) == ("unread", 0)
-    assert found["remarks"][-1] == "c is not the sums of the rows either: this may be no tableau"
-    same = judged(source("system.txt").replace("[4.0, 5.0]", "[3.0, 7.0]"), "python")[
-        "TestNormalize"
-    ]
-    assert same["status"] == "wrong"
+    assert not judged(source("system.txt"), "", "python")
 
 
 def test_the_notation_is_given_with_from_as_in_import(tmp_path: Path, capsys: Any) -> None:

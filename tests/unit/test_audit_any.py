@@ -538,7 +538,6 @@ def test_the_command_needs_no_format(tmp_path: Path, capsys: pytest.CaptureFixtu
 SAMPLES = [
     (source("petsc.c"), "petsc", "c", 1),
     (source("julia.jl"), "julia", "julia", 3),
-    (source("python.txt"), "python", "python", 4),
     (source("named-b.cpp"), "constants", "c", 1),
     (source("matlode.m"), "matlode", "matlab", 1),
 ]
