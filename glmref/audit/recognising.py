@@ -800,7 +800,7 @@ def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
 
 def _is_dense(array: Array, made: Sequence[Array]) -> bool:
     """Return whether the rows of a matrix without the name A sum to the weights b beside it."""
-    if array.flat or array.role == "A":
+    if array.flat or array.role == "A" or not all(isinstance(x, list) for x in array.value):
         return False
     sums = [sum(map(size, row)) for row in array.value]
     return any(
