@@ -8,7 +8,9 @@ import pytest
 
 from campaigns.audited_codes import PAGE, SHORT, without
 from glmref.audit.judge import judge
+from glmref.audit.lexer import LANGUAGES
 from glmref.audit.readers import read
+from glmref.audit.recognising import tables
 from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 RECORDS = audited_codes()
@@ -107,12 +109,13 @@ beta[6,:]=[zero,-8*one/45,zero,2*one/3,zero,7*one/90]
 """
 
 
-@pytest.mark.parametrize("text", [PAGE, PAGE.parent / "nodepy.md"], ids=["page", "letter"])
-def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(text) -> None:
-    rows = re.findall(r"^ *(beta\[[2-5],.*)$", text.read_text("utf-8"), re.M)
+@pytest.mark.parametrize("page", [PAGE, PAGE.parent / "nodepy.md"], ids=["page", "letter"])
+def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(page) -> None:
+    rows = re.findall(r"^ *(beta\[[2-5],.*)$", page.read_text("utf-8"), re.M)
     assert len(rows) == 4
     made = "RK['Lambert65']=ExplicitRungeKuttaMethod(alpha=alpha,beta=beta,name='Lambert')"
-    (table,) = read("\n".join([LAMBERT, *rows, made, ""]), "python", {})
+    text = "\n".join(["# Runge-Kutta", LAMBERT, *rows, made, ""])
+    (table,) = tables(text, LANGUAGES["python"])
     found = judge(table)
     assert (found["declared"], found["found"], found["status"]) == (5, 5, "right")
 
