@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, lru_cache
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 from typing import Any
 
@@ -407,15 +408,20 @@ def fast_judge() -> ModuleType:
     return module
 
 
+_ONE_THREAD = RLock()
+
+
 @contextmanager
 def kept_whole() -> Iterator[ModuleType]:
-    """Let what :func:`fast_judge` keeps be completed, or forget it where the budget is spent."""
-    found = fast_judge()
-    try:
-        yield found
-    except BudgetError:  # a series may have been left half made
-        found.proof.record_of.cache_clear()
-        raise
+    """Let one thread complete what :func:`fast_judge` keeps, or forget it where it is stopped."""
+    with _ONE_THREAD:
+        found = fast_judge()
+        try:
+            yield found
+        except (BudgetError, KeyboardInterrupt, MemoryError, RecursionError):
+            # a series may have been left half made
+            found.proof.record_of.cache_clear()
+            raise
 
 
 @contextmanager

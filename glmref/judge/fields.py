@@ -107,15 +107,16 @@ class Numbers:
         """Return the value of a constant or unknown of the document."""
         memory = self.memory.setdefault(id(document), (document, {}))[1]  # keeps the object
         if name not in memory:
-            memory[name] = None  # a constant that uses itself finds nothing
+            found = None
             own = as_object(document.get("constants", {}), "constants are an object")
             unknowns = as_object(document.get("unknowns", {}))
             if name in unknowns:
                 require(name in self.unknowns and name not in own, "an unknown")
-                memory[name] = self.unknowns[name]
-            elif name in own:
+                found = self.unknowns[name]
+            elif name in own:  # it uses constants above it, never itself
                 above = {*list(own)[: list(own).index(name)], *unknowns}
-                memory[name] = self.entry(own[name], document, above)
+                found = self.entry(own[name], document, above)
+            memory[name] = found
         return memory[name]
 
     def entry(

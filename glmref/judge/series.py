@@ -160,7 +160,7 @@ class Solved(Series):
         """Stand before the first order, with no part yet."""
         self.free, self.last, self.order, self.filled = free, None, 0, 0
         self.loose = False  # whether principal parts of a lower order are not the only ones
-        self.moving = False  # whether only some parts of the last order are moved
+        self.moving = False  # whether parts of the last order are being moved
         self.W, self.N, self.lift, self.eta, self.k, self.w = {}, {}, {}, {}, {}, {}
         self.gaps, self.rights, self.parts = {}, {}, {}
         super().__init__(self.parts.__getitem__, {}, self.cut_value)
@@ -251,10 +251,10 @@ class Solved(Series):
                     self.settle_all()
                 elif self.free:
                     self.settle()
-                self.moving = False
                 # of the trees of this order a part before may have looked at the stages
                 self.known = {t: x for t, x in self.known.items() if size(t) < self.order}
                 self.products = {t: x for t, x in self.products.items() if size(t) <= self.order}
+                self.moving = False
             if self.last is None:
                 if self.solved and self.order == self.q + 1:
                     self.raise_stage_order()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from threading import RLock
+
 from .claims import (
     ABSENT,
     ADDITIVE,
@@ -17,7 +19,7 @@ from .claims import (
 )
 from .document import CLASSES, rows_of
 from .proof import Proof, record_of
-from .refusals import Malformed, Refused, as_object, require, whole
+from .refusals import Beyond, Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, RowOrder, Rule
 from .rules_digits import DIGIT_RULES
 from .rules_enclosed import ENCLOSED_RULES
@@ -43,6 +45,9 @@ RULES: dict[str, Rule] = {
     )
     for rule in family
 }  # fmt: skip
+
+#: What is kept for the next certificate is completed by one thread at a time.
+ONE_THREAD = RLock()
 
 
 def has_meaning(proof: Proof) -> bool:
@@ -153,8 +158,17 @@ def judged(certificate: object) -> str:
 
 def verdict(certificate: object) -> tuple[bool, str]:
     """Return (accepted, sentence) for the value of one JSON file, whatever it holds."""
+    with ONE_THREAD:
+        return answer(certificate)
+
+
+def answer(certificate: object) -> tuple[bool, str]:
+    """Return (accepted, sentence); forget the record where something may be left half made."""
     try:
         return True, judged(certificate)
+    except Beyond as error:  # the end of the time may come anywhere
+        record_of.cache_clear()
+        return False, str(error)
     except Refused as error:
         return False, str(error)
     except (ArithmeticError, MemoryError, RecursionError):
@@ -163,3 +177,6 @@ def verdict(certificate: object) -> tuple[bool, str]:
     except (LookupError, TypeError, ValueError, AttributeError) as error:
         record_of.cache_clear()
         return False, f"a part has another shape ({type(error).__name__})"
+    except BaseException:  # Ctrl-C, or the end of a budget
+        record_of.cache_clear()
+        raise
