@@ -142,7 +142,7 @@ def _meant(
         remarks.append("slopes of the step go to a call, or a statement, that is not followed")
         return "unread"
     found = record["found"]
-    few = 2 if len(method.A) > 2 else 1  # two entries of two stages make another method
+    few = 2 if len(method.b[0]) > 2 else 1  # two entries of two stages make another method
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= few
     explained = explained or any(" is that of " in x for x in remarks)
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)

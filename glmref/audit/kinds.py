@@ -111,6 +111,10 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         table = Table("", first.line, "low-storage", general=True, last=vectors[-1].last)
         table.unread = "a low-storage method of three registers, which is not read"
         return [Found(table, vectors)]
+    if {"a0", "a1", "b0", "b1"} <= {x.name.lower() for x in matrices}:
+        table = Table("", matrices[0].line, general=True, last=matrices[-1].last)
+        table.unread = "a method for stochastic equations, which is not read"
+        return [Found(table, made)]
     if len(matrices) == len(steps):
         storage = _low_storage(vectors)
         found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
@@ -636,7 +640,9 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
         small = all(abs(size(y)) < 0.1 for y in broken)  # these may be tolerances
         if len(broken) < 2 or small or any(not isinstance(y, Number) for r in rows for y in r):
             continue
-        sums = [abs(sum(map(size, r)) - 1) < LOOSE for r in rows]
+        values = [[size(y) for y in r] for r in rows]
+        sums = [abs(sum(r) - 1) < LOOSE or (min(r) > 0 and abs(abs(sum(_alternating(r))) - 1)
+                                            < LOOSE) for r in values]  # fmt: skip
         steps = _of_steps(block, [x], [([], r) for r in rows], 1) if adams else None
         one = max(map(len, rows)) > 2  # of two entries one can always be mended
         if steps and (2 * sum(sums) >= len(sums) or (one and "question" in steps.table.unread)):
@@ -725,6 +731,9 @@ def _of_steps(block: Block, arrays: list[Array], rows: Any, least: int | None) -
             return Found(table, arrays)
         best = max(_order(p, q) for p, q in _forms(a, b))
         full = len(b) if least else None
+        if full and min(b) > 0:  # the signs of an Adams method alternate, and are the step's here
+            signed = (_alternating(b), _alternating(b[::-1]))
+            best = max(best, *(_order(p, q) for x in signed for p, q in _forms(a, x)))
         said.append(str(best))
         if full and best < full and len(b) > 1:
             found = _entry(a, b, beta, full)
@@ -733,6 +742,11 @@ def _of_steps(block: Block, arrays: list[Array], rows: Any, least: int | None) -
     if wrong:
         table.unread = f"question: a multistep method: {'; '.join(wrong)}"
     return Found(table, arrays)
+
+
+def _alternating(row: list[Any]) -> list[Any]:
+    """Return a row of which every other entry has the other sign."""
+    return [-x if k % 2 else x for k, x in enumerate(row)]
 
 
 def _fraction(x: Any) -> Fraction:

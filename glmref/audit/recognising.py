@@ -286,11 +286,25 @@ def _all_readings(array: Array, vectors: list[Array]) -> Iterator[Reading]:
                 rows = enumerate(reading.A)
                 yield Reading([[*row[:i], values[i], *row[i + 1 :]] for i, row in rows],
                               cost=reading.cost)  # fmt: skip
+        for x in vectors if array.named and _strict(reading.A) else ():
+            if x.role == "b" and len(x.value) == s:
+                A = _registers(reading.A, x.value)
+                yield from [Reading(A, cost=reading.cost + 1)] if A != reading.A else []
         for n in weights:
             if n == s - 1 and any(x.role == "c" and len(x.value) == s for x in vectors):
                 continue  # a stage without a weight, such as first same as last
             if 2 < n < s and all(size(y) == 0 for row in reading.A[:n] for y in row[n:]):
                 yield Reading([row[:n] for row in reading.A[:n]], cost=reading.cost + 1)
+
+
+def _registers(A: Rows, b: Sequence[Any]) -> Rows:
+    """Return A (s, s) whose entries without a name, at the left of the others, are weights.
+
+    So are those of a method of few registers: Kennedy, Carpenter, Lewis (2000), tables 1 and 2.
+    """
+    first = [next((j for j, y in enumerate(row[:i]) if y is not ZERO), 0)
+             for i, row in enumerate(A)]  # fmt: skip
+    return [[*b[:j], *row[j:]] for j, row in zip(first, A, strict=True)]
 
 
 def _evaluated(array: Array, reading: Reading, vectors: list[Array]) -> Candidate | None:
@@ -341,6 +355,10 @@ def _weights(
         if row is None and x.role == "b" and 2 < len(x.value) < s:  # of an array of s entries
             row = [*x.value, *([ZERO] * (s - len(x.value)))]
             row = row if order_in(reading, row) > 0 else None
+        last = reading.A[-1]
+        if row is not None and x.named and len(x.value) < s and order_in(reading, row) == 0:
+            same = [size(y) for y in row[:-1]] == [size(y) for y in last[:-1]]
+            row = list(last) if same else row  # names of the row b = (b1, b2, gamma), which is A's
         if row is None or x is node or x is array or x.role in ("error", "gamma", "diagonal"):
             continue
         if x.role == "c":
@@ -1103,7 +1121,7 @@ def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) ->
 
 _ORDER_NAME = re.compile(r"order", re.IGNORECASE)
 _NOT_ORDER = re.compile(
-    r"low|emb|err|stage|dense|interp|min|max|border|record|num|bt|second|adaptive|reorder|weak|"
+    r"low|emb|err|stage|dense|interp|min|max|largest|border|record|num|bt|second|adaptive|reorder|weak|"
     r"contin|dim|deriv|hat|alt",
     re.IGNORECASE,
 )
@@ -1148,6 +1166,7 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
             if q in range(1, 15):
                 return int(q)
         found: set[int] = set()
+        said = 0
         inner = [x for x in at.blocks if x.kind == "record" and x is not block]
         below = [y for x in inner for y in x.items] if at.parent else []
         for item in [*at.items, *below]:
@@ -1161,7 +1180,10 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
             value = item.value.value.as_fraction()
             if value is not None and value.denominator == 1 and 1 <= value <= 14:
                 found.add(int(value))
-        if len(found) == 1:
+                said += 1
+        names = Counter(x.name for x in at.items if isinstance(x.value, list))
+        many = max((n for x, n in names.items() if role_of(x)[1] == "A"), default=0)
+        if len(found) == 1 and many <= said:  # else it is not said of which of many tables
             return found.pop()
         if found or not above:
             return None

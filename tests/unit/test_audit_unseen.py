@@ -57,6 +57,8 @@ REGISTERS = source("registers.jl")
 HATS = source("ars.txt")
 BDF = source("bdf.js")
 DENSE = source("dense.txt")
+FEW = source("few-registers.h")
+STIFF = source("stiffly-accurate.f90")
 TRIPLE = (
     "/* Yoshida's composition of leapfrog, of order 4 */\n"
     "void jump(double dt) {\n  const double cut = pow(2.0, 1.0/3.0);\n"
@@ -110,6 +112,8 @@ CASES = {
     "hats": Case("a.py", HATS, "[d, 1 - d]", "[d, 1 + d]", "a[3][2]"),
     "BDF": Case("b.js", BDF, "9 / 11", "8 / 11", "9/11 (line 4)"),
     "dense output": Case("d.py", DENSE, "-8 / 9", "-7 / 9", "row 3 of P"),
+    "names of few registers": Case("f.h", FEW, "5. / 12", "5. / 21", "a[3][2]"),
+    "names of the last row": Case("s.f90", STIFF, "- 20._dp", "- 21._dp", "weights do not sum"),
     "a root": Case("t.c", TRIPLE, "(2.0, 1.0", "(2.0, -1.0", "cubes"),
     "one stage": Case("g.py", GAUSS, "A = [[0.5]]", "A = [[0.25]]", "a[1][1]"),
 }  # fmt: skip
@@ -400,6 +404,54 @@ def test_what_may_be_no_tableau_is_not_accused(text: str, tmp_path: Path) -> Non
     (tmp_path / "methods.py").write_text(f"import numpy as np\n{text}")
     found = audit(tmp_path, compare=False)
     assert not [x for x in found if x["status"] in ("wrong", "question")]
+
+
+#: Expansions through an order of methods of lower ones, and one method that is declared of it.
+SERIES = """# Runge-Kutta methods
+order = 5
+A = [[0, 0], [1 / 2, 0]]
+b = [0, 1]
+c = [0, 1 / 2]
+left = expand(A, b, c, order)
+A = [[0, 0], [1, 0]]
+b = [1 / 2, 1 / 2]
+c = [0, 1]
+right = expand(A, b, c, order)
+"""
+#: A pair whose steps are those of lower order.
+PAIR = """
+scheme = AdaptiveRungeKutta(largest_order=3, A=[[0, 0, 0], [1 / 2, 0, 0], [-1, 2, 0]],
+                            b=[0, 1, 0], b_star=[1 / 6, 2 / 3, 1 / 6], c=[0, 1 / 2, 1])
+"""
+#: A method with noise, whose A1 and B1 alone are those of a method of order 1.
+NOISE = """
+def order(): return 2
+RUNGE_KUTTA = dict(weights=[1 / 6, 2 / 3, 1 / 6], A0=[[0, 0, 0], [1 / 2, 0, 0], [-1, 2, 0]],
+    B0=[[0, 0, 0], [1 / 3, 0, 0], [1, 0, 0]], A1=[[0, 0, 0], [1 / 4, 0, 0], [1 / 4, 0, 0]],
+    B1=[[0, 0, 0], [1 / 2, 0, 0], [-1 / 2, 0, 0]])
+"""
+#: An Adams method whose step subtracts the second slope.
+SIGNS = "# Adams and Bashforth\nab3w1 = 23 / 12\nab3w2 = 16 / 12\nab3w3 = 5 / 12\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "right", "wrong"),
+    [
+        (SERIES, SERIES[SERIES.index("A = [[0, 0], [1, 0]]") :], ""),
+        (PAIR, "largest_order", "order"),
+        (NOISE, "A0=", "A="),
+        (SIGNS, "16 / 12", "-61 / 12"),
+    ],
+)
+def test_what_is_said_of_another_table_or_by_the_step_accuses_none(
+    text: str, right: str, wrong: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "methods.py"
+    path.write_text(text)
+    found = audit(tmp_path, compare=False)
+    assert not [x for x in found if x["status"] in ("wrong", "question")], found
+    path.write_text(text.replace(right, wrong))
+    assert [x for x in audit(tmp_path, compare=False) if x["status"] in ("wrong", "question")]
 
 
 SMOOTHED = (
