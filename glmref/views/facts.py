@@ -204,5 +204,6 @@ def _modified(found: Mapping[str, Any]) -> list[tuple[str, str]]:
     for one in found["parasitic"]:
         for name in ("I3", "I1"):
             at = shown_value(one["eigenvalue"])
-            rows.append((f"parasitic {name} at {at}", f"{complex(parse(one[name])):.8g}"))
+            value = complex(parse(one[name]))
+            rows.append((f"parasitic {name} at {at}", f"{value if value.imag else value.real:.8g}"))
     return rows
