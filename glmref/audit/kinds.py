@@ -43,7 +43,7 @@ _FLOWS = (("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"))
 _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
 _NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
-_LAST_LETTER = re.compile(r"(?:.*[_\d])?([a-z])$", re.IGNORECASE)
+_LAST_LETTER = re.compile(r"(?:.*[_\d]|rk)?([a-z])$", re.IGNORECASE)
 
 
 @dataclass
@@ -473,7 +473,7 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
         A = [ZERO, *x.value] if len(x.value) < len(b.value) else x.value
         if size(A[0]) != 0 or not 0 < size(b.value[0]) < 1:
             continue
-        nodes = [y for y in same if _letter(y) == "c" and len(y.value) == len(A)]
+        nodes = [y for y in same if _letter(y) == "c" and len(A) - len(y.value) in (0, 1)]
         c = _nearest(x, nodes)
         given = [x, b, *([c] if c else [])]
         down = sum(size(y) < 0 for y in A[1:])
@@ -481,7 +481,7 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
         def make(
             table: Table, A: list[Any], b: Array = b, c: Array | None = c, form: str = ""
         ) -> None:
-            times = c.value if c is not None else None
+            times = [ZERO, *c.value][-len(A) :] if c is not None else None
             table.kind, table.b, table.c = "low-storage", [A, b.value], [times]
             if form == "registers":
                 rows = enumerate(A)

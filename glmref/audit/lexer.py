@@ -166,6 +166,8 @@ def tokens(
         raise DataError(f"the file has {len(text)} characters; at most {MOST} are read")
     if fixed:
         text = _fixed_form(text)
+    if language.name == "fortran":  # lines of the preprocessor, with marks that are no Fortran
+        text = re.sub(r"(?m)^#", "!", text)
     found: list[Token] = []
     remarks: list[Remark] = []
     line, spaced = 1, False

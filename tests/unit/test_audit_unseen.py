@@ -106,6 +106,7 @@ CASES = {
         "ys.py", CHAIN, "1.3512071919596578, -1.7024143839193155, 1.3512071919596578",
         "0.828981543588751, -0.657963087177502, 0.828981543588751", "0.855"),
     "2N in a choice": Case("l.f90", CHOICES, "-153._dp/128", "-135._dp/128", "A[3]"),
+    "2N in ranges": Case("l.f90", CHOICES, "153._dp/128._dp /)", "135._dp/128._dp /)", "A[3]"),
     "a splitting in a choice": Case("s.cpp", SWITCH, "b_[1] = 0.75", "b_[1] = 0.57", "b[2]"),
     "2N with the other sign": Case("r.jl", REGISTERS, "15 / 16", "16 / 15", "B[2]"),
     "two registers": Case("r.jl", REGISTERS, "5 / 12)", "5 / 21)", "a[3][2]"),
