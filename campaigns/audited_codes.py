@@ -25,19 +25,23 @@ SHOWN_FIRST = (
 
 
 def counts() -> str:
-    """Return the number of tables of each code, and how many of them have each status."""
-    rows, total = [], Counter[str]()
+    """Return the number of tables of each code by status; codes of one status share a row."""
+    rows, alike, total = [], dict[str, list[str]](), Counter[str]()
     for code, record in audited_codes().items():
-        if record["tables"]:
-            total.update(record["counts"])
-            rows.append([source(code, record), numbers(record["counts"])])
-    return markdown(["code", "tables"], [*rows, ["all", numbers(total)]])
+        count = {x: n for x, n in record["counts"].items() if n}
+        total.update(count)
+        if len(count) == 1:
+            (status, number), *_ = count.items()
+            alike.setdefault(status, []).append(f"{source(code, record)} ({number})")
+        elif count:
+            rows.append([source(code, record), numbers(count)])
+    rows += [[", ".join(alike[x]), f"all {x}"] for x in STATUSES if x in alike]
+    return markdown(["code", "tables"], [*rows, [f"all {sum(total.values())}", numbers(total)]])
 
 
 def numbers(count: Mapping[str, int]) -> str:
-    """Return the number of tables, and of those of each status that occurs."""
-    each = ", ".join(f"{count[x]} {x}" for x in STATUSES if count.get(x))
-    return f"{sum(count.values())}: {each}"
+    """Return the number of tables of each status that occurs."""
+    return ", ".join(f"{count[x]} {x}" for x in STATUSES if count.get(x))
 
 
 def without() -> str:
