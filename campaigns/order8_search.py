@@ -18,7 +18,8 @@ import numpy as np
 from campaigns.driver import arguments, carried_out, complete, record_of
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
-from glmref.prove.system import SweepSystem
+from glmref.exact.judging import over_scalars
+from glmref.prove.enclosure import conditions_of
 
 SOLVED, LARGEST = 1e-11, 10.0
 STARTS, SCALE, SEED = 128, 0.7, 1
@@ -72,18 +73,18 @@ def attempt(
 ) -> dict[str, Any]:
     """Search one ansatz of order 8 and say what came out."""
     ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
-    system = SweepSystem(ansatz.document())
-    size = len(system.unknowns)
-    ends = list(search(system.residuals, start_of(size), seed=SEED, starts=STARTS))
+    equations = conditions_of(ansatz.document())
+    size = len(equations.unknowns)
+    ends = list(search(over_scalars(equations.residuals), start_of(size), seed=SEED, starts=STARTS))
     good = [x for x in ends if max(abs(v) for v in x.point) < LARGEST]
     return {
         "stages": stages,
-        "values": len(system.G),
+        "values": len(equations.G),
         **told(values),
         "stage_order": stage_order,
         "explicit": list(explicit),
         "unknowns": size,
-        "conditions": len(system.equations),
+        "conditions": len(equations.equations),
         "starts": len(ends),
         "solved": sum(x.residual < SOLVED for x in good),
         "smallest_residual": float(f"{min((x.residual for x in good), default=np.inf):.2g}"),

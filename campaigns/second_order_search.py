@@ -12,6 +12,7 @@ that nothing was found is no proof.
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -24,16 +25,16 @@ from campaigns.driver import arguments
 from campaigns.order8_search import LARGEST, SEED, SOLVED, STARTS, start_of, store, told
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.search import search
-from glmref.exact import Exact, ball, linalg
-from glmref.prove.system import SweepSystem
-from glmref.theory.trees import Tree, single
+from glmref.exact import Exact
+from glmref.exact.judging import Fraction as rational
+from glmref.exact.judging import consulted, fast_judge, over_scalars
+from glmref.prove.enclosure import conditions_of
 
 #: A row of X below this is 0: its value is carried along and seen by no stage.
 UNSEEN = 1e-4
 
 _W3, _I, _W3P = Value("exp(2*pi*i/3)"), Value("i"), Value("exp(2*pi*i/3)", 1)
 _EVEN, _ODD, _MINUS = Value("-1", 1, 1), Value("-1", 1, -1), Value("-1", -1, 1)
-_PATH = Tree("[o]")
 
 #: Order, stages, values, explicit stages, whether the I1 are to vanish.
 ANSATZES: Sequence[tuple[int, int, Sequence[Value], Sequence[int], bool]] = (
@@ -57,78 +58,76 @@ ANSATZES: Sequence[tuple[int, int, Sequence[Value], Sequence[int], bool]] = (
 )
 
 
-def second_order(system: SweepSystem, *, both: bool) -> Callable[[Sequence[Any]], list[Any]]:
+def second_order(equations: Any, *, both: bool) -> Callable[[list], list]:
     """Return what must vanish beside the equations: tr A^3, and I3(-1) beside a pair.
 
     Where -1 and a pair are eigenvalues of the ansatz -1 has the last value. With ``both`` the I1
-    are to vanish, too; those of a pair are equal and real.
+    are to vanish, too; those of a pair are equal and real. Numbers are the judge's.
     """
-    V = system.V["o"]
-    r = len(V)
-    last = tuple((Exact(int(j == r - 1)),) for j in range(r))
-    onto = linalg.matmul(last, linalg.transpose(last))
-    back = linalg.inverse(linalg.sub(onto, linalg.add(linalg.identity(r), V)))
-    reduced = [list(map(ball, row)) for row in linalg.sub(back, onto)]  # of -1 - V
-    turned = [list(map(ball, row)) for row in linalg.inverse(V)]
+    judge = fast_judge()
+    algebra, V = judge.linalg, equations.V["o"]
+    r, dot, apply = len(V), algebra.dot, algebra.apply
+    with consulted():
+        onto = algebra.diagonal([rational(int(j == r - 1)) for j in range(r)])
+        back = algebra.inverse_matrix(algebra.minus(onto, algebra.combine(algebra.identity(r), V)))
+        reduced = judge.numbers.as_reals(algebra.minus(back, onto))  # of -1 - V
+        turned = judge.numbers.as_reals(algebra.inverse_matrix(V))
     blocks = ([(1, 2)] if r > 2 else []) + ([(r - 1,)] if r != 3 else [])
 
-    def residuals(values: Sequence[Any]) -> list[Any]:
-        form, principal = system.read(dict(zip(system.unknowns, values, strict=True)))
-        A, U, B, _ = form.blocks[0].matrices
-        found = [sum((row[i] * row[i] * row[i] for i, row in enumerate(A)), Exact(0))]
+    def residuals(values: list) -> list:
+        m = equations.at(values).part("o")
+        found = [judge.numbers.total(row[i] * row[i] * row[i] for i, row in enumerate(m.A))]
         if r == 4:
-            stages = [row[-1] for row in U]
+            stages = [row[-1] for row in m.U]
             for _ in range(2):
-                moved = [_dot(row, [_dot(x, stages) for x in B]) for row in reduced]
-                stages = [_dot(a, stages) + _dot(u, moved) for a, u in zip(A, U, strict=True)]
-            found.append(_dot(B[-1], stages))
+                moved = apply(reduced, apply(m.B, stages))
+                stages = [x + y for x, y in zip(apply(m.A, stages), apply(m.U, moved), strict=True)]
+            found.append(dot(m.B[-1], stages))
         if both:
-            eta = system.series(form, principal, 3).eta
-            bend = [
-                x - y * y * Fraction(1, 2) for x, y in zip(eta[_PATH], eta[single()], strict=True)
-            ]
-            seen = [[_dot(b, [x * u[j] for x, u in zip(bend, U, strict=True)]) for j in range(r)]
-                    for b in B]  # fmt: skip
-            found += [_dot([turned[i][j] for i in k for j in k], [seen[j][i] for i in k for j in k])
+            series = equations.series(values, 3)
+            c, path = (series.stages(judge.trees.read_tree(x)) for x in ("o", "[o]"))
+            bend = [x - y * y * rational(1, 2) for x, y in zip(path, c, strict=True)]
+            seen = [[dot(b, [x * u[j] for x, u in zip(bend, m.U, strict=True)]) for j in range(r)]
+                    for b in m.B]  # fmt: skip
+            found += [dot([turned[i][j] for i in k for j in k], [seen[j][i] for i in k for j in k])
                       for k in blocks]  # fmt: skip
         return found
 
     return residuals
 
 
-def _dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
-    return sum((b * a for a, b in zip(x, y, strict=True)), Exact(0))
-
-
 def attempt(
     order: int, stages: int, values: Sequence[Value], explicit: Sequence[int], both: bool
 ) -> dict[str, Any]:
     """Search one ansatz and say what came out."""
-    system = SweepSystem(Ansatz("x", stages, order, values, explicit=explicit).document())
-    more, size = second_order(system, both=both), len(system.unknowns)
+    equations = conditions_of(Ansatz("x", stages, order, values, explicit=explicit).document())
+    more, size = second_order(equations, both=both), len(equations.unknowns)
 
-    def residuals(point: Sequence[Any]) -> list[Any]:
-        return [*system.residuals(point), *more(point)]
+    def residuals(point: list) -> list:
+        return [*equations.residuals(point), *more(point)]
 
     def seen(point: Sequence[float]) -> bool:
-        form, _ = system.read(
-            {k: ball(Fraction(x)) for k, x in zip(system.unknowns, point, strict=True)}
+        row_of = over_scalars(
+            lambda x: itertools.chain(*fast_judge().krawczyk.at_values(equations.X, x))
         )
-        return all(max(abs(float(x)) for x in row) > UNSEEN for row in form.X["o"])
+        X = np.reshape(
+            [float(x) for x in row_of([Exact(Fraction(x)) for x in point])], (-1, stages)
+        )
+        return bool(np.all(np.abs(X).max(axis=1) > UNSEEN))
 
-    ends = list(search(residuals, start_of(size), seed=SEED, starts=STARTS))
+    ends = list(search(over_scalars(residuals), start_of(size), seed=SEED, starts=STARTS))
     good = [x for x in ends if max(map(abs, x.point)) < LARGEST]
     solved = [x for x in good if x.residual < SOLVED]
     return {
         "order": order,
         "stages": stages,
         "implicit": stages - sum(1 + (2 * k != stages + 1) for k in explicit),
-        "values": len(system.G),
+        "values": len(equations.G),
         **told(values),
         "explicit": list(explicit),
         "I1": both,
         "unknowns": size,
-        "conditions": len(system.equations) + len(more([ball(0)] * size)),
+        "conditions": len(equations.equations) + len(more([rational(0)] * size)),
         "starts": len(ends),
         "solved": len(solved),
         "unseen": sum(not seen(x.point) for x in solved),

@@ -11,7 +11,8 @@ from campaigns.second_order_search import ANSATZES, attempt_case, second_order
 from glmref.derive.ansatz import Ansatz
 from glmref.derive.search import search
 from glmref.exact import ball
-from glmref.prove.system import SweepSystem
+from glmref.exact.judging import as_number, as_scalar, consulted, over_scalars
+from glmref.prove.enclosure import conditions_of
 
 RECORD = measured("second-order-search")["ansatzes"]
 
@@ -21,11 +22,14 @@ def test_the_record_has_a_row_for_each_ansatz():
     assert said == [(order, s, len(values), I1) for order, s, values, _, I1 in ANSATZES]
 
 
-def _growth(system, point):
+def _growth(equations, point):
     """Largest |coefficient of z^3| in log(lambda/zeta) at the parasitic eigenvalues."""
-    values = {k: ball(Fraction(x)) for k, x in zip(system.unknowns, point, strict=True)}
-    form, _ = system.read(values)
-    A, U, B, V = (np.array([[float(x) for x in row] for row in m]) for m in form.blocks[0].matrices)
+    with consulted():
+        m = equations.at([as_number(ball(Fraction(x))) for x in point]).part("o")
+        A, U, B, V = (
+            np.array([[float(as_scalar(x)) for x in row] for row in block])
+            for block in (m.A, m.U, m.B, m.V)
+        )
     z, one = 0.02, np.eye(len(A))
 
     def logs(z):
@@ -39,15 +43,15 @@ def _growth(system, point):
 @pytest.mark.slow
 def test_what_is_solved_has_no_growth_of_second_order():
     order, stages, values, explicit, both = ANSATZES[2]
-    system = SweepSystem(Ansatz("x", stages, order, values, explicit=explicit).document())
-    more, size = second_order(system, both=both), len(system.unknowns)
+    equations = conditions_of(Ansatz("x", stages, order, values, explicit=explicit).document())
+    more, size = second_order(equations, both=both), len(equations.unknowns)
 
     def solution(residuals):
-        ends = search(residuals, start_of(size), seed=SEED, starts=STARTS)
+        ends = search(over_scalars(residuals), start_of(size), seed=SEED, starts=STARTS)
         return next(x.point for x in ends if x.residual < SOLVED)
 
-    assert _growth(system, solution(lambda x: [*system.residuals(x), *more(x)])) < 1e-3
-    assert _growth(system, solution(system.residuals)) > 1e-2
+    assert _growth(equations, solution(lambda x: [*equations.residuals(x), *more(x)])) < 1e-3
+    assert _growth(equations, solution(equations.residuals)) > 1e-2
 
 
 @pytest.mark.slow

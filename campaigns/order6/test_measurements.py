@@ -21,7 +21,7 @@ from glmref.derive.ansatz import Ansatz
 from glmref.derive.recipes.record import GROWS
 from glmref.method import GLM
 from glmref.problems import problem
-from glmref.prove.system import SweepSystem
+from glmref.prove.enclosure import conditions_of
 
 
 def runs(order: int) -> list[Run]:
@@ -215,10 +215,10 @@ def test_the_search_on_record_is_that_of_the_ansatzes() -> None:
     assert len(stored) == len(ANSATZES)
     for row, (stages, values, stage_order, explicit) in zip(stored, ANSATZES, strict=True):
         ansatz = Ansatz("x", stages, 8, values, stage_order=stage_order, explicit=explicit)
-        system = SweepSystem(ansatz.document())
+        found = conditions_of(ansatz.document())
         assert row["signs"] == [x.sign for x in values]
         assert (row["stages"], row["stage_order"]) == (stages, stage_order)
         assert row["explicit"] == list(explicit)
-        assert (row["unknowns"], row["conditions"]) == (len(system.unknowns), len(system.equations))
+        assert (row["unknowns"], row["conditions"]) == (len(found.unknowns), len(found.equations))
         assert row["starts"] == STARTS
         assert (row["solved"] > 0) == (row["smallest_residual"] < SOLVED)

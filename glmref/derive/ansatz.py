@@ -26,7 +26,7 @@ from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError
 from ..exact import Exact
 from ..exact.expression import parse
-from ..prove.classes import plan, representatives
+from ..prove.equations import free_trees, representatives
 from ..system.files import read_text
 from .recognise import exact_text
 
@@ -182,8 +182,8 @@ class Ansatz:
     def _principal(self) -> dict[str, str]:
         if not self.xi:
             return {}
-        free = [t for n in range(4, self.order, 2) for t in plan(n, self.stage_order).free]
-        return {str(t): "xi" if k == 0 else f"xi{k + 1}" for k, t in enumerate(free)}
+        free = [t for n in range(4, self.order, 2) for t in free_trees(n, self.stage_order)]
+        return {t: "xi" if k == 0 else f"xi{k + 1}" for k, t in enumerate(free)}
 
     def document(self) -> dict[str, Any]:
         """Return the method document: entries, unknowns (their values empty), equations.

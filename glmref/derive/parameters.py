@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 
 from ..errors import GlmrefError
+from ..prove.enclosure import gaps_of
 from ..prove.newton import ConvergenceError
-from ..prove.system import SweepSystem
 from .ansatz import Ansatz
 from .search import evaluate, levenberg_marquardt
 
@@ -65,17 +65,17 @@ def fix_parameters(
     ConvergenceError
         When the rounded parameters admit no solution nearby.
     """
-    system = SweepSystem(ansatz.document())
-    names = list(system.unknowns)
-    _, jacobian = evaluate(system.residuals, np.array([point]))
+    document = ansatz.document()
+    names = list(document["unknowns"])
+    _, jacobian = evaluate(gaps_of(document), np.array([point]))
     parts = [k for k, x in enumerate(names) if x.startswith("xi")]
     free = [names[k] for k in pivots(jacobian[0], first=parts)]
     values = dict(zip(names, point, strict=True))
     fixed = {x: str(Fraction(round(values[x] * 10**places), 10**places)) for x in free}
     square = replace(ansatz, fixed={**ansatz.fixed, **fixed})
-    smaller = SweepSystem(square.document())
-    start = np.array([[values.get(x, 0.0) for x in smaller.unknowns]])
-    solved, residual = levenberg_marquardt(smaller.residuals, start, iterations=100)
+    smaller = square.document()
+    start = np.array([[values.get(x, 0.0) for x in smaller["unknowns"]]])
+    solved, residual = levenberg_marquardt(gaps_of(smaller), start, iterations=100)
     if not residual[0] < 1e-10:
         raise ConvergenceError(
             f"with {', '.join(f'{k} = {v}' for k, v in fixed.items())} the residual stays at "

@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any
 from ..catalogue.writer import SYMMETRIC, fill
 from ..errors import UsageError
 from ..exact import ball
-from ..prove.classes import Family, representatives
-from ..prove.enclosure import Enclosure, prove
+from ..judge.trees import gamma
+from ..prove.enclosure import Enclosure, conditions_of, gaps_of, prove
+from ..prove.equations import one_of_each
 from ..prove.newton import polish
-from ..prove.system import SweepSystem
 from ..system.arguments import shown
 from .ansatz import mirrored, remainder
 
@@ -79,9 +79,9 @@ class PairAnsatz:
         return mirrored(name, self.stages.count("P" if name in "bw" else "Q"), parity)
 
     def equations(self) -> list[str]:
-        """Return names of the equations, see :mod:`glmref.prove.system`."""
-        family = Family.SECOND_ORDER if self.nystrom else Family.SEPARABLE
-        trees = [t for n in range(3, self.order, 2) for t in representatives(n, 1, family)]
+        """Return names of the equations, see :mod:`glmref.judge.enclosed_pair`."""
+        orders = range(3, self.order, 2)
+        trees = [t for n in orders for t in one_of_each(n, nystrom=self.nystrom)]
         return [*(f"order {t}" for t in trees), "growth q -1", "growth p -1", *STARTS[self.starts]]
 
     def document(self) -> dict[str, Any]:
@@ -140,7 +140,7 @@ def fix_parameters(
 
     document = ansatz.document()
     names = list(document["unknowns"])
-    _, jacobians = evaluate(SweepSystem(document).residuals, np.array([point], dtype=float))
+    _, jacobians = evaluate(gaps_of(document), np.array([point], dtype=float))
     left = list(range(len(names)))
     for _ in range(len(names) - len(document["enclosure"]["equations"])):
         smallest = [
@@ -178,7 +178,7 @@ def complete_pair(
     """
     document = ansatz.document()
     values = [ball(Fraction(str(x))) for x in start]
-    document = fill(document, polish(SweepSystem(document).residuals, values))
+    document = fill(document, polish(gaps_of(document), values))
     enclosure = prove(document)
     orders: dict[str, Any] = dict(document["claims"])
     if enclosure.identity:
@@ -219,14 +219,14 @@ def search_pairs(
     from .search import search
 
     document = ansatz.document()
-    system = SweepSystem(document)
+    gaps, equations = gaps_of(document), conditions_of(document).equations
     names = list(document["unknowns"])
     rows = {"b": document["b"], "c": document["c"]}
     # R(T) is of the size of 1 / gamma(T): without weights high orders would hardly count
-    weights = [e.tree.density if e.kind == "order" and e.tree else 1 for e in system.equations]
+    weights = [gamma(e[1]) if e[0] == "order" else 1 for e in equations]
 
     def weighted(values: Sequence[Any]) -> list[Any]:
-        return [x * w for x, w in zip(system.residuals(values), weights, strict=True)]
+        return [x * w for x, w in zip(gaps(values), weights, strict=True)]
 
     def draw(generator: np.random.Generator) -> np.ndarray:
         values: dict[str, float] = {}

@@ -1,22 +1,22 @@
 """Newton from many starts at once, in double precision, reproducible from a seed and resumable.
 
-The system is written once, for any scalar (:mod:`glmref.prove.system`). Here a scalar is a numpy
-array: axis 0 runs over starts, axis 1 over the unknowns, each perturbed by an imaginary ``STEP``;
+The equations are the judge's, for any scalar. Here a scalar is a numpy array: axis 0 runs over
+starts, axis 1 over the unknowns, each perturbed by an imaginary ``STEP``;
 the imaginary part of a result divided by it is the derivative, exact to round-off (complex step,
 Squire and Trapp 1998). One evaluation of Python code so serves all starts and the whole Jacobian.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from ..exact import Ball, Exact
 from ..exact.field import Arithmetic
+from ..exact.judging import Fraction, as_scalar
+from ..judge.arithmetic import Ring
 
 #: Imaginary perturbation: its square vanishes beside any number met here.
 STEP = 1e-40
@@ -24,13 +24,25 @@ STEP = 1e-40
 Residuals = Callable[[Sequence[Any]], Sequence[Any]]
 
 
-class Batch(Arithmetic):
-    """An array with the operations of a scalar; it mixes with exact numbers and balls."""
+class Batch(Arithmetic, Ring):
+    """An array with the operations of a number of the judge; zero is never known of it."""
 
     __slots__ = ("array",)
 
-    def __init__(self, array: np.ndarray) -> None:
+    def __init__(self, array: Any) -> None:
         self.array = array
+
+    @staticmethod
+    def dot(pairs: Iterable[tuple[Any, Any]]) -> Any:
+        """Return sum x_i y_i; what is exact in it is summed exactly."""
+        found, rest = None, Fraction(0)
+        for x, y in pairs:
+            if type(x) is Batch or type(y) is Batch:
+                term = _array(x) * _array(y)
+                found = term if found is None else found + term
+            else:
+                rest = rest + x * y
+        return rest if found is None else Batch(found + _array(rest) if rest else found)
 
     def _binary(self, other: Any, operation: Any) -> Batch:
         return Batch(operation(self.array, _array(other)))
@@ -38,41 +50,24 @@ class Batch(Arithmetic):
     def __neg__(self) -> Batch:
         return Batch(-self.array)
 
-    def sqrt(self) -> Batch:
-        """Square root, entry by entry."""
-        return Batch(np.sqrt(self.array))
-
-    def conjugate(self) -> Batch:
-        """Return the value: the unknowns are real, and so is everything made of them."""
-        return self
-
-    def is_zero(self) -> bool | None:
-        """Return ``False``: zero is never known of an array."""
-        return None
-
-    def vanishes(self) -> bool:
-        """Return ``False``: zero is never known of an array."""
-        return False
-
-    def is_real(self) -> bool:
-        """Return ``True``: values are real up to the perturbation."""
-        return True
+    def inverse(self) -> Batch:
+        """Return 1 / x."""
+        return Batch(1 / self.array)
 
 
 _FLOATS: dict[int, tuple[Any, float]] = {}
 
 
 def _array(value: Any) -> Any:
-    if isinstance(value, Batch):
+    """Return the array, or a number as a float; that of the same object is converted once."""
+    if type(value) is Batch:
         return value.array
-    if isinstance(value, Exact | Ball):
-        known = _FLOATS.get(id(value))
-        if known is None or known[0] is not value:
-            if len(_FLOATS) > 10_000:
-                _FLOATS.clear()
-            known = _FLOATS[id(value)] = (value, float(value))
-        return known[1]
-    return float(value) if isinstance(value, Fraction) else value
+    known = _FLOATS.get(id(value))
+    if known is None or known[0] is not value:
+        if len(_FLOATS) > 10_000:
+            _FLOATS.clear()
+        known = _FLOATS[id(value)] = (value, float(as_scalar(value)))
+    return known[1]
 
 
 def evaluate(residuals: Residuals, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..prove.system import SweepSystem
+from ..prove.enclosure import gaps_of
 from .ansatz import Ansatz
 from .partitioned import PairAnsatz, search_pairs
 from .search import Found, search
@@ -73,10 +73,10 @@ def _search(task: Mapping[str, Any]) -> Iterator[Found]:
     part = {"seed": task["seed"], "starts": task["starts"], "first": task["first"]}
     if task["class"] == "pair":
         return search_pairs(PairAnsatz(**task["ansatz"]), **part)
-    system = SweepSystem(Ansatz.from_table(task["ansatz"], task["ansatz"]["name"]).document())
-    size = len(system.unknowns)
+    document = Ansatz.from_table(task["ansatz"], task["ansatz"]["name"]).document()
+    size = len(document["unknowns"])
 
     def draw(generator: np.random.Generator) -> np.ndarray:
         return generator.normal(size=size) * task["scale"]
 
-    return search(system.residuals, draw, **part)
+    return search(gaps_of(document), draw, **part)

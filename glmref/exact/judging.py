@@ -348,6 +348,8 @@ def as_number(x: Any):
         return Interval(re) if im.is_zero() else _box()(Interval(re), Interval(im))
     if isinstance(x, int):
         return Fraction(x)
+    if isinstance(x, Ring):
+        return x
     if not isinstance(x, Exact):
         return Algebraic(x)  # a jet, or what else mixes with exact numbers and balls
     if x._q is not None:
@@ -360,21 +362,41 @@ def as_numbers(M: Iterable[Iterable]) -> list:
     return [list(map(as_number, row)) for row in M]
 
 
-def as_scalar(x: Any) -> Exact | Ball:
-    """Return a number of :func:`fast_judge` as one of the package."""
+def as_scalar(x: Any) -> Any:
+    """Return a number of :func:`fast_judge` as one of the package; what is none stays as it is."""
     if isinstance(x, Interval):
         return x.as_ball()
     if isinstance(x, Algebraic):
         return x.value
     if type(x) is Fraction:
         return _exact(int(x.p), int(x.q))
-    return Ball.of_parts(x.re.ball, x.im.ball) if type(x) is _box() else Exact(x)
+    if type(x) is _element():
+        return as_scalar(fast_judge().numbers.narrowest(x))
+    if type(x) is _box():
+        return Ball.of_parts(x.re.ball, x.im.ball)
+    return x if isinstance(x, Ring) else Exact(x)
+
+
+def over_scalars(function: Callable[[list], Iterable]) -> Callable[[Sequence[Any]], list[Any]]:
+    """Return a function of numbers of :func:`fast_judge` as one of numbers, jets and the like."""
+
+    def found(values: Sequence[Any]) -> list[Any]:
+        with consulted():
+            return [as_scalar(x) for x in function([as_number(x) for x in values])]
+
+    return found
 
 
 @lru_cache(maxsize=4096)
 def _exact(p: int, q: int) -> Exact:
     """Return p / q as a number of the package; tables and trees have the same ones often."""
     return Exact(Fraction(p, q))
+
+
+@cache
+def _element() -> type:
+    """Return the type of irrational exact numbers of :func:`fast_judge`."""
+    return fast_judge().numbers.Element
 
 
 @cache

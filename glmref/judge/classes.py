@@ -96,13 +96,12 @@ def cut_classes(t: Tree, q: int) -> dict[Tree, Fraction]:
     return found
 
 
-def conditions_follow(
-    n: int, q: int, given: set[Tree], free: Mapping[int, tuple[Tree, ...]]
-) -> bool:
-    """Tell whether R = 0 at the given trees of an odd order n gives R = 0 at all of them (6.3)."""
-    if n == 1:
-        return LEAF in given
-    left, span, count = plan(n - 1, q, free.get(n - 1, ()))[1], Span(), 0
+def identities(n: int, q: int, free: tuple[Tree, ...]) -> tuple[Span, int]:
+    """Return the identities of an odd order n between R there and what is left over below it (6.3).
+
+    Returned with them is in how many unknowns they are.
+    """
+    left, span = plan(n - 1, q, free)[1], Span()
     for t, u in pairs_of(n, q):
         row: dict[object, Fraction] = {**spread_of(t, u, q)}
         for a, x in cut_classes(t, q).items():
@@ -110,8 +109,18 @@ def conditions_follow(
                 at = (a, b) if (a, b) in left else (b, a)
                 if size(a) + size(b) == n - 1 and at in left:
                     row[at] = row.get(at, Fraction(0)) - x * y
-        count += span.add(row)
+        span.add(row)
+    return span, len(classes(n, q)) + len(left)
+
+
+def conditions_follow(
+    n: int, q: int, given: set[Tree], free: Mapping[int, tuple[Tree, ...]]
+) -> bool:
+    """Tell whether R = 0 at the given trees of an odd order n gives R = 0 at all of them (6.3)."""
+    if n == 1:
+        return LEAF in given
+    span, unknowns = identities(n, q, free.get(n - 1, ()))
     for t in given:
         if size(t) == n:
-            count += span.add({reduced(t, q)[0]: 1})
-    return count == len(classes(n, q)) + len(left)
+            span.add({reduced(t, q)[0]: 1})
+    return len(span.rows) == unknowns

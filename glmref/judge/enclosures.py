@@ -101,11 +101,15 @@ class Enclosed:
         self.numbers = numbers.changed(unknowns=symbols)
         self.exact = numbers
         self.texts = as_list(block["equations"], "equations")
-        require(len(self.texts) == len(self.unknowns), "equations")
         self.xi = {read_tree(t): self.numbers.entry(x, document)
                    for t, x in as_object(block.get("xi", {})).items()}  # fmt: skip
         self.prepare()
-        self.published = [published_decimal(x, self.digits) for x in unknowns.values()]
+
+    @cached_property
+    def published(self) -> list[Fraction]:
+        """Return the published numbers, which a file that is sought has not yet."""
+        unknowns = as_object(self.document["unknowns"])
+        return [published_decimal(x, self.digits) for x in unknowns.values()]
 
     @cached_property
     def over_box(self) -> list:
@@ -116,6 +120,7 @@ class Enclosed:
     def enclosed(self, proof: Document) -> Enclosed:
         """Return the same equations with their root, or refuse its proof."""
         keys(proof, "radius centre inverse", self.members[0], "proof of the method")
+        require(len(self.texts) == len(self.unknowns), "equations")
         other = copy(self)
         other.root = only_root(
             self.residuals, self.published, self.digits, proof, lambda: self.over_box
@@ -165,8 +170,15 @@ class Enclosed:
     def at(self, values: list) -> Method:
         """Return the method at values of the unknowns."""
         named = dict(zip(self.unknowns, values, strict=True))
-        numbers = self.exact.changed(unknowns=named, explicit=self.explicit_now)
+        known = {id(self.document): (self.document, {**self.fixed})}
+        numbers = self.exact.changed(unknowns=named, explicit=self.explicit_now, entries=known)
         return Method(self.document, numbers)
+
+    @cached_property
+    def fixed(self) -> dict[object, Number]:
+        """Return the entries of the document that are the same for all values of the unknowns."""
+        _, entries = self.numbers.entries[id(self.document)]
+        return {text: x for text, x in entries.items() if not isinstance(x, Linear)}
 
     def suppose(self, names: Mapping[str, str]) -> None:
         """Read G and the V of these names, by colour; check what the theorems suppose of them."""

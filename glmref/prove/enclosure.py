@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
@@ -24,12 +24,13 @@ from ..catalogue.strict_json import shown
 from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, ball, linalg
 from ..exact.judging import Fraction as rational
-from ..exact.judging import Interval, as_scalar, consulted, newton
+from ..exact.judging import Interval, as_scalar, consulted, newton, over_scalars
 from ..exact.linalg import Matrix
 from ..judge.refusals import Refused, Undecided
+from ..method import as_matrix
 from ..theory.error_constants import commutator_row
-from ..theory.trees import Tree, parse_tree, trees
-from .classes import Family, plan, representatives
+from ..theory.trees import parse_tree, trees
+from .equations import free_trees, one_of_each, representatives
 from .field import about, field_of_decimals, texts_of_decimals
 from .starting import Blocks, Target, prove_blocks, texts_of
 
@@ -81,6 +82,14 @@ class Enclosure:
     def nystrom_order(self) -> int:
         """The order on second-order systems; ``order`` for one component."""
         return max(order for order, _ in self.orders)
+
+    @property
+    def involution(self) -> Matrix:
+        """L = V^-1 E of the first component, which reverses a symmetric method."""
+        assert self.signs is not None
+        V = as_matrix(self.root.record.document["V"], "V")
+        E = linalg.diagonal(list(map(Exact, self.signs[0])))
+        return linalg.matmul(linalg.inverse(V), E)
 
     @cached_property
     def identity(self) -> bool:
@@ -179,17 +188,30 @@ def members_of(document: Mapping[str, Any]) -> dict[str, Any]:
     orders = sorted(_claimed(document), key=lambda x: x[0], reverse=True)
     if document["class"] != "sweep":
         return {"trees": "nystrom" if orders and orders[0][1] else "all"}
-    given: dict[int, tuple[Tree, ...]] = {}
+    given: dict[int, tuple[str, ...]] = {}
     for t in map(parse_tree, document.get("enclosure", {}).get("xi", {})):
-        given[t.order] = (*given.get(t.order, ()), t)
-    named = {str(n): list(map(str, ts)) for n, ts in given.items()}
-    equations = equations_of(document, {"free": named})  # its stage order says what is free
-    free = {}
-    for n in range(2, max([equations.order, *(order + 1 for order, _ in orders)]) + 1, 2):
-        found = plan(n, equations.q, given.get(n, ())).free
-        if found:
-            free[str(n)] = [str(t) for t in found]
-    return {"free": free}
+        given[t.order] = (*given.get(t.order, ()), str(t))
+    named = {"free": {str(n): list(texts) for n, texts in given.items()}}
+    found = _read(document, named)  # its stage order says what is free
+    orders_of = range(2, max([found.order, *(order + 1 for order, _ in orders)]) + 1, 2)
+    free = {n: free_trees(n, found.q, given.get(n, ())) for n in orders_of}
+    return {"free": {str(n): list(texts) for n, texts in free.items() if texts}}
+
+
+def conditions_of(document: Mapping[str, Any]) -> Any:
+    """Return the equations of a file as the judge reads them, as many as there may be.
+
+    Raises
+    ------
+    DataError
+        Where they have no meaning, or are not what the theorems suppose.
+    """
+    return _read(document, members_of(document))
+
+
+def gaps_of(document: Mapping[str, Any]) -> Callable[[Sequence[Any]], list[Any]]:
+    """Return left minus right of each equation of a file, a function over any scalars."""
+    return over_scalars(conditions_of(document).residuals)
 
 
 def _check_orders(orders: Sequence[tuple[int, bool]], equations: Any) -> None:
@@ -204,11 +226,10 @@ def _check_orders(orders: Sequence[tuple[int, bool]], equations: Any) -> None:
     for order, nystrom in orders:
         for n in range(1, order + 1):
             if not equations.gives_order(n, nystrom, None, None):
-                family = Family.SECOND_ORDER if nystrom else Family.SEPARABLE
-                trees_of = representatives(n, q, family if pair else Family.ROOTED)
+                wanted = one_of_each(n, nystrom=nystrom) if pair else representatives(n, q)
                 raise DataError(
                     f"the equations of the file do not give the conditions of order {n}; those of "
-                    f"{', '.join(map(str, trees_of))} would (at stage order {q})"
+                    f"{', '.join(wanted)} would (at stage order {q})"
                 )
 
 
@@ -298,6 +319,11 @@ def equations_of(document: Mapping[str, Any], members: Mapping[str, Any]) -> Any
             f"`enclosure.equations` must be as many as the unknowns ({len(unknowns)}), "
             f"got {len(texts)}"
         )
+    return _read(document, members)
+
+
+def _read(document: Mapping[str, Any], members: Mapping[str, Any]) -> Any:
+    """Return the equations of a document as the judge reads them."""
     proof = {"radius": _radius_text(document), **members}
     with consulted() as judge:
         try:

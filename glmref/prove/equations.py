@@ -1,7 +1,7 @@
 """Order conditions of symmetric G-symplectic methods: the few that are needed, and why.
 
 A method has one component or, on separable systems, two; trees have one colour or two that
-alternate along every edge (:class:`glmref.prove.classes.Family`). The starting series is zeta:
+alternate along every edge. The starting series is zeta:
 trees -> C^r with zeta(empty) = e_1 and principal part zeta_1, where the root of a tree says to
 which component its value belongs. Write A, U, B, V for the matrices of the component of the root of
 t, and G for the form between the values of the roots of t and u (G, or G^T where u comes first).
@@ -37,7 +37,7 @@ one rooted version of every free tree that is not superfluous, ``zeta_1(u*t) = z
 a tree (the quotient of the free tree by its automorphisms), with one loop where it is
 superfluous, which then says ``zeta_1(t*t) = zeta(t)^T G zeta(t) / 2``: no equation is left over.
 At higher stage order there are fewer values of zeta_1 and fewer conditions; what has to be
-checked then is rational linear algebra, done in :mod:`glmref.prove.classes`. All principal parts
+checked then is rational linear algebra, done in :mod:`glmref.judge.classes`. All principal parts
 are zero (no finishing method: the first values are the solution) where ``zeta(t)^T G zeta(u) = 0``
 for all pairs below the order.
 
@@ -51,7 +51,7 @@ S; and ``L S(h) = M(-h) L (S(h) E(h) + e_1 R h^n) = S(-h) + (-h)^n R e_1 + h^n R
 when its mirror image has, and in the middle the defect of stage order vanishes at odd orders.
 
 Together: a symmetric G-symplectic method of stage order q has even order p as soon as R = 0 at a
-few trees of the odd orders 1, 3, .. below p (:func:`glmref.prove.classes.representatives`):
+few trees of the odd orders 1, 3, .. below p (:func:`representatives`):
 
     q = 1:  1 + 1 + 3 + 11 trees for order 8 (one for each free tree), in place of 1 + 2 + 9 + 48
     q = 2:  1 + 0 + 1 + 3
@@ -61,6 +61,29 @@ few trees of the odd orders 1, 3, .. below p (:func:`glmref.prove.classes.repres
 With r = r^ = 1, where a pair is a product of flows, :mod:`glmref.judge.lie` says which of these
 suffice.
 
+**Classes.** Where every stage satisfies ``eta_i(t) = c_i^|t| / gamma(t)`` for |t| <= q (stage order
+q), a subtree t with |t| <= q below some vertex may be replaced by |t| leaves there, with the factor
+1/gamma(t): the ideal of these relations is mapped into itself by cutting (both sides are the exact
+flow at c_i), so by induction on the order zeta, eta and R take the factor too, as soon as zeta_1
+does. Trees without such subtrees are the *classes*; with q = 1, which is supposed where there are
+two colours, every tree is one. On classes the theorems are linear statements with rational
+coefficients. Unknown to them are zeta_1 and the pair defects Q at an even order n, and the
+residuals R at n + 1. As many pairs as zeta_1 has independent values on them *define* zeta_1 by Q =
+0 (for q = 1 all pairs, theorem 2), and at some classes it stays free. The identities ``R(t*u) +
+R(u*t) = (E Q)(t, u) - Q(t, u)`` of order n + 1 and some given equations R = 0 may leave only the
+zero solution: then all of R at n + 1 and all of Q at n vanish, and the induction goes on.
+
+Of two colours the trees that count are all that alternate, or those that count on second-order
+systems, where f is linear and a vertex f has at most two neighbours. A version whose root f has two
+children has no elementary differential, but it stands between two versions that have one, and
+residuals of such versions vanish with those of their neighbours. There are 1, 1, 1, 2, 3, 6, 11
+free trees (rooted ones up to moves) of one colour of the orders 1 to 7, 2, 1, 2, 3, 6, 10, 22 of
+two and 2, 1, 2, 2, 4, 5, 10 on second-order systems. A free tree with an edge whose ends are alike,
+t*t, is *superfluous*; there is none of two colours, where the ends of an edge differ.
+
+The series, the residuals and what follows from what are the judge's (:mod:`glmref.judge.classes`,
+``enclosed_sweep``, ``enclosed_pair``); here is said which trees a finder names.
+
 References
 ----------
     Butcher and Imran, "Order conditions for G-symplectic methods", BIT 55 (2015), 927-948;
@@ -69,179 +92,64 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
-from functools import lru_cache
-from math import factorial
-from typing import Any
+from collections.abc import Iterable
+from functools import cache
 
-from ..exact import Exact, linalg
-from ..exact.linalg import Matrix
-from ..method.component import Component
-from ..theory.trees import Tree, pruned
-from .classes import Family, classes, plan, reduce_tree
+from ..judge.classes import Span, identities, pairs_of, reduced, spread_of
+from ..judge.enclosed_pair import second_order
+from ..judge.trees import read_tree, versions
+from ..method.component import SEPARABLE
+from ..theory.trees import trees
 
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """What the recursion found: stages eta(t), starting series zeta(t), residuals R(t)."""
-
-    eta: Mapping[Tree, tuple[Any, ...]]
-    zeta: Mapping[Tree, tuple[Any, ...]]
-    residual: Mapping[Tree, Any]
+#: Rooted versions that stand for their free trees where there is a choice.
+_PREFERRED = ("o", "[oo]", "[oooo]", "[oo[o]]", "[[o][o]]", "[ooo]")
 
 
-def starting_series(
-    components: Sequence[Component],
-    G: Matrix,
-    order: int,
-    principal: Mapping[Tree, Any] | None = None,
-    *,
-    family: Family = Family.ROOTED,
-    stage_order: int = 1,
-    identity: bool = False,
-    wanted: Sequence[Tree] | None = None,
-) -> Series:
-    """Compute eta, zeta and the residuals R tree by tree.
+@cache
+def classes(order: int, q: int) -> tuple[str, ...]:
+    """Return the trees of an order and one colour that are their own class."""
+    texts = [(str(t), read_tree(str(t))) for t in trees(order)]
+    return tuple(text for text, t in texts if reduced(t, q)[0] == t)
 
-    Parameters
-    ----------
-    components : Sequence[Component]
-        One or two, over any scalar (exact, ball or jet), in the form that the module docstring asks
-        for.
-    G : Matrix
-        (r, r), of two components (r, r^).
-    order : int
-        Residuals are computed for trees up to this order.
-    principal : Mapping[Tree, Any] or None
-        zeta_1 at even trees where it is free; zero at free ones that are missing.
-    family : Family
-        The trees that count.
-    stage_order : int
-        Of the method: zeta_1 respects it.
-    identity : bool
-        Whether every principal part is zero, whatever theorem 2 would give.
-    wanted : Sequence[Tree] or None
-        Residuals at these trees only, and the series on classes only, which is all that is needed
-        to solve; ``None`` means all trees.
+
+def _chosen(span: Span, texts: Iterable[str], q: int) -> tuple[str, ...]:
+    """Return those of some trees whose values are independent of a span and of those before."""
+    return tuple(t for t in dict.fromkeys(texts) if span.add({reduced(read_tree(t), q)[0]: 1}))
+
+
+@cache
+def free_trees(order: int, q: int, given: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return trees of an even order where zeta_1 is free, at stage order q, those given first."""
+    span = Span()
+    for pair in pairs_of(order, q):
+        span.add(spread_of(*pair, q))
+    return _chosen(span, (*given, *classes(order, q)), q)
+
+
+@cache
+def representatives(order: int, q: int = 1) -> tuple[str, ...]:
+    """Return trees whose conditions give all others of an odd order: as few as there can be.
+
+    One for each free tree at stage order 1: 1, 1, 3, 11 for the orders 1, 3, 5, 7; at stage order
+    2: 1, 0, 1, 3; at stage order 3: 1, 0, 1, 1, 3 (order 9).
     """
-    blocks = {c.colour: c for c in components}
-    resolvents = {c.colour: _resolvent(c.V) for c in components}
-    last = components[-1].colour
-    given = {t: x for t, x in (principal or {}).items() if t in family}
-    zero = Exact(0)
-    eta: dict[Tree, tuple[Any, ...]] = {}
-    zeta: dict[Tree, tuple[Any, ...]] = {}
-    residual: dict[Tree, Any] = {}
-    one_step = identity and all(len(c.V) == 1 for c in components)  # zeta is zero
-    inside = _subtrees(wanted) if one_step and wanted is not None else None
-    for n in range(1, order + 1):
-        needed = n < order
-        todo = classes(n, 1, family)
-        if inside is not None:
-            todo = tuple(t for t in inside if t.order == n)
-        elif wanted is not None:
-            inner = classes(n, stage_order, family) if needed else ()
-            todo = tuple(dict.fromkeys([*inner, *(t for t in wanted if t.order == n)]))
-        first: Mapping[Tree, Any] = {}
-        if needed and not identity and n % 2 == 0:
-            first = _principal_parts(n, stage_order, given, zeta, G, family, last)
-        for t in todo:
-            c = blocks[t.colour]
-            derivative = _products(t, eta, len(c.A[0]), stage_order)
-            right = linalg.matvec(c.B, derivative)
-            weights, below = [], []
-            for kept, ways in () if one_step else pruned(t).items():
-                if kept is not t:
-                    value, factor = _look_up(kept, zeta, stage_order)
-                    size = factorial(t.order - kept.order) * factor.denominator
-                    weights.append(_share(ways * factor.numerator, size))
-                    below.append(value)
-            right = _minus_weighted(right, weights, below)
-            residual[t] = right[0] - Fraction(1, t.density)
-            if needed:
-                reduced, factor = reduce_tree(t, stage_order)
-                above = linalg.matvec(resolvents[t.colour], right[1:])
-                zeta[t] = (first.get(reduced, zero) * factor, *above)
-                stages, values = linalg.matvec(c.A, derivative), linalg.matvec(c.U, zeta[t])
-                eta[t] = tuple(x + y for x, y in zip(stages, values, strict=True))
-    return Series(eta=eta, zeta=zeta, residual=residual)
+    if order == 1:
+        return ("o",)
+    span, _ = identities(order, q, tuple(map(read_tree, free_trees(order - 1, q))))
+    names = [str(t) for t in trees(order)]
+    preferred = [t for t in _PREFERRED if t in names]
+    return _chosen(span, (*preferred, *classes(order, q)), q)
 
 
-def _subtrees(given: Sequence[Tree]) -> list[Tree]:
-    """Return the trees with everything that stands in them, each once."""
-    found: dict[Tree, None] = {}
-    waiting = list(given)
-    while waiting:
-        t = waiting.pop()
-        if t not in found:
-            found[t] = None
-            waiting += t.children
-    return list(found)
+@cache
+def one_of_each(order: int, *, nystrom: bool = False) -> tuple[str, ...]:
+    """Return one rooted version of each free tree of two colours.
 
-
-@lru_cache(maxsize=4096)
-def _share(ways: int, size: int) -> Exact:
-    """Return ``ways / size``, the same object each time."""
-    return Exact(Fraction(ways, size))
-
-
-def _minus_weighted(
-    x: tuple[Any, ...], weights: Sequence[Exact], vectors: Sequence[Sequence[Any]]
-) -> tuple[Any, ...]:
-    """Return ``x - sum weights_k vectors_k``."""
-    if not vectors:
-        return x
-    columns = zip(*vectors, strict=True)
-    return tuple(y - linalg.dot(weights, column) for y, column in zip(x, columns, strict=True))
-
-
-def _resolvent(V: Matrix) -> Matrix:
-    """Return the inverse of 1 - V on the values 2..r."""
-    r = range(1, len(V))
-    rest = tuple(tuple((1 if i == j else 0) - V[i][j] for j in r) for i in r)
-    return linalg.inverse(rest) if rest else ()
-
-
-def _look_up(
-    t: Tree, known: Mapping[Tree, tuple[Any, ...]], stage_order: int
-) -> tuple[tuple[Any, ...], Fraction]:
-    """Return series value of a tree, or of its class with the factor."""
-    if t in known:
-        return known[t], Fraction(1)
-    reduced, factor = reduce_tree(t, stage_order)
-    return known[reduced], factor
-
-
-def _products(
-    t: Tree, eta: Mapping[Tree, tuple[Any, ...]], s: int, stage_order: int
-) -> tuple[Any, ...]:
-    """Return etaD(t): stage by stage the product of eta over the subtrees."""
-    result: tuple[Any, ...] = (Exact(1),) * s
-    for child in t.children:
-        below, factor = _look_up(child, eta, stage_order)
-        if factor != 1:
-            below = tuple(x * factor for x in below)
-        result = tuple(x * y for x, y in zip(result, below, strict=True))
-    return result
-
-
-def _principal_parts(
-    order: int,
-    stage_order: int,
-    given: Mapping[Tree, Any],
-    zeta: Mapping[Tree, tuple[Any, ...]],
-    G: Matrix,
-    family: Family,
-    last: str,
-) -> dict[Tree, Any]:
-    """Return zeta_1 at the classes of an even order: Q = 0 on the defining pairs."""
-    known = tuple(t for t in given if t.order == order)
-    chosen = plan(order, stage_order, known, family)
-    right: list[Any] = []
-    for pair in chosen.defining:
-        t, u = pair if pair[1].colour == last else pair[::-1]  # G has the last colour on its right
-        right.append(linalg.dot(zeta[t], linalg.matvec(G, zeta[u])))
-    right += [given.get(t, Exact(0)) for t in chosen.free]
-    return dict(zip(chosen.classes, linalg.matvec(chosen.inverse, right), strict=True))
+    With ``nystrom`` only of those that count on second-order systems.
+    """
+    found: dict[object, str] = {}
+    for text in map(str, trees(order, SEPARABLE)):
+        t = read_tree(text)
+        if not nystrom or second_order(t):
+            found.setdefault(versions(t), text)
+    return tuple(found.values())

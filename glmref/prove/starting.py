@@ -37,7 +37,7 @@ from ..catalogue.claims import (
 )
 from ..errors import DataError, ExactnessError
 from ..exact.expression import to_text
-from ..exact.judging import as_number, as_scalar, consulted, newton, rational_of
+from ..exact.judging import consulted, newton, over_scalars, rational_of
 from ..judge.refusals import Refused
 from ..method import Method
 from ..theory.order import order_of
@@ -232,12 +232,7 @@ def conditions_of(key: str, block: Any) -> list[Any]:
 
 def function_of(block: Any, conditions: Sequence[Any]) -> Callable[[Sequence[Any]], list[Any]]:
     """Return the conditions of a block as a function of its unknowns, over jets and the like."""
-
-    def function(values: Sequence[Any]) -> list[Any]:
-        with consulted():
-            return [as_scalar(x) for x in block.gaps(conditions, [as_number(x) for x in values])]
-
-    return function
+    return over_scalars(lambda values: block.gaps(conditions, values))
 
 
 def texts_of(centre: Sequence[Any], inverse: Any) -> dict[str, Any]:

@@ -21,19 +21,17 @@ from glmref.exact.judging import consulted, newton
 from glmref.findings import Proof, Verdict
 from glmref.judge.refusals import Refused
 from glmref.method import GLM
-from glmref.method.component import Component
-from glmref.method.sweep import SweepForm
+from glmref.method.families import composition
 from glmref.prove import kernel
 from glmref.prove.enclosure import obstruction, prove, shift_matrix
-from glmref.prove.equations import starting_series
 from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
 from glmref.prove.starting import texts_of
 from glmref.prove.verifier import verify
 from glmref.theory.trees import parse_tree, trees
+from tests.bseries import order_residuals
 
 TINY = Fraction(1, 10**60)
-ONE = ((Exact(1),),)
 
 
 def document(name: str) -> dict[str, Any]:
@@ -184,46 +182,28 @@ def test_starting_series_is_unique_order_by_order() -> None:
         assert linalg.rank(shift_matrix(n)) == len(trees(n))
 
 
-def composition(weights: list[Exact]) -> tuple[Component, ...]:
-    """Midpoint steps of the given lengths, in the sweep form with r = 1."""
-    X, word = ((Exact(1),) * len(weights),), [("o", i) for i in range(len(weights))]
-    return SweepForm({"o": weights}, {"o": X}, {"o": ONE}, ONE, word).blocks
-
-
 def test_compositions_of_order_4_have_residuals_of_order_5_in_a_plane() -> None:
-    # Theory: R = p alpha_5 + q [f, [f, alpha_3]]. Two exact compositions span the plane, a third
-    # lies in it, and [oooo] and [[o][o]] are coordinates on it.
+    # Theory: R = p alpha_5 + q [f, [f, alpha_3]]. Two exact compositions of midpoint steps span the
+    # plane, a third lies in it, and [oooo] and [[o][o]] are coordinates on it.
     w = parse("1/(2-root(2,3))")
     suzuki = parse("1/(4-root(4,3))")
-    cases = [[w, 1 - w * 2, w], [suzuki, suzuki, 1 - suzuki * 4, suzuki, suzuki]]
-    rows = []
+    nested = [x * y for x in (suzuki, suzuki, 1 - suzuki * 4) for y in (w, 1 - w * 2, w)]
+    cases = [[w, 1 - w * 2, w], [suzuki, suzuki, 1 - suzuki * 4, suzuki, suzuki],
+             [*nested, *reversed(nested[:6])]]  # fmt: skip
+    midpoint, rows = load("gauss-1"), []
+    assert isinstance(midpoint, GLM)
     for weights in cases:
-        residual = starting_series(composition(weights), ONE, 5).residual
-        assert all(residual[t].is_zero() for n in range(1, 5) for t in trees(n))
+        residual = order_residuals(composition(midpoint, weights), 5)
+        assert all(x.is_zero() for t, x in residual.items() if t.order < 5)
         rows.append(tuple(residual[t] for t in trees(5)))
-    assert linalg.rank(tuple(rows)) == 2
+    assert linalg.rank(tuple(rows[:2])) == linalg.rank(tuple(rows)) == 2
     places = [trees(5).index(parse_tree(x)) for x in ("[oooo]", "[[o][o]]")]
     assert linalg.rank(tuple(tuple(row[k] for k in places) for row in rows)) == 2
-    nested = [x * y for x in (suzuki, suzuki, 1 - suzuki * 4) for y in (w, 1 - w * 2, w)]
-    mixed = [*nested, *reversed(nested[:6])]
-    third = starting_series(composition(mixed), ONE, 5).residual
-    assert all(third[t].is_zero() for n in range(1, 5) for t in trees(n))
-    assert linalg.rank((*rows, tuple(third[t] for t in trees(5)))) == 2
 
 
 def test_obstruction_is_zero_for_a_method_of_the_higher_order() -> None:
     # Gauss with three stages has order 6: nothing at order 5 is obstructed, order 7 is.
-    A = [
-        [parse(x) for x in row]
-        for row in (
-            ("5/36", "2/9-sqrt(15)/15", "5/36-sqrt(15)/30"),
-            ("5/36+sqrt(15)/24", "2/9", "5/36-sqrt(15)/24"),
-            ("5/36+sqrt(15)/30", "2/9+sqrt(15)/15", "5/36"),
-        )
-    ]
-    b = [parse(x) for x in ("5/18", "4/9", "5/18")]
-    gauss = [Component("o", tuple(map(tuple, A)), ((Exact(1),),) * 3, (tuple(b),), ONE)]
-    residuals = starting_series(gauss, ONE, 7).residual
+    residuals = order_residuals(load("gauss-3"), 7)
     assert obstruction([residuals[t] for t in trees(6)], 5) == 0.0
     assert obstruction([residuals[t] for t in trees(7)], 6) > 1e-6
 

@@ -9,8 +9,8 @@ from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
 from glmref.derive.partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
-from glmref.errors import UsageError
-from glmref.prove.system import SweepSystem
+from glmref.errors import DataError, UsageError
+from glmref.prove.enclosure import conditions_of
 from glmref.theory.stability import parasitic_curvature
 from tests.build import SOURCE
 
@@ -36,8 +36,13 @@ def test_the_number_of_equations(order, nystrom, equations):
 
 
 def test_palindromes_hold_for_all_values_of_the_unknowns():
-    for ansatz in (PairAnsatz("x", 5, 6), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
-        assert SweepSystem(ansatz.document()).signs() == ((1, -1), (1, -1))
+    for ansatz in (PairAnsatz("x", 5, 6, starts="qp"), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
+        assert conditions_of(ansatz.document()).signs == {"f": [1, -1], "k": [1, -1]}
+
+
+def test_an_ansatz_whose_principal_parts_are_not_zero_is_refused_before_it_is_searched():
+    with pytest.raises(DataError, match="a principal part is not 0"):
+        next(search_pairs(PairAnsatz("x", 5, 6), seed=1, starts=1))
 
 
 @pytest.mark.parametrize(

@@ -202,9 +202,9 @@ def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
 def test_too_few_stages_are_reported() -> None:
     doc = without_start("order8-s3-w3-i")
     record = prove(doc)
-    L = record.system.involutions["o"]
+    target = Target.of(doc, record.root.record)
     with pytest.raises(ExactnessError, match="add pairs"):
-        linear_start([{"c": "1/2"}], Target.of(doc, record.root.record), L, first=4)
+        linear_start([{"c": "1/2"}], target, record.involution, first=4)
 
 
 @pytest.mark.parametrize("unknown", ["first", "second"])

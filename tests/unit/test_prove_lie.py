@@ -6,7 +6,7 @@ from itertools import combinations
 import pytest
 
 from glmref.catalogue.lookup import document
-from glmref.judge.enclosed_pair import ALTERNATING, all_follow, listed
+from glmref.judge.enclosed_pair import ALTERNATING, all_follow, listed, second_order
 from glmref.judge.lie import (
     colour_words,
     lie_elements,
@@ -19,7 +19,7 @@ from glmref.judge.trees import read_tree, show, versions
 from glmref.judge.trees import trees as judged_trees
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
-from glmref.prove.classes import Family, representatives, second_order
+from glmref.prove import equations
 from glmref.theory.trees import free_tree, halves, parse_tree, trees
 from tests.bseries import order_residuals
 
@@ -41,17 +41,18 @@ def test_moving_the_root_changes_its_colour():
 
 
 def test_the_numbers_of_free_trees_with_two_colours():
-    numbers = [len(representatives(n, 1, Family.SEPARABLE)) for n in range(1, 8)]
+    numbers = [len(equations.one_of_each(n)) for n in range(1, 8)]
     assert numbers == [2, 1, 2, 3, 6, 10, 22] == [len(one_of_each(n)) for n in range(1, 8)]
-    of_second_order = [len(representatives(n, 1, Family.SECOND_ORDER)) for n in range(1, 8)]
+    of_second_order = [len(equations.one_of_each(n, nystrom=True)) for n in range(1, 8)]
     assert of_second_order == [2, 1, 2, 2, 4, 5, 10]
 
 
 def test_free_trees_divide_the_rooted_ones():
     for n in range(1, 7):
-        versions = [v for t in representatives(n, 1, Family.SEPARABLE) for v in free_tree(t).signs]
-        assert sorted(map(str, versions)) == sorted(map(str, trees(n, SEPARABLE)))
-        assert all(second_order(v) == second_order(free_tree(v).root) for v in versions)
+        chosen = map(parse_tree, equations.one_of_each(n))
+        rooted = [read_tree(str(v)) for t in chosen for v in free_tree(t).signs]
+        assert sorted(rooted) == sorted(read_tree(str(t)) for t in trees(n, SEPARABLE))
+        assert all(len({second_order(v) for v in versions(t)}) == 1 for t in rooted)
 
 
 def test_words_count_the_orders_with_children_first():

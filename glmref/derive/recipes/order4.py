@@ -23,9 +23,8 @@ from ...catalogue.writer import fill
 from ...errors import UsageError
 from ...exact import Exact, ball
 from ...findings import Proof
-from ...prove.enclosure import prove
+from ...prove.enclosure import gaps_of, prove
 from ...prove.newton import polish
-from ...prove.system import SweepSystem
 from ..recognise import exact_text, surds
 from .record import (
     Derivation,
@@ -146,7 +145,7 @@ def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
     equations = ["order [oo]", "growth exp(2*pi*i/3)"]
     document["enclosure"] = {"equations": equations, "radius": "1e-60", "xi": {}}
     point = [ball(Fraction(x)) for x in start.split(",")]
-    found = polish(SweepSystem(document).residuals, point)
+    found = polish(gaps_of(document), point)
     document = fill(document, found)
     enclosure = prove(document)
     where = f"symmetric family with sum b omega = 0, b1 = {b1}, beta1 = {beta1}"

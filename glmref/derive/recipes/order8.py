@@ -1,6 +1,6 @@
 """Order 8, parasitism-free, symmetric, G-symplectic: three to five stages, one to five implicit.
 
-Stage order 2 or 3 makes nearly all conditions follow from others (:mod:`glmref.prove.classes`):
+Stage order 2 or 3 makes nearly all conditions follow from others (:mod:`glmref.judge.classes`):
 of the 200 trees up to order 8 there remain [oooo] of order 5 and three trees of order 7 at stage
 order 2, or one at stage order 3. With the stage-order equations s = 5, r = 4 leaves two free
 parameters, or none when only the middle stage is implicit; s = 3 needs two complex pairs (r = 6),

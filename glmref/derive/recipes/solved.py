@@ -10,14 +10,12 @@ from typing import Any
 
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
 from ...errors import UsageError
-from ...exact import Exact, ball, linalg
+from ...exact import ball
 from ...exact.linalg import Matrix
 from ...findings import Proof
-from ...method import as_matrix
-from ...prove.enclosure import Enclosure, prove
+from ...prove.enclosure import Enclosure, gaps_of, prove
 from ...prove.newton import polish
 from ...prove.starting import Target
-from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
@@ -101,7 +99,7 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
     """
     document = rough.ansatz.document()
     point = [ball(Fraction(x)) for x in rough.start.split()]
-    document = fill(document, polish(SweepSystem(document).residuals, point))
+    document = fill(document, polish(gaps_of(document), point))
     enclosure = prove(document)
     r = len(document["V"])
     document["claims"] = {
@@ -122,11 +120,7 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
     if start and document["name"] in rough_starts():
         target = Target.of(document, enclosure.root.record)
         assert enclosure.signs is not None  # it has an involution
-        L = linalg.matmul(
-            linalg.inverse(as_matrix(document["V"], "V")),
-            linalg.diagonal(list(map(Exact, enclosure.signs[0]))),
-        )
-        document = with_start(document, target, enclosure.signs[0][3], L)
+        document = with_start(document, target, enclosure.signs[0][3], enclosure.involution)
         stages = [len(document[x]["A"]) for x in ("starting", "finishing")]
         text = (
             f"{document['name']}: start of {stages[0]} stages and finish of {stages[1]} "

@@ -22,16 +22,15 @@ variable than its degree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from ...errors import ExactnessError
-from ...exact import Exact, linalg
+from ...exact import Exact
 from ...findings import Proof
-from ...method.sweep import SweepForm
-from ...prove.equations import starting_series
-from ...theory.trees import parse_tree
+from ...prove.enclosure import gaps_of
 from .record import Derivation, Progress, Statement, thesis_source
 
 OPTIONS: Mapping[str, str] = {}
@@ -39,17 +38,28 @@ OPTIONS: Mapping[str, str] = {}
 #: At least the degree of R([oo]) in each of b1, x1, x2: eta(o) has degree 1 in b1 and 2 in each x;
 #: it is squared and multiplied by a weight, and zeta_1([o]) has no higher degree.
 DEGREE = 5
-_V = linalg.diagonal([Exact(1), Exact(-1)])
 
 
 def condition(b1: Fraction, x1: Fraction, x2: Fraction, g: int) -> Exact:
     """Return 4 R([oo]) of the two-stage method, from its tableau."""
-    D = [Exact(b1), Exact(1 - b1)]
-    X = ((Exact(1), Exact(1)), (Exact(x1), Exact(x2)))
-    G = linalg.diagonal([Exact(1), Exact(g)])
-    form = SweepForm({"o": D}, {"o": X}, {"o": _V}, G, [("o", 0), ("o", 1)])
-    series = starting_series(form.blocks, G, 3)
-    return series.residual[parse_tree("[oo]")] * 4
+    (residual,) = _residual(g)([Exact(b1), Exact(x1), Exact(x2)])
+    return residual * 4
+
+
+@cache
+def _residual(g: int) -> Callable[[Sequence[Any]], list[Any]]:
+    """Return R([oo]) in b1, x1 and x2."""
+    return gaps_of(
+        {
+            "class": "sweep",
+            "unknowns": {"b1": "", "x1": "", "x2": ""},
+            "D": ["b1", "1-b1"],
+            "X": [["1", "1"], ["x1", "x2"]],
+            "V": [["1", "0"], ["0", "-1"]],
+            "G": ["1", str(g)],
+            "enclosure": {"equations": ["order [oo]"]},
+        }
+    )
 
 
 def _check_identity(progress: Progress) -> None:

@@ -16,9 +16,8 @@ from ...catalogue.writer import fill
 from ...errors import UsageError
 from ...exact import ball
 from ...findings import Proof
-from ...prove.enclosure import prove
+from ...prove.enclosure import gaps_of, prove
 from ...prove.newton import polish
-from ...prove.system import SweepSystem
 from ..ansatz import Ansatz
 from .record import Derivation, Progress, Statement
 
@@ -66,7 +65,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     )
     document = ansatz.document()
     start = [ball(Fraction(x)) for x in SOLUTIONS[which]]
-    document = fill(document, polish(SweepSystem(document).residuals, start))
+    document = fill(document, polish(gaps_of(document), start))
     enclosure = prove(document)
     document["claims"] = {
         "order": 6,
