@@ -23,6 +23,8 @@ AUDITS = Path(__file__).resolve().parents[1] / "data" / "audits"
 
 def main(arguments: list[str]) -> None:
     """Write the record of one code from the lines on the standard input."""
+    if not 6 <= len(arguments) <= 7 or "--help" in arguments:
+        raise SystemExit(__doc__)
     code, commit, date, page, licence, folder, *files = arguments
     records = []
     for line in sys.stdin:
