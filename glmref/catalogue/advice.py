@@ -109,7 +109,7 @@ ADVICE: tuple[Advice, ...] = (
         "Hamiltonian, large, stages that require Newton's method",
         ("gauss-3", "gauss-4"),
         "symplectic; the engine separates the stages",
-        more="`s5i2-w3` and `s5i1-w3` take 0.6 to 0.9 of `gauss-3`'s time on one chain, 1.0 to "
+        more="`s5i2-w3` and `s5i1-w3` take 0.7 to 0.9 of `gauss-3`'s time on one chain, 1.0 to "
         "1.3 on another. Both lose Kepler's orbit within ten million steps, `s5i1-w3` the "
         "pendulum too.",
     ),
