@@ -292,9 +292,14 @@ class Folder:
         return x
 
     def _round(self) -> Any:
-        """Read a bracketed expression, a tuple or a cast, after its bracket."""
+        """Read a bracketed expression, a tuple with or without names, or a cast."""
         close = self.partner(self.at - 1)
         inside = self.tokens[self.at : close]
+        first = [x for x in inside if x.kind != "line" and x.text != ";"][:2]
+        if self.language.name == "julia" and [x.text for x in first[1:]] == ["="]:
+            self.at -= 1
+            values, words = self._arguments()
+            return Record("", first[0].line, words, values)
         after = self.tokens[close + 1] if close + 1 < self.end else None
         typed = inside and all(
             x.kind == "name" or x.text in ("*", "::", "<", ">", "&", "[", "]") for x in inside

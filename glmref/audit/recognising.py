@@ -390,6 +390,8 @@ _STRONG = re.compile(
     re.IGNORECASE,
 )
 _PARTS = re.compile(r"explicit|implicit", re.IGNORECASE)
+#: Names of the matrices of an additive method.
+_HALF = re.compile(r"exp|imp|_(ex|im)(?![a-z])", re.IGNORECASE)
 
 
 def tables(
@@ -758,6 +760,7 @@ def _of_block(
 ) -> list[Table]:
     found: list[tuple[Candidate, list[Array]]] = []
     unread: list[Table] = []
+    halves: list[tuple[Candidate, list[Array]]] = []
     used: set[int] = set()
     other = others(block, made, text=text) if about else []
     for x in other:
@@ -783,14 +786,18 @@ def _of_block(
         best = candidates(array, near)
         called = bool(block.called) and array.name == ""
         told = _STRONG.search(block.called) is not None
-        if (
-            best is not None
-            and _is_table(best, about=about, called=called, told=told)
-            and not _is_explicit_part(best, made)
-        ):
+        if best is None or _is_explicit_part(best, made):
+            continue
+        if _is_table(best, about=about, called=called, told=told):
             found.append((best, near))
             used.add(id(array))
+        elif _HALF.search(array.name):
+            halves.append((best, near))
     found = [x for x in found if not _is_beside(x[0], [y for y, _ in found])]
+    for half in halves:  # named so beside a table, it is its other half, however wrong
+        if any(_HALF.search(y.array.name) and _additive(half[0], y) for y, _ in found):
+            found.append(half)
+            used.add(id(half[0].array))
     for array in made:
         if (
             id(array) not in used
@@ -963,7 +970,7 @@ def _additive(x: Candidate, y: Candidate) -> bool:
     if {x.array.role, y.array.role} != {"A"}:
         return False
     explicit = [_strict(z.reading.A) for z in (x, y)]
-    said = all(re.search(r"(?i)exp|imp", z.array.name) for z in (x, y))
+    said = all(_HALF.search(z.array.name) for z in (x, y))
     if sorted(explicit) != [False, True] or any(
         z.match < MOST_ROWS and z.order < 2 - said for z in (x, y)
     ):

@@ -64,7 +64,21 @@ TRIPLE = (
     "void jump(double dt) {\n  const double cut = pow(2.0, 1.0/3.0);\n"
     "  const double yoshida[3] = {1/(2 - cut), -cut/(2 - cut), 1/(2 - cut)};\n}\n"
 )
+TUPLE = (
+    "# Kutta's Runge-Kutta method of order 3\n"
+    "const kutta3 = (order = 3, A = [0 0 0; 1//2 0 0; -1 2 0], b = [1//6, 2//3, 1//6],\n"
+    "    c = [0, 1//2, 1])\n"
+)
+HALVES = (
+    "function tab = imex_ssp2()  % IMEX Runge-Kutta method of Pareschi and Russo\n"
+    "  g = 1 - 1/sqrt(2);\n  tab.order = 2;\n"
+    "  tab.A_ex = [0 0; 1 0];\n  tab.A_im = [g 0; 1-2*g g];\n"
+    "  tab.b_ex = [1/2 1/2];\n  tab.b_im = [1/2 1/2];\n"
+    "  tab.c_ex = [0; 1];\n  tab.c_im = [g; 1-g];\nend\n"
+)
 CASES = {
+    "Julia named tuple": Case("k.jl", TUPLE, "-1 2 0", "1 2 0", "a[3][1]"),
+    "MATLAB explicit half": Case("t.m", HALVES, "[0 0; 1 0]", "[0 0; -1 0]", "a[2][1]"),
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
     "C struct, a weight": Case("z.c", ZONNEVELD, "{ 1./6, 1./3, 1./3", "{ 1./6, 1./3, 1./6", "b[3]"),
     "Fortran data": Case("f.f90", FEHLBERG, "3.3208921256", "3.3208921526", "a[4][3]"),
