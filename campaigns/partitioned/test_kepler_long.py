@@ -196,15 +196,17 @@ def test_the_counts_of_the_pages_are_those_of_the_data():
     assert (len(grows), len(pairs), len(lost)) == (11, 14, 8)
     assert "Eleven of the fourteen pairs grow in at least one of these runs, and eight lose" in page
     several = {x for x in kepler_methods() if x not in pairs and load(x).r > 1}
-    assert len(several) == 20
-    assert all("lost at 0.1" in texts[x] for x in several)
+    kept = several - texts.keys()
+    assert (len(several), kept) == (22, {"s3z", "s5z-w3"})
+    assert all("lost at 0.1" in texts[x] for x in several - kept)
     stalled = {
         x["method"]
         for x in stored["runs"]
         if x["method"] in several and x["eccentricity"] == "0.1" and x["outcome"] != "completed"
     }
     said = (
-        "at eccentricity 0.1 each loses the orbit, or its stage equations can no longer be solved"
+        "at eccentricity 0.1 each other loses the orbit, or its stage equations can no longer be "
+        "solved"
     )
     assert set(named(CHOOSE, said, r"\)")) == stalled
     early = {

@@ -34,6 +34,16 @@ READ = (
 )
 
 
+class Notation(Word):
+    """A notation of :data:`READ`; `python` and `gsl`, once named, are read like any other."""
+
+    def convert(
+        self, value: str, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | None:
+        """Return the word, or ``None`` where none is needed any more."""
+        return None if value in ("python", "gsl") else super().convert(value, param, ctx)
+
+
 order_option = click.option(
     "--order",
     type=click.IntRange(1, 100),
@@ -155,10 +165,10 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
 @click.option(
     "--from",
     "form",
-    type=Word(READ),
+    type=Notation(READ),
     help="Package in whose notation the tables are written; by default any notation.",
 )
-@click.option("--format", "old", type=Word(READ), hidden=True)  # what --from was called
+@click.option("--format", "old", type=Notation(READ), hidden=True)  # what --from was called
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
 @click.option("--strict", is_flag=True, help="Exit with 1 when a table is unread, too.")

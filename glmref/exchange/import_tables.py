@@ -91,10 +91,13 @@ def read_table(
 
 def _complete(text: str, form: str, where: str) -> dict[str, Any]:
     """Return the method file that a tableau in JSON or a table of cells is, with a source."""
-    given = plain_document(text, where) if form == "json" else from_cells(text)
-    method: Any = load_document(given, where=where)
+    given = dict(plain_document(text, where) if form == "json" else from_cells(text))
     here = {"citation": f"a table in the format {form}", "where": where, "status": "regenerated"}
-    return {**method.document, "source": here | dict(method.source)}
+    source = given.get("source", {})
+    if isinstance(source, Mapping):  # what it lacks is said of the table
+        given["source"] = here | dict(source)
+    method: Any = load_document(given, where=where)
+    return dict(method.document)
 
 
 # --- entries -------------------------------------------------------------------------------------
