@@ -49,7 +49,7 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
         option.numprocesses = min(PROCESSES, cores or 1) if cores != 1 else None
     if getattr(option, "numprocesses", None) and "PYTEST_XDIST_WORKER" not in os.environ:
         if option.dist == "no" and "not slow" in option.markexpr:
-            option.dist = "worksteal"  # neighbours share what they make; none waits at the end
+            option.dist = "loadfile"  # what the tests of a file share is made once
         if config.args_source is config.ArgsSource.TESTPATHS:
             option.assertmode = "plain"  # each process would rewrite all files
     if sys.dont_write_bytecode and "PYTEST_XDIST_WORKER" not in os.environ:
