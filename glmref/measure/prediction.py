@@ -780,8 +780,8 @@ def predict(
 
 
 def _clearer(
-    every: Sequence[_Known], small: Sequence[bool], ways: Sequence[Callable[[int], _Known | None]]
-) -> Sequence[_Known]:
+    every: list[_Known], small: Sequence[bool], ways: Sequence[Callable[[int], _Known | None]]
+) -> list[_Known]:
     """Return the parts, those that grow as a longer run shows them where theirs is not clear.
 
     Where no part is clear at all the first way is tried before the last: growth of higher order, in
