@@ -41,6 +41,7 @@ frequency = { from = 1, to = 4 }
 """
 #: Two tables to audit: Heun's method, and the same with a wrong weight.
 TABLES = """\
+# Runge-Kutta methods
 import numpy as np
 
 class Heun:
@@ -71,7 +72,7 @@ def places(cluster: Cluster) -> list[str]:
     "words",
     [
         ["verify", "rk4", "gauss-2", "gsymplectic-p", "--no-cache", "--format", "csv"],
-        ["audit", "TABLES", "--format", "python", "--all", "--fast"],
+        ["audit", "TABLES", "--all", "--fast"],
         ["derive", "search", "--ansatz", "ANSATZ", "--starts", "64"],
     ],
     ids=lambda words: words[0],
