@@ -86,6 +86,8 @@ SAME = [
     (["errata", "--verdict", "misprint"], ["list", "--errata", "--verdict", "misprint"]),
     (["errata", "order 6", "--format", "csv"], ["list", "order 6", "--errata", "--format", "csv"]),
     (["audit", "TABLE", "--format", "csv"], ["audit", "TABLE", "--from", "csv"]),
+    (["audit", "TABLEAU", "--from", "python"], ["audit", "TABLEAU"]),
+    (["audit", "TABLEAU", "--format", "gsl"], ["audit", "TABLEAU"]),
 ]
 
 
