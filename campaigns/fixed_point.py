@@ -1,61 +1,45 @@
-"""Runs of many steps in 60 digits: numbers are whole multiples of 2^-256, five words each.
+"""Runs of many steps in 60 digits: numbers are whole multiples of 2^-256, Python's own.
 
 The stages of a step are found in doubles first. Newton's method with the matrix in doubles then
 gains fifteen digits with each evaluation of the right-hand side, three in all. Tableau and step
-size are rounded once. A step takes 10 to 150 microseconds, one of the reference engine 10 to 70
-milliseconds.
+size are rounded once. A step takes a tenth to half a millisecond, one of the reference engine 10 to
+70.
 """
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import reduce
 from itertools import pairwise
-from math import factorial
+from math import isqrt
 from typing import Any
 
 import mpmath
 import numpy as np
-from llvmlite import ir
-from numba import float64, int64, njit
-from numba.core import cgutils, types
-from numba.extending import intrinsic
+from mpmath.libmp.libelefun import cos_sin_fixed, exp_fixed
 
 from glmref.engine.reference import Stepper
 from glmref.errors import UsageError
 from glmref.problems.derivative import differentiated
-from glmref.problems.formula import Formula, functions
+from glmref.problems.formula import Formula
 from glmref.problems.model import Problem
 from glmref.problems.tracing import recorded
 
-WORDS, BITS = 5, 256
+BITS = 256
 DIGITS = 77
 #: Order of the differences that show a parasitic part.
 DIFFERENCES = 40
-_WIDE = types.UniTuple(types.int64, WORDS)
-Words = tuple[int, ...]
-
-
-def words(x: int) -> Words:
-    """Return a whole number of units as signed words, the lowest first."""
-    low = [(x >> 64 * k) & (2**64 - 1) for k in range(WORDS)]
-    return tuple(w - (w >> 63 << 64) for w in low)
-
-
-def units(given: Any) -> int:
-    """Return the whole number of units that words make."""
-    *low, top = (int(w) for w in given)
-    return sum((w & (2**64 - 1)) << 64 * k for k, w in enumerate(low)) + (top << 64 * (WORDS - 1))
+_ONE = 1 << BITS
 
 
 def rounded(x: Any) -> int:
     """Round a number of a tableau, a fraction or an mpmath number to units."""
     if isinstance(x, int | Fraction):
-        return round(Fraction(x) * 2**BITS)
+        return round(Fraction(x) * _ONE)
     with mpmath.workdps(DIGITS + 10):
         number = x.to_mpf() if hasattr(x, "to_mpf") else mpmath.mpf(x)
-        return int(mpmath.nint(number * 2**BITS))
+        return int(mpmath.nint(number * _ONE))
 
 
 def number(x: int) -> Any:
@@ -63,354 +47,83 @@ def number(x: int) -> Any:
     return mpmath.ldexp(mpmath.mpf(x), -BITS)
 
 
-def _array(table: Any) -> np.ndarray:
-    """Return numbers as words: one axis more."""
-    flat = np.array([words(x) for x in np.ravel(np.array(table, dtype=object))], dtype=np.int64)
-    return flat.reshape(*np.shape(table), WORDS)
+def _units(x: np.ndarray) -> list[list[int]]:
+    """Return doubles as they are, to the last unit."""
+    return [[int(a * 2.0**BITS) for a in row] for row in x.tolist()]
 
 
-# -- arithmetic ------------------------------------------------------------------------------------
+def _doubles(x: Sequence[Sequence[int]]) -> np.ndarray:
+    """Return the doubles next to numbers, small ones with all their digits."""
+    return np.array([[a / _ONE for a in row] for row in x])
 
 
-def _binary(combine: Any) -> Any:
-    """Return an operation on two numbers of five words from one on their LLVM integers."""
+# -- right-hand sides ------------------------------------------------------------------------------
 
-    @intrinsic
-    def operation(typingctx, a, b):
-        def codegen(context, builder, signature, args):
-            wide = ir.IntType(64 * WORDS)
-            given = [[builder.extract_value(x, k) for k in range(WORDS)] for x in args]
-            whole = [
-                reduce(
-                    builder.or_,
-                    [builder.shl(builder.zext(w, wide), wide(64 * k)) for k, w in enumerate(x)],
-                )
-                for x in given
-            ]
-            found = combine(builder, given, whole, wide)
-            word = ir.IntType(64)
-            parts = [builder.trunc(builder.lshr(found, wide(64 * k)), word) for k in range(WORDS)]
-            return cgutils.pack_array(builder, parts)
-
-        return _WIDE(_WIDE, _WIDE), codegen
-
-    return operation
+_FUNCTIONS: dict[str, Callable[[int], int]] = {
+    "sqrt": lambda a: isqrt(a << BITS),
+    "sin": lambda a: cos_sin_fixed(a, BITS)[1],  # type: ignore[index]
+    "exp": lambda a: exp_fixed(a, BITS),
+}
 
 
-def _product(builder: Any, given: Any, whole: Any, wide: Any) -> Any:
-    """Multiply column by column; two columns below the last unit are left out."""
-    double, sums = ir.IntType(128), ir.IntType(192)
-    (a, b), total, found = given, sums(0), wide(0)
-    for column in range(2, 2 * WORDS - 1):
-        for i in range(max(0, column - WORDS + 1), min(column, WORDS - 1) + 1):
-            one = builder.mul(builder.zext(a[i], double), builder.zext(b[column - i], double))
-            total = builder.add(total, builder.zext(one, sums))
-        if column >= WORDS - 1:
-            word = builder.zext(builder.trunc(total, ir.IntType(64)), wide)
-            found = builder.or_(found, builder.shl(word, wide(64 * (column - WORDS + 1))))
-        total = builder.lshr(total, sums(64))
-    for x, other in (whole, whole[::-1]):  # a negative factor was read as itself plus 2^320
-        negative = builder.icmp_signed("<", x, wide(0))
-        excess = builder.select(negative, builder.shl(other, wide(64)), wide(0))
-        found = builder.sub(found, excess)
-    return found
-
-
-_add = _binary(lambda builder, given, whole, wide: builder.add(*whole))
-_sub = _binary(lambda builder, given, whole, wide: builder.sub(*whole))
-_mul = _binary(_product)
-
-_ZERO, _ONE, _TWO, _THREE, _FOUR, _HALF = (
-    words(rounded(Fraction(x))) for x in (0, 1, 2, 3, 4, Fraction(1, 2))
-)
-_SIN = _array([rounded(Fraction((-1) ** k, factorial(2 * k + 1))) for k in range(22)])
-_EXP = _array([rounded(Fraction(1, factorial(k))) for k in range(32)])
-_PART, _BINARY = words(rounded(Fraction(1, 81))), words(rounded(Fraction(1, 256)))
-
-
-@njit
-def add(a, b):
-    """Return a + b."""
-    return _add(a, b)
-
-
-@njit
-def sub(a, b):
-    """Return a - b."""
-    return _sub(a, b)
-
-
-@njit
-def mul(a, b):
-    """Return a b."""
-    return _mul(a, b)
-
-
-@njit
-def load(x, k):
-    """Return an entry of an array of words."""
-    return (x[k, 0], x[k, 1], x[k, 2], x[k, 3], x[k, 4])
-
-
-@njit
-def store(x, k, a):
-    """Set an entry of an array of words."""
-    x[k, 0], x[k, 1], x[k, 2], x[k, 3], x[k, 4] = a
-
-
-@njit
-def to_double(a):
-    """Return the double next to a number, small ones with all their digits."""
-    negative = a[4] < 0
-    if negative:
-        a = sub(_ZERO, a)
-    found = 0.0
-    for k in range(4, -1, -1):
-        found += float64(np.uint64(a[k])) * 2.0 ** (64 * (k - 4))
-    return -found if negative else found
-
-
-@njit
-def from_double(x):
-    """Return a double as it is, to the last unit."""
-    rest, scale = abs(x), 1.0
-    found = np.zeros((1, 5), np.int64)
-    for k in range(4, -1, -1):
-        whole = np.floor(rest * scale)
-        # halves, since words are signed
-        high = int64(np.floor(whole / 4294967296.0))
-        found[0, k] = (high << 32) | int64(whole - high * 4294967296.0)
-        rest -= whole / scale
-        scale *= 18446744073709551616.0
-    a = load(found, 0)
-    return sub(_ZERO, a) if x < 0 else a
-
-
-@njit
-def div(a, b):
-    """Return a / b."""
-    y = from_double(1.0 / to_double(b))
-    for _ in range(4):
-        y = add(y, mul(y, sub(_ONE, mul(b, y))))
-    return mul(a, y)
-
-
-@njit
-def sqrt(a):
-    """Return the square root."""
-    y = from_double(1.0 / np.sqrt(to_double(a)))
-    for _ in range(4):
-        y = add(y, mul(mul(y, _HALF), sub(_ONE, mul(a, mul(y, y)))))
-    return mul(a, y)
-
-
-@njit
-def _horner(table, x):
-    total = load(table, len(table) - 1)
-    for k in range(len(table) - 2, -1, -1):
-        total = add(load(table, k), mul(total, x))
-    return total
-
-
-@njit
-def sin(a):
-    """Return the sine, of a third of a third.. first."""
-    x = mul(a, _PART)
-    s = mul(x, _horner(_SIN, mul(x, x)))
-    for _ in range(4):
-        s = mul(s, sub(_THREE, mul(_FOUR, mul(s, s))))
-    return s
-
-
-@njit
-def exp(a):
-    """Return the exponential, of a half of a half.. first."""
-    e = _horner(_EXP, mul(a, _BINARY))
-    for _ in range(8):
-        e = mul(e, e)
-    return e
-
-
-_CALLS: dict[Any, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div"}
-_KNOWN = {x.__name__: x for x in (add, sub, mul, div, sqrt, sin, exp, load, store)}
-
-
-class _Calls(ast.NodeTransformer):
-    """Writes calls in place of operators, and names in place of numbers."""
-
-    def __init__(self) -> None:
-        self.numbers: dict[str, Words] = {"zero": _ZERO}
+class _InUnits(ast.NodeTransformer):
+    """Writes products and quotients of units, and units in place of numbers."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        left = self.visit(node.left)
+        left = ast.unparse(self.visit(node.left))
         if isinstance(node.op, ast.Pow):
-            power = ast.literal_eval(node.right)
-            product = "mul(" * (power - 1) + ast.unparse(left)
-            return ast.parse(product + f", {ast.unparse(left)})" * (power - 1), mode="eval").body
-        return ast.Call(ast.Name(_CALLS[type(node.op)]), [left, self.visit(node.right)], [])
-
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
-        return ast.Call(ast.Name("sub"), [ast.Name("zero"), self.visit(node.operand)], [])
+            text, power = left, ast.literal_eval(node.right)
+            for _ in range(power - 1):
+                text = f"({text} * {left} >> {BITS})"
+            return ast.parse(text, mode="eval").body
+        right = ast.unparse(self.visit(node.right))
+        sign = "+" if isinstance(node.op, ast.Add) else "-"
+        if isinstance(node.op, ast.Mult):
+            text = f"({left}) * ({right}) >> {BITS}"
+        elif isinstance(node.op, ast.Div):
+            text = f"(({left}) << {BITS}) // ({right})"
+        else:
+            text = f"({left}) {sign} ({right})"
+        return ast.parse(f"({text})", mode="eval").body
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
-        return ast.Call(ast.Name("load"), [node.value, node.slice], [])
+        return node
 
     def visit_Constant(self, node: ast.Constant) -> ast.expr:
-        name = f"number_{len(self.numbers)}"
-        self.numbers[name] = words(rounded(Fraction(repr(node.value))))
-        return ast.Name(name)
+        return ast.Constant(rounded(Fraction(repr(node.value))))
 
 
-#: By the text of a formula: a function takes seconds to compile.
-_COMPILED: dict[tuple[str, bool], Any] = {}
-
-
-def compiled(formula: Formula, *, wide: bool = True) -> Any:
-    """Return ``function(t, y, out)`` on arrays of words, (d, 5), or of doubles, for a formula."""
-    key = repr(formula), wide
-    if key not in _COMPILED:
-        _COMPILED[key] = njit(_function(formula, wide))
-    return _COMPILED[key]
-
-
-def _function(formula: Formula, wide: bool) -> Any:
+def in_units(formula: Formula) -> Callable[[Sequence[int]], list[int]]:
+    """Return the function of y alone that a formula gives, on whole numbers of units."""
     common, outputs = formula.trees
-    calls = _Calls()
 
     def text(tree: ast.expr) -> str:
-        return ast.unparse(calls.visit(ast.parse(ast.unparse(tree), mode="eval")) if wide else tree)
+        return ast.unparse(_InUnits().visit(ast.parse(ast.unparse(tree), mode="eval")))
 
     lines = [f"{name} = {text(tree)}" for name, tree in common]
-    put = "store(out, {}, {})" if wide else "out[{}] = {}"
-    lines += [put.format(i, text(tree)) for i, tree in enumerate(outputs)]
-    number = (lambda x: words(rounded(Fraction(x)))) if wide else float
-    space: dict[str, Any] = {k: number(v) for k, v in formula.parameters.items()}
-    space |= {**_KNOWN, **calls.numbers} if wide else functions()
-    arguments = ", ".join((*formula.variables, "out"))
-    exec("\n    ".join([f"def function({arguments}):", *lines]), space)
+    lines.append(f"return [{', '.join(map(text, outputs))}]")
+    space: dict[str, Any] = {k: rounded(Fraction(v)) for k, v in formula.parameters.items()}
+    space |= _FUNCTIONS
+    exec("\n    ".join([f"def function({formula.variables[-1]}):", *lines]), space)
     return space["function"]
 
 
 # -- steps -----------------------------------------------------------------------------------------
 
-
-@njit
-def _sums(table, x, part, total):
-    """Add to ``total[i, j]`` the sum over k of ``table[part[j], i, k] x[k, j]``."""
-    for i in range(total.shape[0]):
-        for j in range(total.shape[1]):
-            some = load(total[i], j)
-            for k in range(x.shape[0]):
-                a = load(table[part[j], i], k)
-                if a != _ZERO:
-                    some = add(some, mul(a, load(x[k], j)))
-            store(total[i], j, some)
+#: Of each row of a matrix, the columns that are not zero and their entries.
+_Rows = list[list[tuple[int, int]]]
 
 
-@njit
-def _inverse(m):
-    """Return the inverse of a matrix near to the identity."""
-    n = len(m)
-    both = np.concatenate((m, np.eye(n)), axis=1)
-    for k in range(n):
-        both[k] /= both[k, k]
-        for i in range(n):
-            factor = both[i, k]
-            if i != k and factor != 0.0:
-                both[i] -= factor * both[k]
-    return both[:, n:].copy()
+def _combined(table: Sequence[_Rows], x: Sequence[Sequence[int]], to: Sequence[Any]) -> list[Any]:
+    """Return ``to[i][j] + sum_k table[j][i, k] x[k][j]``, table j that of component j."""
+    return [
+        [row[j] + (sum(a * x[k][j] for k, a in table[j][i]) >> BITS) for j in range(len(row))]
+        for i, row in enumerate(to)
+    ]
 
 
-@njit
-def _times(matrix, x):
-    """Return the product of a matrix with stages (s, d) in a row."""
-    flat, found = x.ravel(), np.zeros(x.size)
-    for i in range(len(flat)):
-        for k in range(len(flat)):
-            found[i] += matrix[i, k] * flat[k]
-    return found.reshape(x.shape)
-
-
-@njit
-def _near(f, A, part, known, near, matrix):
-    """Find the stages in doubles, in place, with the matrix of the step before."""
-    F, r = np.empty_like(near), np.empty_like(near)
-    for _ in range(60):
-        for i in range(len(near)):
-            f(0.0, near[i], F[i])
-        for i, j in np.ndindex(near.shape):
-            r[i, j] = to_double(load(known[i], j)) - near[i, j]
-            for k in range(len(near)):
-                r[i, j] += A[part[j], i, k] * F[k, j]
-        change = _times(matrix, r)
-        near += change
-        if np.max(np.abs(change)) < 1e-14:
-            break
-
-
-@njit
-def _linear(slopes_of, A, part, near):
-    """Return the derivatives of f at the stages and the inverse of Newton's matrix."""
-    s, d = near.shape
-    J, system = np.empty((s, d * d)), np.eye(s * d)
-    for k in range(s):
-        slopes_of(0.0, near[k], J[k])
-        for i, j in np.ndindex(s, d):
-            a = A[part[j], i, k]
-            if a != 0.0:
-                system[i * d + j, k * d : (k + 1) * d] -= a * J[k, j * d : (j + 1) * d]
-    return J, _inverse(system)
-
-
-@njit
-def _settle(f, A, part, known, Y, F, J, matrix):
-    """Find the stages Y and their slopes F, in place; return the evaluations, 0 for none found."""
-    s, d = Y.shape[:2]
-    r = np.empty((s, d))
-    for turn in range(12):
-        for i in range(s):
-            f(_ZERO, Y[i], F[i])
-        want = known.copy()
-        _sums(A, F, part, want)
-        for i, j in np.ndindex(s, d):
-            r[i, j] = to_double(sub(load(want[i], j), load(Y[i], j)))
-        change = _times(matrix, r)
-        for i, j in np.ndindex(s, d):
-            store(Y[i], j, add(load(Y[i], j), from_double(change[i, j])))
-        if np.max(np.abs(change)) < 1e-45:  # it leaves sixteen digits less
-            for i, j in np.ndindex(s, d):
-                more = 0.0
-                for k in range(d):
-                    more += J[i, j * d + k] * change[i, k]
-                store(F[i], j, add(load(F[i], j), from_double(more)))
-            return turn + 1
-    return 0
-
-
-@njit
-def _advance(f, f_double, slopes_of, table, doubles, part, y, near, count):
-    """Take steps from the values y, (r, d, 5), in place; ``near``, (s, d), are stages in doubles.
-
-    Returns the largest number of evaluations of a step, 0 where stages were not found.
-    """
-    A, U, B, V = table
-    matrix, most = np.eye(near.size), 0
-    F, Y = np.empty((*near.shape, 5), np.int64), np.empty((*near.shape, 5), np.int64)
-    for _ in range(count):
-        known, new = np.zeros_like(Y), np.zeros_like(y)
-        _sums(U, y, part, known)
-        _near(f_double, doubles, part, known, near, matrix)
-        J, matrix = _linear(slopes_of, doubles, part, near)
-        for i, j in np.ndindex(near.shape):
-            store(Y[i], j, from_double(near[i, j]))
-        found = _settle(f, A, part, known, Y, F, J, matrix)
-        if found == 0:
-            return 0
-        most = max(most, found)
-        _sums(B, F, part, new)
-        _sums(V, y, part, new)
-        y[:] = new
-    return most
+def _sum(x: Sequence[Sequence[int]], y: Sequence[Sequence[int]]) -> list[list[int]]:
+    return [[a + b for a, b in zip(*rows, strict=True)] for rows in zip(x, y, strict=True)]
 
 
 class Run:
@@ -428,30 +141,31 @@ class Run:
         method, (r, d) = engine.method, engine.shape
         stages = max(len(c.A) for c in method.components)
         self.part = np.zeros(d, dtype=np.int64)
-        tables: list[list[Any]] = [[], [], [], []]
+        sparse, dense = [], []
         self._filter = np.zeros((len(engine.parts), r, r), dtype=object)
         for n, (c, columns) in enumerate(zip(method.components, engine.parts, strict=True)):
             self.part[columns] = n
-            scales, shapes = (h, 1, h, 1), ((stages, stages), (stages, r), (r, stages), (r, r))
-            for table, m, scale, shape in zip(tables, c.matrices, scales, shapes, strict=True):
-                full = np.zeros(shape, dtype=object)
-                for i, row in enumerate(m):
-                    full[i, : len(row)] = [
-                        rounded(x) * scale.numerator // scale.denominator for x in row
-                    ]
-                if len(m) and shape[0] == stages:  # a stage too few is the last one again
-                    full[len(m) :] = full[len(m) - 1]
-                table.append(full)
+            full = []
+            for m, scale in zip(c.matrices, (h, 1, h, 1), strict=True):
+                rows = [[rounded(x) * scale.numerator // scale.denominator for x in y] for y in m]
+                full.append(rows)
+            for rows in full[:2]:  # a stage too few is the last one again
+                rows += [rows[-1]] * (stages - len(rows))
+            for rows in full[2:]:
+                rows += [[]] * (r - len(rows))
+            A = np.zeros((stages, stages))
+            A[:, : len(full[0][0])] = _doubles(full[0])
+            dense.append(A)
+            sparse.append([[[(k, x) for k, x in enumerate(y) if x] for y in rows] for rows in full])
             self._filter[n, : len(c.V), : len(c.V)] = _filter(np.array(c.V, dtype=float))
-        self.A = np.array(tables[0], dtype=float) / 2.0**BITS
-        self.tables = tuple(_array(np.array(x)) for x in tables)
-        formula = _formula(engine.problem)
-        slopes = differentiated(formula, d)
-        doubles = (compiled(x, wide=False) for x in (formula, slopes))
-        self.functions = compiled(formula), *doubles
+        self.tables = [[sparse[n][m] for n in self.part] for m in range(4)]
+        self.A = np.array([dense[n] for n in self.part])  # (d, s, s)
+        formula = _formula(engine.problem).on(None)
+        self.f_double, self.slopes_of = formula, differentiated(formula, d)
+        self.f = in_units(formula)
         self.values, self.evaluations = values, 0
         output = np.array(engine.solution(values), dtype=float) / 2.0**BITS
-        self.near = np.tile(output, (stages, 1))
+        self.near, self.matrix = np.tile(output, (stages, 1)), np.eye(stages * d)
 
     def advance(self, count: int) -> None:
         """Take steps.
@@ -461,14 +175,47 @@ class Run:
         UsageError
             Where stages are not found.
         """
-        y = _array(self.values)
-        f, f_double, slopes = self.functions
-        most = _advance(f, f_double, slopes, self.tables, self.A, self.part, y, self.near, count)
-        if not most:
-            raise UsageError("the stages of a step were not found; use a smaller h")
-        self.evaluations = max(most, self.evaluations)
-        rows = [[units(x) for x in row] for row in y]
-        self.values = np.array(rows, dtype=object)
+        y = self.values.tolist()
+        for _ in range(count):
+            y = self._stepped(y)
+        self.values = np.array(y, dtype=object)
+
+    def _stepped(self, y: list[list[int]]) -> list[list[int]]:
+        """Return the values after one step."""
+        A, U, B, V = self.tables
+        nothing = [[0] * self.near.shape[1]]
+        known = _combined(U, y, nothing * len(self.near))
+        self._approach(_doubles(known))
+        F = self._settled(known, A)
+        return _combined(V, y, _combined(B, F, nothing * len(y)))
+
+    def _approach(self, known: np.ndarray) -> None:
+        """Find the stages in doubles with the matrix of the step before, then their own matrix."""
+        near = self.near
+        for _ in range(60):
+            F = self.f_double(0.0, near.T)
+            step = known - near + np.matmul(self.A, F[..., None])[..., 0].T
+            change = (self.matrix @ step.ravel()).reshape(near.shape)
+            near += change
+            if np.abs(change).max() < 1e-14:
+                break
+        self.J = self.slopes_of(0.0, near.T)  # (d, d, s)
+        system = np.einsum("jik,jlk->ijkl", self.A, self.J).reshape(near.size, near.size)
+        self.matrix = np.linalg.inv(np.eye(near.size) - system)
+
+    def _settled(self, known: list[list[int]], A: Sequence[_Rows]) -> list[list[int]]:
+        """Return the slopes of the stages, from those in doubles."""
+        Y = _units(self.near)
+        for turn in range(12):
+            F = [self.f(x) for x in Y]
+            want = _combined(A, F, known)
+            gap = _doubles(_sum(want, [[-x for x in row] for row in Y]))
+            change = (self.matrix @ gap.ravel()).reshape(gap.shape)
+            Y = _sum(Y, _units(change))
+            if np.abs(change).max() < 1e-45:  # it leaves sixteen digits less
+                self.evaluations = max(turn + 1, self.evaluations)
+                return _sum(F, _units(np.einsum("jlk,kl->kj", self.J, change)))
+        raise UsageError("the stages of a step were not found; use a smaller h")
 
     def parasitic(self) -> np.ndarray:
         """Return the parasitic part of the values, (r, d): what differences of high order leave.
