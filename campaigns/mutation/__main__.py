@@ -6,15 +6,13 @@ import argparse
 import json
 import os
 import random
-import shutil
-import subprocess
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from .inprocess import ROOT, SILENT, Bench, collected
+from .bench import ROOT, Bench
 from .mutants import Mutant, mutants
 
 #: Subpackage -> its modules: of a folder, or some files of one; ``-`` leaves one out.
@@ -37,7 +35,6 @@ OTHERS = (
 )
 #: What tells a mutant in a record.
 KEY = ("module", "line", "column", "before", "after")
-LEFT_OUT = (".git", "__pycache__", ".pytest_cache", ".ruff_cache", "docs/images", "site")
 
 
 def modules(subpackage: str) -> list[Path]:
@@ -63,25 +60,6 @@ def drawn(subpackages: Sequence[str], count: int, seed: int) -> Iterator[tuple[s
         yield from (x[turn] for x in by_turns if turn < len(x))
 
 
-def anew(tree: Path, module: Path, mutant: Mutant, tests: Sequence[str]) -> tuple[str, str]:
-    """Run tests in a copy of the tree, for what is computed when a module is imported."""
-    right = (tree / module).read_text(encoding="utf-8")
-    (tree / module).write_text(mutant.source, encoding="utf-8")
-    try:
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-x", "--no-header", *SILENT[1:], *tests],
-            cwd=tree, env={**os.environ, "PYTHONPATH": str(tree)}, capture_output=True,
-            text=True, check=False, timeout=600,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return "time", ""
-    finally:
-        (tree / module).write_text(right, encoding="utf-8")
-    failed = [x for x in done.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
-    first = failed[0].split(" - ")[0].partition(" ")[2] if failed else ""
-    return "killed" if done.returncode else "survived", first
-
-
 def say(line: str) -> None:
     """Write a line now."""
     sys.stdout.write(line + "\n")
@@ -95,36 +73,29 @@ def run(bench: Bench, chosen: Sequence[tuple[str, Path, Mutant]], output: Path |
     if output is not None and output.exists():
         rows = map(json.loads, output.read_text(encoding="utf-8").splitlines())
         done = {tuple(x[name] for name in KEY): x for x in rows}
-    with tempfile.TemporaryDirectory() as name:
-        tree = Path(name) / "glmref"
-        for subpackage, module, mutant in chosen:
-            place = str(module), mutant.line, mutant.column
-            key = (*place, mutant.before[:300], mutant.after[:300])
-            row = done.get(key)
-            if row is None:
-                outcome, first, seconds = bench.judged(module, mutant)
-                if outcome == "stale":
-                    if not tree.exists():
-                        shutil.copytree(ROOT, tree, ignore=shutil.ignore_patterns(*LEFT_OUT))
-                    tests = bench.tests(module, mutant.function)
-                    outcome, first = anew(tree, module, mutant, tests)
-                row = {"subpackage": subpackage, "kind": mutant.kind, "function": mutant.function,
-                       **dict(zip(KEY, key, strict=True)),
-                       "outcome": outcome, "by": first, "seconds": round(seconds, 2)}  # fmt: skip
-                if output is not None:
-                    with output.open("a", encoding="utf-8") as stream:
-                        stream.write(json.dumps(row) + "\n")
-            counts.setdefault(subpackage, Counter())[row["outcome"]] += 1
-            if row["outcome"] == "survived":
-                where = ":".join(map(str, place))
-                say(f"{where}: {mutant.before!r} -> {mutant.after!r}")
+    for subpackage, module, mutant in chosen:
+        place = str(module), mutant.line, mutant.column
+        key = (*place, mutant.before[:300], mutant.after[:300])
+        row = done.get(key)
+        if row is None:
+            outcome, first, seconds = bench.judged(module, mutant)
+            row = {"subpackage": subpackage, "kind": mutant.kind, "function": mutant.function,
+                   **dict(zip(KEY, key, strict=True)),
+                   "outcome": outcome, "by": first, "seconds": round(seconds, 2)}  # fmt: skip
+            if output is not None:
+                with output.open("a", encoding="utf-8") as stream:
+                    stream.write(json.dumps(row) + "\n")
+        counts.setdefault(subpackage, Counter())[row["outcome"]] += 1
+        if row["outcome"] == "survived":
+            where = ":".join(map(str, place))
+            say(f"{where}: {mutant.before!r} -> {mutant.after!r}")
     for subpackage, found in counts.items():
         noticed = found["killed"] + found["time"]
         say(f"{subpackage}: {noticed} of {found.total()} noticed, {noticed / found.total():.1%}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a campaign; the exit code is that of pytest."""
+    """Run a campaign."""
     parser = argparse.ArgumentParser(prog="python -m campaigns.mutation", description=__doc__)
     parser.add_argument("--subpackages", default="exact", help=f"some of {', '.join(SUBPACKAGES)}")
     parser.add_argument("--count", type=int, default=100, help="mutants to draw")
@@ -142,12 +113,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     watched = [x for subpackage in SUBPACKAGES for x in modules(subpackage)]
     left = [f"--ignore-glob=*/test_{x}*" for x in OTHERS]
     with tempfile.TemporaryDirectory() as name:
-        os.environ.setdefault("GLMREF_CACHE", name)
-        return collected(
-            [*TESTS, *left],
-            lambda session: run(Bench(session, watched, given.calls), chosen, given.output),
-            watched,
-        )
+        os.environ.setdefault("GLMREF_CACHE", str(Path(name) / "kernels"))
+        run(Bench(Path(name), [*TESTS, *left], watched, given.calls), chosen, given.output)
+    return 0
 
 
 if __name__ == "__main__":
