@@ -22,7 +22,7 @@ from typing import Any
 import flint
 
 from .. import judge
-from ..errors import BudgetError
+from ..errors import BudgetError, ExactnessError
 from ..judge import arithmetic
 from ..judge.arithmetic import Number, Ring
 from ..judge.refusals import Refused, Undecided
@@ -340,6 +340,14 @@ class Algebraic(Ring):
         """Return 1 / x."""
         return as_number(1 / self.value)
 
+    def conj(self):
+        """Return the conjugate."""
+        return as_number(self.value.conjugate())
+
+    def sign(self) -> int:
+        """Return the sign of a real number."""
+        return self.value.sign()
+
 
 def as_number(x: Any):
     """Return a number of the package as one of :func:`fast_judge`; an exact zero is rational."""
@@ -385,6 +393,46 @@ def over_scalars(function: Callable[[list], Iterable]) -> Callable[[Sequence[Any
             return [as_scalar(x) for x in function([as_number(x) for x in values])]
 
     return found
+
+
+def asked(place: str) -> Callable[..., Any]:
+    """Return a function of :func:`fast_judge` as one of numbers of the package.
+
+    Parameters
+    ----------
+    place : str
+        Module and name, such as ``"polynomials.gcd"``. Numbers, also in sequences, are numbers of
+        the judge inside and of the package outside; sequences are lists inside and tuples outside.
+
+    Raises
+    ------
+    ExactnessError
+        By the function: for what the judge leaves undecided or refuses.
+    """
+    module, _, name = place.partition(".")
+
+    def found(*given: Any) -> Any:
+        with consulted() as judge:
+            try:
+                return outward(getattr(getattr(judge, module), name)(*map(inward, given)))
+            except Refused as error:
+                raise ExactnessError(str(error)) from error
+
+    return found
+
+
+def inward(x: Any) -> Any:
+    """Return numbers of the package, in sequences or alone, as those of :func:`fast_judge`."""
+    if isinstance(x, list | tuple):
+        return list(map(inward, x))
+    return as_number(x) if isinstance(x, Exact | Ball) else x
+
+
+def outward(x: Any) -> Any:
+    """Return numbers of :func:`fast_judge`, in sequences or alone, as those of the package."""
+    if isinstance(x, list | tuple | Iterator):
+        return tuple(map(outward, x))
+    return as_scalar(x) if isinstance(x, Ring | Fraction) else x
 
 
 @lru_cache(maxsize=4096)

@@ -56,6 +56,10 @@ class Ring:
         """Return 1 / x."""
         raise NotShown("a division by an unknown")
 
+    def sign(self) -> int:
+        """Return the sign."""
+        raise NotShown("a sign is asked of an unknown")
+
 
 def product_of_ends(a: int, b: int, c: int, d: int) -> tuple[int, int]:
     """Return the least and the largest product of a number in [a, b] and one in [c, d]."""

@@ -233,7 +233,7 @@ def is_exact(M: list) -> bool:
 def blocks_of(V: list) -> list:
     """Return the diagonal blocks of V: exact zeros say in which order it is block triangular."""
     reach = [{j for j, x in enumerate(row) if not is_nil(x)} | {i} for i, row in enumerate(V)]
-    for _ in V:
+    for _ in range(len(V).bit_length()):  # each time paths of twice the length
         reach = [set().union(*(reach[j] for j in x)) for x in reach]
     groups = {tuple(j for j in sorted(x) if i in reach[j]) for i, x in enumerate(reach)}
     return [[[V[i][j] for j in group] for i in group] for group in sorted(groups)]

@@ -15,7 +15,7 @@ from .arithmetic import (
     spread,
     sum_of_spread,
 )
-from .refusals import NotShown, Refused, Undecided, require
+from .refusals import Refused, Undecided, require
 
 if TYPE_CHECKING:
     from .towers import Tower
@@ -257,7 +257,7 @@ def sign(x: Number) -> int:
     if type(x) is Interval:
         return 1 if x and x.positive() else -1
     if isinstance(x, Ring):
-        raise NotShown("a sign is asked of an unknown")
+        return x.sign()
     return (x > 0) - (x < 0)
 
 

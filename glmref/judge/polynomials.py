@@ -168,16 +168,38 @@ class OnAxis(Ring):
         return OnAxis([-c if k % 2 else c for k, c in enumerate(self.p)])
 
 
+def sturm_chain(p: list) -> list:
+    """Return the chain of Sturm of p and p'."""
+    chain, rest = [trim(p)], trim(derivative(trim(p)))
+    while rest:
+        chain.append(rest)
+        rest = [-x for x in divide(chain[-2], rest)[1]]
+    return chain
+
+
+def sign_changes(signs: Iterable[int]) -> int:
+    """Return how often the sign changes, zeros left out."""
+    return sum(a != b for a, b in pairwise(x for x in signs if x))
+
+
 def real_roots(p: list) -> int:
     """Return the number of different real roots of p (Sturm)."""
-    chain = [trim(p), derivative(trim(p))]
-    while trim(chain[-1]):
-        chain.append([-x for x in divide(chain[-2], chain[-1])[1]])
-    ends = []
-    for side in (-1, 1):
-        signs = [sign(q[-1]) * side ** (len(q) - 1) for q in map(trim, chain) if q]
-        ends.append(sum(a != b for a, b in pairwise(signs)))
-    return ends[0] - ends[1]
+    chain = sturm_chain(p)
+    left, right = ([sign(q[-1]) * end ** (len(q) - 1) for q in chain] for end in (-1, 1))
+    return sign_changes(left) - sign_changes(right)
+
+
+def odd_factors(p: list) -> Iterator[list]:
+    """Yield the factors of p of odd multiplicity, each once (Yun)."""
+    p = trim(p)
+    common = gcd(p, derivative(p))
+    first, rest, k = divide(p, common)[0], common, 1
+    while len(first) > 1:
+        shared = gcd(first, rest)
+        factor = divide(first, shared)[0]
+        if k % 2 and len(factor) > 1:
+            yield factor
+        first, rest, k = shared, divide(rest, shared)[0], k + 1
 
 
 def nowhere_negative(p: list) -> bool:
@@ -185,15 +207,7 @@ def nowhere_negative(p: list) -> bool:
     p = trim(p)
     if sign(p[-1]) < 0 or len(p) % 2 == 0:
         return False
-    common = gcd(p, derivative(p))  # Yun: factors of multiplicity 1, 2, ..
-    first, rest, k = divide(p, common)[0], common, 1
-    while len(first) > 1:
-        shared = gcd(first, rest)
-        factor = divide(first, shared)[0]
-        if k % 2 and len(factor) > 1 and real_roots(factor):
-            return False
-        first, rest, k = shared, divide(rest, shared)[0], k + 1
-    return True
+    return not any(map(real_roots, odd_factors(p)))
 
 
 def no_root_but_zero(p: list) -> bool:

@@ -123,6 +123,15 @@ def never_meet(P: list) -> bool:
     return no_root_but_zero(gcd(even, odd) if even and odd else even or odd)
 
 
+def differences(P: list) -> list[list | None]:
+    """Return the differences of Schur and Cohn of P(w, i y), None for a step of Cohn that fails.
+
+    They are polynomials in y, of real methods even: a difference is its own conjugate.
+    """
+    found = margins(map(OnAxis, P))
+    return [x if x is None else [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found]
+
+
 class Axis(NamedTuple):
     """The differences of Schur and Cohn of P(w, i y), real polynomials in y.
 
@@ -161,10 +170,8 @@ class StabilityCase(Case):
     @cached_property
     def axis(self) -> Axis:
         """Return the differences on the imaginary axis."""
-        found = list(margins(map(OnAxis, self.P)))
-        # a difference is its own conjugate: even in i y
-        values = [[c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found if x is not None]
-        return Axis(values, None in found)
+        found = differences(self.P)
+        return Axis([x for x in found if x is not None], None in found)
 
     @property
     def is_negative(self) -> bool:

@@ -693,7 +693,7 @@ class _Writer:
         values = [b[3] for b in self.kernel.blocks.values()]
         if not self.kernel.is_pair or self.kernel.shared or not is_exact(*values):
             return []
-        if not poly.share_only_one(*map(poly.characteristic_polynomial, values)):
+        if not poly.share_only_one(*map(poly.characteristic, values)):
             return []
         bounded = [self._bounded(c) for c in self.kernel.blocks]
         return [*bounded, {"rule": "unshared", "witness": {}}]

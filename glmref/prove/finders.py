@@ -233,7 +233,7 @@ def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
         inner = linalg.matmul(tuple(W), m.B, m.U, linalg.transpose(tuple(N)))
         matrix = linalg.scale(1 / zeta, inner)
         trace = sum((matrix[i][i] for i in range(len(matrix))), Exact(0))
-        whole = poly.characteristic_polynomial(matrix)
+        whole = poly.characteristic(matrix)
         # an inconsistent method may have no principal component where 1 is multiple
         principal = (zeta - 1).is_zero() is True and (
             len(matrix) == 1 or poly.evaluate(whole, 1).is_zero() is not False

@@ -156,9 +156,7 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
             if e.multiplicity > 1 or not (e.value - 1).is_zero()
         ]
         return tuple(_growth_at(one, e) for e in found), ""
-    if not m.shared and poly.share_only_one(
-        *(poly.characteristic_polynomial(c.V) for c in m.components)
-    ):
+    if not m.shared and poly.share_only_one(*(poly.characteristic(c.V) for c in m.components)):
         return (), ""
     if (halves := residues(m)) is not None:
         return tuple(

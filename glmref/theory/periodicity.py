@@ -114,7 +114,7 @@ def _is_definite(m: Method) -> bool:
         return False
     minors = (tuple(row[:k] for row in found.G[:k]) for k in range(1, m.carried + 1))
     for minor in minors:  # the constant coefficient of the characteristic polynomial: a determinant
-        determinant = poly.characteristic_polynomial(minor)[0] * (-1) ** len(minor)
+        determinant = poly.characteristic(minor)[0] * (-1) ** len(minor)
         if determinant.real.sign() <= 0:
             return False
     return True

