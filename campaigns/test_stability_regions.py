@@ -9,7 +9,6 @@ from campaigns.driver import fingerprint
 from campaigns.stability_regions import (
     FAR,
     FORMAT,
-    GRID,
     NEARNESS,
     main,
     names_with_region,
@@ -17,6 +16,7 @@ from campaigns.stability_regions import (
     simplified,
 )
 from glmref.catalogue.lookup import data_root, load
+from glmref.measure.stability import GRID
 
 FILE = data_root() / "measurements" / "stability.json"
 STORED = json.loads(FILE.read_text(encoding="utf-8"))

@@ -12,9 +12,9 @@ point at which an eigenvalue has modulus one.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,13 @@ from ..method.rounding import FloatGLM
 #: moves them by the root of 2^-53 times the condition of M: about 1e-8, a tenth of this.
 GROWTH = 1e-7
 _SAMPLES = 480  # of a curve of moduli
+#: Points of the grid along a side: even, so that none lies on an axis.
+GRID = 120
+MOST = 12.0  # half side of the largest square in which a region is looked for
+_BISECTIONS = 12
+
+Point = tuple[float, float]
+Edge = tuple[int, int, int, int]
 
 
 @lru_cache(maxsize=8)
@@ -164,64 +171,110 @@ def locus(method: GLM, *, turns: int = 720) -> Locus:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A rectangle of the z plane, sampled adaptively."""
+    """The stable part of a square of the z plane around 0."""
 
-    area: float  #: Area of the part in which M(z) is power-bounded.
-    #: Area of the cells that the boundary may cross: a bound, where no cell hides a hole.
-    error: float
-    cells: np.ndarray  #: (m, 4) cells wholly inside: real and imaginary parts of two corners.
-    evaluations: int  #: Points looked at.
+    reach: float  #: Half the side of the square.
+    rings: list[list[Point]]  #: Closed polygons around it, and around its holes.
 
 
-def region(
-    method: GLM, box: tuple[complex, complex], *, coarse: int = 16, depth: int = 5
-) -> Region:
-    """Sample a rectangle, with more points near the boundary.
+def region(method: GLM) -> Region:
+    """Find the stability region in a square that holds most of its boundary.
 
-    A cell is split in four where its corners and its middle do not agree.
-
-    Parameters
-    ----------
-    box : tuple[complex, complex]
-        Lower left and upper right corner.
-    coarse : int
-        Cells along each side at the start.
-    depth : int
-        How often a cell may be split.
+    It is looked for on a grid, none of whose points lies on an axis: a symplectic method keeps a
+    piece of the imaginary axis and has no area there. Where two neighbours of the grid differ, the
+    boundary is found between them by bisection; what is thinner than a cell is not seen. Polygons
+    end at the sides of the square.
     """
-    low, high = box
-    xs = np.linspace(low.real, high.real, coarse + 1)
-    ys = np.linspace(low.imag, high.imag, coarse + 1)
-    pairs = product(pairwise(xs), pairwise(ys))
-    cells = np.array([[a, b, c, d] for (a, c), (b, d) in pairs])
-    kept, area, count, mixed = [], 0.0, 0, cells
-    for level in range(depth + 1):
-        inside, agree = _corners(method, mixed)
-        count += 5 * len(mixed)
-        whole = mixed[agree & inside]
-        kept.append(whole)
-        area += float(_areas(whole).sum())
-        mixed = mixed[~agree]
-        if level < depth:
-            mixed = _quartered(mixed)
-    edge = float(_areas(mixed).sum())
-    return Region(area + edge / 2, edge / 2, np.concatenate(kept), count)
+    boundary = locus(method)
+    edge = np.abs(boundary.z[boundary.edge & np.isfinite(boundary.z)])
+    size = float(np.sort(edge)[int(0.9 * (len(edge) - 1))]) if len(edge) else MOST
+    reach = rounded_up(min(max(1.15 * size, 1.0), MOST))
+    step = 2 * reach / GRID
+    marks = -reach + (np.arange(GRID) + 0.5) * step
+    inside = np.zeros((GRID + 2, GRID + 2), dtype=bool)
+    inside[1:-1, 1:-1] = bounded(method, marks[:, None] + 1j * marks[None, :])
+    edges = _crossings(inside)
+    return Region(reach, _joined(_links(inside), _placed(method, edges, marks, reach)))
 
 
-def _corners(method: GLM, cells: np.ndarray) -> tuple[Any, Any]:
-    a, b, c, d = cells.T
-    points = np.stack([a + 1j * b, c + 1j * b, a + 1j * d, c + 1j * d, (a + c + 1j * (b + d)) / 2])
-    stays = bounded(method, points)
-    inside = np.all(stays, axis=0)
-    return inside, inside | ~np.any(stays, axis=0)
+def rounded_up(value: float) -> float:
+    """Round up to a tenth."""
+    return math.ceil(value * 10) / 10
 
 
-def _areas(cells: np.ndarray) -> np.ndarray:
-    return (cells[:, 2] - cells[:, 0]) * (cells[:, 3] - cells[:, 1])
+def _crossings(inside: np.ndarray) -> list[Edge]:
+    """Return neighbours (i, j) inside and (k, l) outside."""
+    found: list[Edge] = []
+    for di, dj in ((1, 0), (0, 1)):
+        a, b = inside[: -di or None, : -dj or None], inside[di:, dj:]
+        for i, j in np.argwhere(a != b).tolist():
+            pair = ((i, j), (i + di, j + dj))
+            first, second = pair if inside[i, j] else pair[::-1]
+            found.append((*first, *second))
+    return found
 
 
-def _quartered(cells: np.ndarray) -> np.ndarray:
-    a, b, c, d = cells.T
-    x, y = (a + c) / 2, (b + d) / 2
-    parts = ((a, b, x, y), (x, b, c, y), (a, y, x, d), (x, y, c, d))
-    return np.concatenate([np.stack(part, axis=1) for part in parts])
+def _placed(
+    method: GLM, edges: list[Edge], marks: np.ndarray, reach: float
+) -> dict[frozenset[tuple[int, int]], Point]:
+    """Return where the boundary crosses each of them."""
+    if not edges:
+        return {}
+    table = np.array(edges)
+    padded = np.concatenate([[-reach], marks, [reach]])
+    good = padded[table[:, 0]] + 1j * padded[table[:, 1]]
+    bad = padded[table[:, 2]] + 1j * padded[table[:, 3]]
+    # what lies outside of the box is not looked at: the polygon ends there
+    within = np.all((table[:, 2:] > 0) & (table[:, 2:] <= GRID), axis=1)
+    for _ in range(_BISECTIONS):
+        middle = (good[within] + bad[within]) / 2
+        stays = bounded(method, middle)
+        good[within] = np.where(stays, middle, good[within])
+        bad[within] = np.where(stays, bad[within], middle)
+    keys = (frozenset(((i, j), (k, m))) for i, j, k, m in edges)
+    return {key: (z.real, z.imag) for key, z in zip(keys, bad.tolist(), strict=True)}
+
+
+def _links(inside: np.ndarray) -> list[tuple[frozenset[tuple[int, int]], ...]]:
+    """Return pieces of the boundary in each square of four neighbours: pairs of crossed edges."""
+    found = []
+    mixed = inside[:-1, :-1].astype(int) + inside[1:, :-1] + inside[:-1, 1:] + inside[1:, 1:]
+    for i, j in np.argwhere((mixed > 0) & (mixed < 4)).tolist():
+        corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+        crossed = [
+            frozenset((corners[k], corners[(k + 1) % 4]))
+            for k in range(4)
+            if inside[corners[k]] != inside[corners[(k + 1) % 4]]
+        ]
+        if len(crossed) == 4 and not inside[corners[0]]:
+            # a saddle: the two corners inside are kept apart
+            crossed = [*crossed[1:], crossed[0]]
+        if len(crossed) == 4:
+            found.append((crossed[3], crossed[0]))
+            found.append((crossed[1], crossed[2]))
+        else:
+            found.append((crossed[0], crossed[1]))
+    return found
+
+
+def _joined(
+    links: list[tuple[frozenset[tuple[int, int]], ...]],
+    places: Mapping[frozenset[tuple[int, int]], Point],
+) -> list[list[Point]]:
+    """Follow the pieces round: every crossed edge belongs to two of them."""
+    beside: dict[frozenset[tuple[int, int]], list[frozenset[tuple[int, int]]]] = {}
+    for a, b in links:
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    rings = []
+    while beside:
+        start = here = next(iter(beside))
+        ring = []
+        while True:
+            ring.append(places[here])
+            onward = beside.pop(here)
+            here = next((x for x in onward if x in beside), start)
+            if here == start:
+                break
+        rings.append([*ring, ring[0]])
+    return rings

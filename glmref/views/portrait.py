@@ -8,20 +8,17 @@ oscillator q' = omega p, p' = -omega q alone. Numbers are measured, see
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..errors import UsageError
 from ..exact.linalg import Matrix
-from ..measure.stability import interval, locus, moduli, region
+from ..measure.stability import MOST, interval, locus, moduli, region
 from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..theory.stability import oscillator
 from .axes import Axes, document, round_ticks, text
 
 _WIDTH, _HEIGHT = 870, 430
 _FILL, _LINE = "#9ecae9", "#0072b2"
-_REACH = 12.0  # a region that goes on is cut here
 
 
 def _panel(axes: Axes, title: str, labels: tuple[str, str]) -> list[str]:
@@ -65,42 +62,33 @@ def portrait(method: GLM | PartitionedGLM | AdditiveGLM) -> str:
 
 
 def _region(method: GLM) -> list[str]:
-    """Return cells inside the region, its traced boundary, and the two axes."""
+    """Return the region, its traced boundary, and the two axes."""
+    found = region(method)
+    square = (-found.reach, found.reach)
+    box = Axes(50, 64, 330, 330, square, square)
     boundary = locus(method)
     edge = boundary.z[boundary.edge & np.isfinite(boundary.z)]
-    sizes = np.sort(np.abs(edge))
-    reach = float(sizes[int(0.9 * (len(sizes) - 1))]) if len(sizes) else _REACH
-    reach = min(max(1.15 * reach, 1.0), _REACH)
-    box = Axes(50, 64, 330, 330, (-reach, reach), (-reach, reach))
-    # an odd number of cells across: no line of corners lies on the imaginary axis, where the
-    # eigenvalues of a symplectic method have modulus one
-    found = region(method, (complex(-reach, -reach), complex(reach, reach)), coarse=25, depth=4)
-    path = "".join(_cell(box, cell) for cell in found.cells)
+    path = "".join(f"M{box.line(ring)}z" for ring in found.rings)
     return [
-        f'<path d="{path}" fill="{_FILL}" shape-rendering="crispEdges"/>' if path else "",
+        f'<path d="{path}" fill="{_FILL}" fill-rule="evenodd"/>' if path else "",
         box.cross(0, 0),
         box.dots(((z.real, z.imag) for z in edge), _LINE, 2),
         *_panel(box, "stability region, z = h lambda", ("Re z", "Im z")),
     ]
 
 
-def _cell(box: Axes, cell: Sequence[float]) -> str:
-    (u, v), (x, y) = box.at(cell[0], cell[3]), box.at(cell[2], cell[1])
-    return f"M{u:.1f} {v:.1f}H{x:.1f}V{y:.1f}H{u:.1f}z"
-
-
 def _moduli(
     method: GLM, direction: complex, axis: str, place: tuple[float, float, float, float]
 ) -> list[str]:
     """Return the moduli of the eigenvalues of M along the axis of oscillations."""
-    end = interval(method, direction, most=_REACH)
-    reach = min(max(1.4 * end, 1.0), _REACH)
+    end = interval(method, direction, most=MOST)
+    reach = min(max(1.4 * end, 1.0), MOST)
     axes = Axes(*place, (0, reach), (0, 2))
     parts = [
         f'<polyline points="{axes.line(piece)}" fill="none" stroke="{_LINE}" stroke-width="1.4"/>'
         for piece in moduli(method, direction, reach)
     ]
-    kept = "throughout" if end >= _REACH else f"up to {end:.4g}"
+    kept = "throughout" if end >= MOST else f"up to {end:.4g}"
     # two lines: beside the digits of a bound, one would leave the picture
     title = f"moduli of eigenvalues against {axis}\ngrowth below 1e-7 {kept}"
     return [*parts, *_panel(axes, title, (axis, "|w|"))]
