@@ -16,7 +16,7 @@ from ..exact import ball
 from ..method import Method
 from ..problems import problem
 from .bench import DIGITS, FAULT_DIGITS, SAFETY, SHOWN, Bench
-from .expressions import Bounded
+from .bounded import Bounded
 from .faults import wrong_runs
 from .numbers import decimal_text, decimals, exact_decimal, fraction_of, upper_text
 from .proof import add_wrong, distance

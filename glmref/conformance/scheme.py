@@ -7,7 +7,7 @@ bound of the rounding errors take no detours. In balls coupled stages are enclos
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -19,7 +19,8 @@ from ..engine.reference import Stepper
 from ..exact import Ball, Exact, ball
 from ..exact.linalg import Matrix
 from ..method import Method
-from .expressions import BALL_FUNCTIONS, Bounded, bounded_functions, evaluate
+from ..problems.formula import Formula
+from .bounded import BALLS, Bounded, bounded
 
 #: slope of a stage: ``field(kind, time, stage vector)``, kind one of "f", "dq", "dp"
 Field = Callable[[str, Any, Any], list[Any]]
@@ -120,28 +121,24 @@ def step_over(
     return [list(row) for part in parts for row in part], [list(row) for row in taken.values]
 
 
-def _field(texts: Any, functions: Any, number: Any) -> Field:
-    """Return the field of a problem's expressions ``{"f": [..], "dq": [..], "dp": [..]}``."""
-    names = {"f": "y", "dq": "p", "dp": "q"}
+def field_over(texts: Mapping[str, Sequence[str]], context: Any) -> Field:
+    """Return the field of a problem's expressions ``{"f": [..], "dq": [..], "dp": [..]}``.
 
-    def field(kind: str, t: Any, where: Sequence[Any]) -> list[Any]:
-        return evaluate(texts[kind], {"t": t, names[kind]: where}, functions, number=number)
+    The context is :data:`.bounded.BALLS`, or that of :func:`.bounded.bounded`.
+    """
+    arguments = {"f": ("t", "y"), "dq": ("p",), "dp": ("q",)}
+    known = {k: Formula(tuple(x), variables=arguments[k]).on(context) for k, x in texts.items()}
+    return lambda kind, t, where: list(known[kind](*(t, where)[kind != "f" :]))
 
-    return field
 
-
-def ball_field(texts: Any) -> Field:
+def ball_field(texts: Mapping[str, Sequence[str]]) -> Field:
     """Return the right-hand side over balls."""
-    return _field(texts, BALL_FUNCTIONS, ball)
+    return field_over(texts, BALLS)
 
 
-def error_field(texts: Any, context: Any) -> Field:
-    """Return the right-hand side over :class:`Bounded` numbers."""
-
-    def number(x: Fraction) -> Bounded:
-        return Bounded(context.mpf(x.numerator) / x.denominator, 0)
-
-    return _field(texts, bounded_functions(context), number)
+def error_field(texts: Mapping[str, Sequence[str]], context: Any) -> Field:
+    """Return the right-hand side over :class:`.Bounded` numbers."""
+    return field_over(texts, bounded(context))
 
 
 class Unproved(ArithmeticError):

@@ -68,10 +68,10 @@ def _floor(problem: Problem) -> float:
     return float(np.max(np.abs(problem.y0))) or 1.0
 
 
-def _names_of(module: Any, **renamed: str) -> SimpleNamespace:
+def names_of(module: Any, *, mpf: Callable[[Any], Any] = float, **renamed: str) -> SimpleNamespace:
     """Return a module's functions as the context a problem's functions are evaluated in."""
     found = {name: getattr(module, renamed.get(name, name)) for name in FUNCTIONS}
-    return SimpleNamespace(mpf=float, pi=math.pi, **found)
+    return SimpleNamespace(mpf=mpf, pi=math.pi, **found)
 
 
 def _sundae(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
@@ -96,14 +96,20 @@ def _sundae(problem: Problem, tolerance: float, times: np.ndarray, method: str) 
     return run
 
 
+def heyoka_system(problem: Problem) -> list[tuple[Any, Any]]:
+    """Return the right-hand side of expressions or loops as heyoka has it, by variable."""
+    heyoka, f = import_module("heyoka"), problem.f
+    names = [f"y{i}" for i in range(problem.dimension)]
+    symbols = np.array(heyoka.make_vars(*names), dtype=object).reshape(-1)
+    slopes = f.on(names_of(heyoka))(heyoka.time, symbols)  # type: ignore[union-attr]
+    return [(x, heyoka.expression(0.0) + s) for x, s in zip(symbols, slopes, strict=True)]
+
+
 def _heyoka(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
     heyoka = import_module("heyoka")
     if not hasattr(problem.f, "on"):
         raise UsageError(f"{method} needs {problem.name} as expressions or loops, not a function")
-    names = [f"y{i}" for i in range(problem.dimension)]
-    symbols = np.array(heyoka.make_vars(*names), dtype=object).reshape(-1)
-    slopes = problem.f.on(_names_of(heyoka))(heyoka.time, symbols)
-    system = [(x, heyoka.expression(0.0) + s) for x, s in zip(symbols, slopes, strict=True)]
+    system = heyoka_system(problem)
     start, y0 = float(problem.t_span[0]), [float(x) for x in problem.y0]
     integrator = heyoka.taylor_adaptive(system, y0, time=start, tol=tolerance)
 
@@ -117,19 +123,28 @@ def _heyoka(problem: Problem, tolerance: float, times: np.ndarray, method: str) 
     return run
 
 
-def _diffrax(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
-    jax, diffrax = import_module("jax"), import_module("diffrax")
-    jax.config.update("jax_enable_x64", True)
+def traced_by_jax(problem: Problem) -> Callable[[Any, Any, Any], Any]:
+    """Return the right-hand side of expressions or loops as a function that jax can trace."""
     numpy = import_module("jax.numpy")
-    if not hasattr(problem.f, "on"):
-        raise UsageError(f"{method} needs {problem.name} as expressions or loops, not a function")
-    f = problem.f.on(_names_of(numpy, atan2="arctan2"))
+    f: Any = problem.f
+    f = f.on(names_of(numpy, atan2="arctan2"))
 
     def slope(t: Any, y: Any, _: Any) -> Any:
         state = np.empty(problem.dimension, dtype=object)
         for i in range(problem.dimension):
             state[i] = y[i]
         return numpy.stack([numpy.asarray(x) for x in f(t, state)])
+
+    return slope
+
+
+def _diffrax(problem: Problem, tolerance: float, times: np.ndarray, method: str) -> Runner:
+    jax, diffrax = import_module("jax"), import_module("diffrax")
+    jax.config.update("jax_enable_x64", True)
+    numpy = import_module("jax.numpy")
+    if not hasattr(problem.f, "on"):
+        raise UsageError(f"{method} needs {problem.name} as expressions or loops, not a function")
+    slope = traced_by_jax(problem)
 
     @jax.jit
     def integrate(y0: Any) -> Any:

@@ -259,8 +259,10 @@ class _Literals(ast.NodeTransformer):
         return node
 
     def visit_Constant(self, node: ast.Constant) -> ast.Name:
-        # repr gives back the decimal as it was written, up to 17 digits
-        value = to_number(Fraction(repr(node.value)), self.context)
+        exact = node.value
+        if not isinstance(exact, int):  # repr gives back the decimal as it was written
+            exact = Fraction(repr(exact))
+        value = to_number(exact, self.context)
         name = f"number_{len(self.values)}"
         self.values[name] = value
         return ast.Name(name, ast.Load())

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..expressions import evaluate
+from ...measure.peers import traced_by_jax
 
 #: Name in the catalogue -> solver.
 SOLVERS = {
@@ -54,13 +54,9 @@ class Adapter:
 
 def _field(problem: Any) -> Any:
     """Return the right-hand side that jax can trace; a Python function is called back from it."""
-    texts, functions = problem.expressions, {"sin": jnp.sin, "sqrt": jnp.sqrt}
-
-    def traced(t: Any, y: Any, _: Any) -> Any:
-        return jnp.stack(evaluate(texts, {"t": t, "y": y}, functions, number=float))
 
     def called(t: Any, y: Any, _: Any) -> Any:
         shape = jax.ShapeDtypeStruct(y.shape, y.dtype)
         return jax.pure_callback(lambda s, x: problem.f(float(s), np.asarray(x)), shape, t, y)
 
-    return called if texts is None else traced
+    return called if problem.expressions is None else traced_by_jax(problem)

@@ -11,7 +11,7 @@ from typing import Any
 import heyoka
 import numpy as np
 
-from ..expressions import evaluate
+from ...measure.peers import heyoka_system
 from ..vector_problems import problems
 
 
@@ -29,15 +29,7 @@ class Adapter:
         if problem.name not in self.engines:
             if problem.expressions is None:
                 raise NotImplementedError("heyoka differentiates expressions; f must be given so")
-            variables = heyoka.make_vars(*(f"y{k}" for k in range(problem.dimension)))
-            rates = evaluate(
-                problem.expressions,
-                {"t": heyoka.time, "y": variables},
-                {"sin": heyoka.sin, "sqrt": heyoka.sqrt},
-                number=lambda x: heyoka.expression(float(x)),
-            )
-            system = list(zip(variables, rates, strict=True))
-            start = [0.5] * problem.dimension
+            system, start = heyoka_system(problem), [0.5] * problem.dimension
             self.engines[problem.name] = heyoka.taylor_adaptive(system, start, tol=self.accuracy)
         return self.engines[problem.name]
 

@@ -15,7 +15,7 @@ import jitcode
 import numpy as np
 import symengine
 
-from ..expressions import evaluate
+from ...measure.peers import names_of
 
 #: Name in the catalogue -> name in JiTCODE.
 INTEGRATORS = {"bogacki-shampine-3": "RK23", "dormand-prince-5": "RK45", "dop853": "DOP853"}
@@ -37,13 +37,8 @@ class Adapter:
             if problem.expressions is None:
                 raise NotImplementedError("JiTCODE compiles expressions; f must be given so")
             state = [jitcode.y(k) for k in range(problem.dimension)]
-            rates = evaluate(
-                problem.expressions,
-                {"t": jitcode.t, "y": state},
-                {"sin": symengine.sin, "sqrt": symengine.sqrt},
-                number=lambda x: symengine.Rational(x.numerator, x.denominator),
-            )
-            made = jitcode.jitcode(rates, n=problem.dimension, verbose=False)
+            f = problem.f.on(names_of(symengine, mpf=symengine.sympify))
+            made = jitcode.jitcode(list(f(jitcode.t, state)), n=problem.dimension, verbose=False)
             with TemporaryDirectory() as folder, chdir(folder):  # setuptools reads what lies here
                 made.compile_C(extra_compile_args=["-O1"])
             self.compiled[problem.name] = made
