@@ -20,7 +20,7 @@ from .rules_orders import (
     bound_is_below_the_order,
     order_is_enclosed_or_open,
 )
-from .series import Series, external, path_orders
+from .series import Series, Solved, external, path_orders
 from .trees import LEAF, PATHS, Tree, cuts, size, through
 
 
@@ -69,33 +69,40 @@ class StartCase(BoundCase):
     def gap(self, order: int, p: int) -> Callable[[Tree], list]:
         """Return the function that gives start(t) - eta(t) through an order.
 
-        Of one method eta is moved along the flow, so that it agrees with the start in what is
-        read at the single vertex, and at order p it may be moved by eigenvectors N beta.
+        At order p eta may be moved by eigenvectors N beta.
         """
         method, start, free = self.method, self.start, not self.method.pair
         require(not free or not method.system, "a start of a Rosenbrock method")
         series = self.proof.series(not free, self.kind[1], order, filled=True)
-        sigma = Fraction(0)
-        if free and order:
-            single = less(start.value(LEAF), series.eta_of(LEAF))
-            sigma = dot(series.w["o"], single)
-
-        def gap(tree: Tree) -> list:
-            found = less(start.value(tree), series.eta_of(tree))
-            if free:
-                found = less(found, series.shift(tree, sigma))
-            if free and size(tree) == p:
-                W, N = series.W["o"], series.N["o"]
-                return less(found, apply(transpose(N), apply(W, found)))
-            return found
-
-        return gap
+        sigma = ahead(start, series) if free and order else Fraction(0)
+        return lambda tree: start_gap(start, series, tree, sigma, size(tree) == p)
 
     @property
     def past_the_bound(self) -> tuple[int, int]:
         """Return the orders of eta and of the method with which order q + 1 is looked at."""
         known = self.order.high
         return min(self.q + 1, self.most), self.q + 2 if known is None else known
+
+
+def ahead(start: Series, series: Solved) -> Number:
+    """Return what a start reads at the single vertex less what eta does, of one method."""
+    return dot(series.w["o"], less(start.value(LEAF), series.eta_of(LEAF)))
+
+
+def start_gap(start: Series, series: Solved, tree: Tree, sigma: Number, last: bool) -> list:
+    """Return start(t) - eta(t), at the `last` order less its part along eigenvectors N beta.
+
+    Of one method eta is moved along the flow through sigma.
+    """
+    found = less(start.value(tree), series.eta_of(tree))
+    if not series.free:
+        return found
+    if not is_nil(sigma):
+        found = less(found, series.shift(tree, sigma))
+    if last:
+        W, N = series.W["o"], series.N["o"]
+        return less(found, apply(transpose(N), apply(W, found)))
+    return found
 
 
 def order_is_enclosed(case: StartCase) -> bool:
@@ -217,13 +224,16 @@ class FinishCase(StartCase):
 
     def defect(self, tree: Tree) -> Number:
         """Return (a b)(t), a the output of the start and b the finish."""
-        start, (_, w) = self.start, self.external
+        return finished(self.start, self.finish, self.external[1], tree)
 
-        def output(t: Tree) -> Number:
-            return dot(w, start.value(t))
 
-        pieces = cuts(tree, output).items()
-        return output(tree) + total(x * self.finish.value(s)[0] for s, x in pieces)
+def finished(start: Series, finish: Series, w: list, tree: Tree) -> Number:
+    """Return (a b)(t), a what w reads of the start and b the finish."""
+
+    def output(t: Tree) -> Number:
+        return dot(w, start.value(t))
+
+    return output(tree) + total(x * finish.value(s)[0] for s, x in cuts(tree, output).items())
 
 
 def output_of_the_start_is_y(case: FinishCase) -> bool:

@@ -165,7 +165,7 @@ class Shared:
         if not found.simple:
             return None
         scalar = tower_of(tuple(self.exact_texts.radicals)).scalar
-        return Judged(found, scalar, rational=field["kind"] == "rational")
+        return Judged(found, scalar)
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
         """Return the field of a statement about exact numbers."""

@@ -24,6 +24,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from math import factorial
+from types import SimpleNamespace
 from typing import Any
 
 from ..catalogue.claims import (
@@ -40,8 +41,10 @@ from ..catalogue.claims import (
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
+from ..exact.judging import fast_judge
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
+from ..judge.refusals import Refused
 from ..method import Method
 from ..method.component import Palette
 from ..method.preconsistency import (
@@ -52,20 +55,17 @@ from ..theory.coefficients import (
     difference,
     first_nonzero,
     is_zero,
-    scalars,
 )
 from ..theory.order import MANY_STARTS, highest_order
-from ..theory.series import Series, compose
 from ..theory.starting_series import (
     Judged,
     NotPreconsistent,
     Prepared,
     StartingSeries,
     component,
-    read,
-    tableau_series,
+    tableau,
 )
-from ..theory.trees import Tree, counted, single, trees
+from ..theory.trees import Tree, as_judged, counted
 from .algebra import (
     is_exact,
 )
@@ -246,7 +246,10 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
 
     def range(self, claim: str) -> Range:
         """Return proved bounds of an order; the theorem: :mod:`glmref.theory.starting_series`."""
-        return self._with_implied(claim, self._rule(claim))
+        try:
+            return self._with_implied(claim, self._rule(claim))
+        except Refused as error:
+            raise ExactnessError(str(error)) from error
 
     def _with_implied(self, claim: str, found: Range) -> Range:
         implied = self.implied.at_least.get(claim) if self.implied else None
@@ -452,8 +455,17 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             if not (zero and on_solution) or (n == 1 and not self._at_one_time(series)):
                 return None
             # of the next order a tree may still fail: that needs no other trees
-            on_solution = series.right_along_paths("f" if nystrom else "fk")
+            on_solution = self._right_along_paths(series, "f" if nystrom else "fk")
         return None
+
+    @staticmethod
+    def _right_along_paths(series: StartingSeries, colours: str) -> bool:
+        """Tell whether stages of these colours are the solution on paths through the last order."""
+        solved, n, reached = series.solved, series.order, fast_judge().series.path_orders
+        try:
+            return all(min(reached(solved.method, solved, c, n)) >= n for c in colours)
+        except Refused:
+            return False
 
     def _at_one_time(self, series: StartingSeries) -> bool:
         """Return whether shared stages have the same abscissae for Q and P."""
@@ -578,7 +590,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         for leaf in reversed(tuple(self.palette)):  # the root is of the other colour: f first
             root = next(c for c, below in self.palette.items() if leaf in below)
             text = leaf * (n - 1)
-            power = tuple(x ** (n - 1) for x in series.stage(single(leaf), (0,)))
+            power = tuple(x ** (n - 1) for x in linalg.row_sums(series.components[leaf].A))
             value = self._seen(series.components[root], power) - Fraction(1, n)
             found[f"{root.replace('o', '')}[{text}]"] = value
         return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
@@ -618,32 +630,60 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         series = self.timed.series[free, False].through(1 if self.one_step else top)
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
-        c = {colour: series.abscissae(colour) for colour in series.palette}
+        c = [series.abscissae(colour) for colour in series.palette]
         # of an additive method the abscissa of a stage is that of every part
-        one = not self.method.additive or all(is_zero(difference(*x)) for x in pairwise(c.values()))
-        lower = top if order.lower and one else 0
-        for q in range(1, top + 1):
-            answers: list[bool | None] = []
-            refuted = None
-            series.through(q)
-            for t in series.level(q):
-                fixed = defect = series.defect(t, c[t.colour], series.value(t))
-                if free and q >= order.lower:
-                    fixed = series.fixed_stages(t.colour, defect)
-                if refuted is None and is_zero(fixed) is False:
-                    refuted = str(t)
-                # the principal part is free only where the order is known to end here
-                answers.append(is_zero(fixed if q == order.upper else defect))
-            if refuted is not None:
-                return Range(
-                    min(lower, q - 1), q - 1, exact=exact, value=q - 1,
-                    reason=f"found {q - 1}", failing=refuted,
-                )  # fmt: skip
-            # of order 1 the condition says what the abscissae are
-            if not all(answers) and q > 1:
-                lower = min(lower, q - 1)
-        upper = order.upper
-        return Range(min(lower, order.lower), upper, exact=exact, value=top, reason=f"found {top}")
+        one = not self.method.additive or all(is_zero(difference(*x)) for x in pairwise(c))
+        defect, solved = fast_judge().rules_orders.stage_defect, series.solved
+        found = self._compared(
+            series, order, top, lambda t, last: defect(solved, t, last),
+            lambda t, gap: f"found {t.order - 1}", f"found {top}",
+            proved=bool(order.lower) and one, exact=exact, first=2,
+        )  # fmt: skip
+        return found if found.failing else replace(found, lower=min(found.lower, order.lower))
+
+    def _compared(
+        self,
+        series: StartingSeries,
+        known: Range,
+        top: int,
+        gap: Callable[[Any, bool], list],
+        fails: Callable[[Tree, Vector], str],
+        agrees: str,
+        *,
+        proved: bool,
+        exact: bool,
+        first: int = 1,
+    ) -> Range:
+        """Return bounds of the order through which stages, a start or a finish are right.
+
+        Parameters
+        ----------
+        series : StartingSeries
+            Of the method, whose order has the bounds `known`.
+        top : int
+            The last order to look at.
+        gap : callable
+            What must vanish at a tree of the judge; if told so, less what the principal parts N
+            beta of the order change, which are free only where the order is known to end there.
+        fails, agrees : callable, str
+            Say what fails at a tree, and what holds where nothing does.
+        proved : bool
+            Whether what is asked below the order `first` is known to hold.
+        exact : bool
+            Whether all numbers are exact.
+        """
+        lower = first - 1 if proved else 0
+        for q in range(first, top + 1):
+            for t in series.through(q).level(q):
+                strict = loose = series.scalars(gap(as_judged(t), False))
+                if series.free and q >= known.lower:
+                    loose = series.scalars(gap(as_judged(t), True))
+                if is_zero(loose) is False:
+                    return Range(lower, q - 1, exact=exact, value=q - 1,
+                                 reason=fails(t, loose), failing=str(t))  # fmt: skip
+                proved = proved and bool(is_zero(loose if q == known.upper else strict))
+            lower = q if proved else lower
+        return Range(lower, known.upper, exact=exact, value=top, reason=agrees)
 
     # -- starts and finishes -----------------------------------------------------------------------
 
@@ -679,18 +719,18 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if start is not None and self._is_implied(claim.key, known):
             return Range(0, p, exact=False, value=p,
                          reason=f"agrees on {compared} of order {p} or less")  # fmt: skip
-        series = self.series[free, nystrom].through(p)
-        given = self._start_series(series, p)
-        ahead: Scalar = _ZERO
-        if free:  # so that the output is that of the start at one vertex
-            ahead = read(
-                series.components["o"], difference(given[single()], series.value(single()))
-            )
+        series, beside = self._beside(free=free, nystrom=nystrom)
+        given, rules, solved = beside.start, fast_judge().rules_starts, series.through(p).solved
         # where 1 is a multiple eigenvalue another series may have a higher order
-        known_series = series.simple or known.upper is not None
-        proved = known_series and self._start_fits(series, p, nystrom=nystrom)
+        proved = series.simple or known.upper is not None
+        if series.along_paths and start is not None:
+            which = "nystrom-paths" if nystrom else "paths"
+            proved = proved and rules.uses_right_stages(given, solved.method, which, p)
+        multiples = {c: (1, *[0] * (len(x.u) - 1)) for c, x in series.components.items()}
+        if start is not None:
+            multiples = {x.colour: tuple(u for (u,) in x.V) for x in start.components}
         for c, x in series.components.items():
-            gap = difference(given[c], x.u)
+            gap = difference(multiples[c], x.u)
             bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
             if bad is not None:
                 reason = (
@@ -698,57 +738,30 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
                 )
                 return Range(0, 0, exact=self.exact, reason=reason, failing="")
             proved = proved and all(y.is_zero() is True for y in gap)
-        lower = 0
-        exact = self.exact and self._exact_start()
-        for q in range(1, p + 1):
-            answers = []
-            for t in series.level(q):
-                gap = difference(given[t], series.moved(t, ahead))
-                strict = gap
-                if q >= known.lower and free:
-                    gap = self._without_principal(series, t, gap)
-                bad = next((i for i, y in enumerate(gap) if y.is_zero() is False), None)
-                if bad is not None:
-                    upper = q - 1 if series.complete else None  # others may agree with it
-                    return Range(
-                        min(lower, known.lower), upper, exact=exact, value=q - 1,
-                        reason=f"tree {t} differs by {gap[bad].magnitude():.6g} in "
-                        f"value {bad + 1}" if start is not None else
-                        f"a carried value starts with a term of {t}",
-                        failing=str(t),
-                    )  # fmt: skip
-                # the principal part is free only where the order is known to end here
-                answers += [y.is_zero() for y in (gap if q == known.upper else strict)]
-            if free and q == p and known.upper is None:
-                break  # order p + 1, which was not asked for, may determine them
-            proved = proved and all(answers)
-            lower = q if proved else lower
-        reason = (
-            f"agrees on {compared} of order {p} or less"
-            if start is not None
-            else "every carried value starts with zero"
-        )
-        upper = known.upper
-        return Range(min(lower, known.lower), upper, exact=exact, value=p, reason=reason)
+        # so that the output is that of the start at one vertex
+        sigma = rules.ahead(given, solved) if free else 0
+
+        def fails(t: Tree, gap: Vector) -> str:
+            if start is None:
+                return f"a carried value starts with a term of {t}"
+            at, size = next((i, y) for i, y in enumerate(gap, 1) if y.is_zero() is False)
+            return f"tree {t} differs by {size.magnitude():.6g} in value {at}"
+
+        found = self._compared(
+            series, known, p, lambda t, last: rules.start_gap(given, solved, t, sigma, last), fails,
+            f"agrees on {compared} of order {p} or less" if start is not None else
+            "every carried value starts with zero",
+            proved=proved, exact=self.exact and self._exact_start(),
+        )  # fmt: skip
+        # order p + 1, which was not asked for, may determine the principal parts
+        lower = min(found.lower, known.lower, p - (free and known.upper is None))
+        others = found.failing and not series.complete  # which may agree with it
+        return replace(found, lower=lower, upper=None if others else found.upper)
 
     def _is_implied(self, claim: str, known: Range) -> bool:
         """Return whether the enclosure gives a start or finish the highest order there is."""
         implied = self.implied.at_least.get(claim) if self.implied else None
         return implied == known.value == known.upper
-
-    def _start_fits(self, series: StartingSeries, p: int, *, nystrom: bool) -> bool:
-        """Return whether the trees of the series decide about the start: paths as in _along_paths.
-
-        A stage is the solution to order q when it is on the paths through order q and the stages
-        that it uses are to order q - 1. The values must use stages that are to order p - 1. On
-        second-order systems f is linear: what counts is how stages Q use stages Q, two orders up.
-        Shared stages are used as stages Q and as stages P, whose abscissae must agree.
-        """
-        start: Any = self.method.starting
-        if not series.along_paths or start is None:
-            return True
-        table = {c.colour: (c.A, c.B) for c in start.components}
-        return series.right_start(table, "nystrom-paths" if nystrom else "paths", p)
 
     def _exact_start(self) -> bool:
         start: Any = self.method.starting
@@ -756,32 +769,35 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             return True
         return start.is_exact
 
-    def _start_series(self, series: StartingSeries, p: int) -> dict[Any, tuple[Any, ...]]:
-        """Return series of the start by tree, and its multiples of y by colour."""
-        start: Any = self.method.starting
-        if start is None:
-            found: dict[Any, tuple[Any, ...]] = {
-                c: (1, *(0 for _ in x.u[1:])) for c, x in series.components.items()
-            }
-            for n in range(1, p + 1):
-                found |= {t: (0,) * len(found[t.colour]) for t in series.level(n)}
-            return found
-        if (series, p) not in self._start_tables:
-            table = {c.colour: (c.A, c.B, tuple(x for (x,) in c.V)) for c in start.components}
-            found = tableau_series(series.level, table, p)
-            self._start_tables[series, p] = found
-        return self._start_tables[series, p]
+    def _beside(self, *, free: bool, nystrom: bool) -> tuple[StartingSeries, Any]:
+        """Return the series of an order, and those of start and finish as the judge has them."""
+        if (free, nystrom) not in self._starts:
+            series, start, finish = self.series[free, nystrom], self.method.starting, None
+            given = [x for x in (start, self.method.finishing) if x is not None]
+            if series.judged is not None and all(x.is_exact for x in given):
+                case = fast_judge().rules_starts.FinishCase
+                found = case(SimpleNamespace(method=series.solved.method), None)
+            else:
+                series, zero = self._own(series), ((_ZERO,),)
+                table = {c: (zero, zero * len(x.u)) for c, x in series.components.items()}
+                if start is not None:
+                    table = {c.colour: (c.A, c.B) for c in start.components}
+                if self.method.finishing is not None:
+                    finish = tableau({"o": (self.method.finishing.A, (self.method.finishing.b,))})
+                found = SimpleNamespace(start=tableau(table), finish=finish)
+            self._starts[free, nystrom] = series, found
+        return self._starts[free, nystrom]
 
     @cached_property
-    def _start_tables(self) -> dict[tuple[StartingSeries, int], dict[Any, tuple[Any, ...]]]:
+    def _starts(self) -> dict[tuple[bool, bool], tuple[StartingSeries, Any]]:
         return {}
 
-    def _without_principal(self, series: StartingSeries, t: Tree, gap: Vector) -> Vector:
-        """Return what no principal part N beta changes of a difference: W is 0 at it."""
-        c = series.components[t.colour]
-        for along, column in zip(linalg.matvec(c.W, gap), c.N, strict=True):
-            gap = difference(gap, [along * x for x in column])
-        return gap
+    def _own(self, series: StartingSeries) -> StartingSeries:
+        """Return a series over the numbers of the package, before the first order."""
+        return StartingSeries(
+            series.components, self.palette, free=series.free, counts=series.counts,
+            along_paths=series.along_paths,
+        )  # fmt: skip
 
     @cached_property
     def _finishing_order(self) -> Range:
@@ -803,31 +819,22 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if p and self._is_implied(FINISHING_ORDER.key, known):
             return Range(0, p, exact=False, value=p, reason=reason)
         (w,) = outputs(self.method.components)
-        series = self.series.get((True, False))
-        given = {"o": start.u} if series is None else self._start_series(series, p)
-        a: dict[Any, Any] = {t: linalg.dot(w, scalars(x)) for t, x in given.items()}
-        b = tableau_series(trees, {"o": (finish.A, (finish.b,), (_ONE,))}, p)
         exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
-        if (a.pop("o") - 1).is_zero() is not True:
+        if (linalg.dot(w, start.u) - 1).is_zero() is not True:
             raise ExactnessError("a finishing method needs an output that starts from y itself")
-        del b["o"]
-        both = compose(Series(a, 1, p), Series({t: x for t, (x,) in b.items()}, 1, p))
-        lower, proved = 0, True
-        for q in range(1, p + 1):
-            answers = []
-            for t in trees(q):
-                total = both[t]
-                answer = is_zero(total)
-                if answer is False:
-                    size = total.magnitude()
-                    return Range(
-                        min(lower, known.lower), q - 1, exact=exact, value=q - 1,
-                        reason=f"tree {t} differs by {size:.6g} in value 1", failing=str(t),
-                    )  # fmt: skip
-                answers.append(answer)
-            proved = proved and None not in answers
-            lower = q if proved else lower
-        return Range(min(lower, known.lower), known.upper, exact=exact, value=p, reason=reason)
+        if not p:
+            return Range(0, known.upper, exact=exact, reason=reason)
+        series, beside = self._beside(free=True, nystrom=False)
+        undone, read = fast_judge().rules_starts.finished, series.solved.w["o"]
+
+        def fails(t: Tree, gap: Vector) -> str:
+            return f"tree {t} differs by {gap[0].magnitude():.6g} in value 1"
+
+        found = self._compared(
+            series, known, p, lambda t, last: [undone(beside.start, beside.finish, read, t)],
+            fails, reason, proved=True, exact=exact,
+        )  # fmt: skip
+        return replace(found, lower=min(found.lower, known.lower))
 
 
 def _as_balls(matrix: Matrix) -> Matrix:

@@ -55,7 +55,7 @@ from fractions import Fraction
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..method import Component, Method
-from .coefficients import is_zero, plus, scalars
+from .coefficients import is_zero, plus
 from .parasitism import growth
 from .spectrum import eigenvectors
 from .trees import Tree, single
@@ -115,7 +115,7 @@ def second_order(m: Method, series: UnderlyingMethod | None = None) -> tuple[Sec
     t = Tree("[o]")
     if any(is_zero(plus(start.phi[x], Fraction(-1, x.order))) is False for x in (single(), t)):
         raise ExactnessError("growth of second order needs a method of order 2 or more")
-    bend = scalars(start.defect(t, start.abscissae("o"), start.value(t)))
+    bend = start.stage_defect(t)
     return tuple(_second_order_at(m.components[0], g.eigenvalue, bend) for g in found.growths)
 
 

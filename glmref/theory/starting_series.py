@@ -54,7 +54,7 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
@@ -78,7 +78,7 @@ from ..method.model import Method
 from ..method.preconsistency import first_functional
 from ..method.stage_order import is_shared
 from ..system.budget import spend
-from .coefficients import difference, is_zero
+from .coefficients import is_zero
 from .trees import Tree, as_judged, paths, single, trees
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -219,13 +219,10 @@ class Judged:
         Of :class:`glmref.judge.series.Solved`.
     scalar : Callable[[Any], Exact]
         Returns one of its numbers as one of the package.
-    rational : bool
-        Whether all its numbers are rational.
     """
 
     series: Any
     scalar: Callable[[Any], Exact]
-    rational: bool
 
 
 class StartingSeries:
@@ -275,7 +272,7 @@ class StartingSeries:
         self.along_paths: bool = along_paths
         self.simple: bool = all(len(c.N) == 1 for c in components.values())
         self.determined: frozenset[Tree] = frozenset()
-        self._judged: Judged | None = judged
+        self.judged: Judged | None = judged
         self._order, self._settled = 0, False
         self._own: Any = None
 
@@ -309,22 +306,18 @@ class StartingSeries:
         return cls(components, method.palette, free=free, counts=counts, along_paths=along_paths)
 
     @property
-    def _leading(self) -> Any:
-        """The series that conditions are evaluated on."""
-        return self._solved if self._judged is None else self._judged.series
-
-    @property
-    def _solved(self) -> Any:
-        """The series over the numbers of the package, as far as the other one was asked for."""
-        if self._judged is not None and self._judged.rational:
-            return self._judged.series
+    def solved(self) -> Any:
+        """The series of the judge that conditions are evaluated on."""
+        if self.judged is not None:
+            return self.judged.series
         if self._own is None:
             self._own = _solver()(self)
-        if self._judged is not None:
-            self._own.advance(self._order)
-            if self._settled:
-                self._own.fill()
         return self._own
+
+    def scalars(self, values: Iterable[Any]) -> Vector:
+        """Return numbers of the series as numbers of the package."""
+        scalar = as_scalar if self.judged is None else self.judged.scalar
+        return tuple(map(scalar, values))
 
     @property
     def order(self) -> int:
@@ -334,7 +327,7 @@ class StartingSeries:
     @property
     def complete(self) -> bool:
         """Whether a residual that is not zero excludes every starting series."""
-        return self.simple or (len(self.components) == 1 and not self._solved.loose)
+        return self.simple or (len(self.components) == 1 and not self.solved.loose)
 
     def level(self, n: int) -> list[Tree]:
         """Return the trees of an order that count."""
@@ -344,8 +337,8 @@ class StartingSeries:
 
     def value(self, t: Tree) -> Vector:
         """Return eta(t)."""
-        found = self._solved.eta.get(as_judged(t))
-        return (_ZERO,) * len(self.components[t.colour].u) if found is None else _scalars(found)
+        found = self.solved.eta.get(as_judged(t))
+        return (_ZERO,) * len(self.components[t.colour].u) if found is None else self.scalars(found)
 
     @property
     def eta(self) -> Mapping[Tree, Vector]:
@@ -355,73 +348,21 @@ class StartingSeries:
 
     def plain(self, t: Tree) -> Vector:
         """Return eta(t) with its principal part zero; the conditions of its order are known."""
-        right = self._solved.right(as_judged(t))
-        return _scalars(fast_judge().series.apply(self._solved.lift[t.colour], right))
-
-    def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
-        """Return xi(t) from its definition, with eta(t) = value."""
-        solved, apply = self._solved, fast_judge().series.apply
-        m = solved.part(t.colour)
-        slopes = apply(m.A, solved.derivative(as_judged(t)))
-        more = apply(m.U, list(map(as_number, value)))
-        return _scalars([x + y for x, y in zip(slopes, more, strict=True)])
+        right = self.solved.right(as_judged(t))
+        return self.scalars(fast_judge().series.apply(self.solved.lift[t.colour], right))
 
     def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
-        return _scalars(self._solved.value(as_judged(t)))
+        return self.scalars(self.solved.value(as_judged(t)))
 
     def abscissae(self, colour: str) -> Vector:
         """Return c = xi of the single node: a stage stands at ``t + c_i h``; of order 2 or more."""
-        node = single(colour)
-        return self.stage(node, self.value(node))
+        return self.scalars(self.solved.stages((colour, ())))
 
-    def defect(self, t: Tree, c: Vector, value: Sequence[Any]) -> Vector:
-        """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage, where eta(t) is ``value``."""
-        expected = [x**t.order / t.density for x in c]
-        return difference(self.stage(t, value), expected)
-
-    def moved(self, t: Tree, sigma: Scalar) -> Vector:
-        """Return (eta E^sigma)(t), of one method: the start after the flow through sigma h."""
-        if is_zero(sigma) is True:
-            return self.value(t)
-        gain = _scalars(self._solved.shift(as_judged(t), as_number(sigma)))
-        return tuple(x + y for x, y in zip(self.value(t), gain, strict=True))
-
-    def right_along_paths(self, colours: str) -> bool:
-        """Tell whether stages of these colours are the solution on paths through the last order."""
-        solved, n = self._solved, self.order
-        paths = fast_judge().series.path_orders
-        try:
-            return all(min(paths(solved.method, solved, c, n)) >= n for c in colours)
-        except Refused:
-            return False
-
-    def right_start(self, table: Mapping[str, Any], which: str, p: int) -> bool:
-        """Tell whether a start, (A, B) by colour, uses stages that are right for order p on paths.
-
-        ``which`` are the paths, in the words of a certificate.
-        """
-        rule = fast_judge().rules_starts.uses_right_stages
-        try:
-            return rule(_tableau(table), self._solved.method, which, p)
-        except Refused:
-            return False
-
-    def fixed_stages(self, colour: str, value: Sequence[Any]) -> tuple[Any, ...]:
-        """Return the factors U N through which principal parts N beta of a value enter the stages.
-
-        Raises
-        ------
-        ExactnessError
-            Where 1 is a multiple eigenvalue of V and U holds balls.
-        """
-        c = self.components[colour]
-        if len(c.N) == 1:  # U u = 1
-            return tuple(x - value[0] for x in value[1:])
-        moved = tuple(linalg.matvec(c.U, x) for x in c.N)
-        if not all(isinstance(x, Exact) for row in moved for x in row):
-            raise ExactnessError("what principal parts add to the stages is not known exactly")
-        return linalg.matvec(tuple(linalg.nullspace(moved)), value)
+    def stage_defect(self, t: Tree) -> Vector:
+        """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage."""
+        defect = fast_judge().rules_orders.stage_defect
+        return self.scalars(defect(self.solved, as_judged(t), False))
 
     def through(self, order: int) -> Self:
         """Return the series itself, after as many orders at least."""
@@ -435,8 +376,8 @@ class StartingSeries:
         self.settle()
         n = self.order + 1
         with _within_limits():
-            self._leading.advance(n)
-        self._order, self._settled = min(n, self._leading.order), False
+            self.solved.advance(n)
+        self._order, self._settled = min(n, self.solved.order), False
         used = self.free and n > 2 and self.complete
         leaf = {c: single(below[0]) for c, below in self.palette.items()} if used else {}
         smaller = trees(n - 1, self.palette) if used else ()
@@ -448,13 +389,12 @@ class StartingSeries:
         if t in self.determined:
             return (_ZERO,) * len(self.components[t.colour].N)
         spend()
-        found = self._leading.condition(as_judged(t))
-        return _scalars(found) if self._judged is None else tuple(map(self._judged.scalar, found))
+        return self.scalars(self.solved.condition(as_judged(t)))
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
         with _within_limits():
-            self._leading.fill()
+            self.solved.fill()
         self._settled = True
 
 
@@ -491,7 +431,9 @@ def _solver() -> Any:
                 self.k[colour] = None
                 self.parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
             palette, separable = tuple(of.palette.items()), not is_shared(of.palette)
-            self.method = SimpleNamespace(palette=palette, parts=self.parts, separable=separable)
+            self.method = SimpleNamespace(
+                palette=palette, parts=self.parts, part=self.part, separable=separable
+            )
             self.solved = not of.free and all(m.r == 1 for m in self.parts.values())
             self.share_stages()
 
@@ -578,7 +520,7 @@ def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Scalar] |
     return None
 
 
-def _tableau(table: Mapping[str, Any]) -> Any:
+def tableau(table: Mapping[str, Any]) -> Any:
     """Return the series of stages and values (A, B) by colour, as the judge has it."""
     tables = {c: (as_numbers(A), as_numbers(B)) for c, (A, B, *_) in table.items()}
     return fast_judge().series.Series.of_tables(tables)
@@ -589,7 +531,7 @@ def stage_slopes(A: Matrix) -> Callable[[Tree], Vector]:
 
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
     """
-    series = _tableau({"o": (A, ())})
+    series = tableau({"o": (A, ())})
     return lambda t: _scalars(series.derivative(as_judged(t)))
 
 
@@ -607,7 +549,7 @@ def tableau_series(
     p : int
         Last order.
     """
-    series = _tableau(table)
+    series = tableau(table)
     found: dict[Any, tuple[Any, ...]] = {c: tuple(u) for c, (_, _, u) in table.items()}
     for n in range(1, p + 1):
         found |= {t: _scalars(series.value(as_judged(t))) for t in level(n)}

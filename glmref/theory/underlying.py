@@ -75,7 +75,7 @@ class UnderlyingMethod(StartingSeries):
     ) -> None:
         super().__init__(components, palette, free=False)
         # eta of a gauge is not zero, and its stages are those of no other series
-        self._solved.solved, self._solved.known = False, {}
+        self.solved.solved, self.solved.known = False, {}
         self.form: Matrix | None = form
         self.is_real: bool = is_real
         self.phi: dict[Tree, Any] = {}
@@ -121,9 +121,9 @@ class UnderlyingMethod(StartingSeries):
 
     def settle(self) -> None:
         """Find eta, Phi and the field at the trees of the last order."""
-        if self._solved.filled == self.order:
+        if self.solved.filled == self.order:
             return
-        self._solved.filled = self.order
+        self.solved.filled = self.order
         gauge = {} if self.form is None else self._symplectic_gauge(self.order)
         for t in self.level(self.order):
             spend()
@@ -137,7 +137,7 @@ class UnderlyingMethod(StartingSeries):
             if t in gauge:
                 (seen,) = linalg.matvec(c.W, scalars(value))
                 value = tidy(plus(value, times(plus(gauge[t], times(-1, seen)), c.u)))
-            self._solved.give(t, value)
+            self.solved.give(t, value)
             self.phi[t] = plus(slope, beyond[-1]) if type(beyond) is tuple else slope
             self._after.settle(t, (*value, 0), slope)
 

@@ -87,7 +87,7 @@ def test_trees_that_a_stage_order_makes_alike_are_computed_once():
     for _ in range(6):
         assert all(series.residual(t) == (0,) for t in series.advance())
     # 37 trees, but powers of c and what the missing A c^3 = c^4 / 4 adds: [[ooo]] and its like
-    assert len(series._solved.known) + len(series._solved.outputs) < 24  # A and B times each
+    assert len(series.solved.known) + len(series.solved.outputs) < 24  # A and B times each
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_the_search_of_orders_goes_on_with_the_series_of_the_judge(name):
     if not shared.along_paths:
         found = facts.shared.judged(False, free, False)
         assert found is not None
-        assert found.series is shared._leading and found.series.order > kernel.range("order").lower
+        assert found.series is shared.solved and found.series.order > kernel.range("order").lower
         for t in shared.level(2):
             assert shared.value(t) == own.series[free, False].value(t)
             assert shared.plain(t) == own.series[free, False].plain(t)
