@@ -89,18 +89,17 @@ class Facts:
             if found.truth is None:
                 return judged(found, [""])
             return judged(found, certificates_of(self, claim, declared, found))
-        answer = self._either_way(claim, declared)
+        answer = self._either_way(claim, declared, first=True)
         if answer.verdict is Verdict.OPEN:
             return answer
         truth = (answer.verdict is Verdict.HOLDS) == (declared is not False)
         return explained(answer, *proposal_for(self, claim).explain(truth, answer.certificate))
 
-    def _either_way(self, claim: str, declared: object) -> Judgement:
-        """Ask the judge whether what is declared holds, and whether it fails: the likely first."""
+    def _either_way(self, claim: str, declared: object, first: bool) -> Judgement:
+        """Ask the judge whether what is declared holds or fails: the other where it refuses one."""
         proof = Proof.EXACT if self._is_exact(claim) else Proof.ENCLOSED
         proposal, answers = proposal_for(self, claim), {}
-        likely = proposal.likely() == (declared is not False)
-        for holds in (likely, not likely):
+        for holds in (first, not first):
             value = declared == holds if isinstance(declared, bool) else proposal.value
             found = Found(holds, proof, value, 0.0, "")
             answers[holds] = judged(found, certificates_of(self, claim, declared, found))
@@ -132,7 +131,7 @@ class Facts:
             if claim == CONSISTENT.key and self.kernel.range(ORDER.key).lower:
                 return Known(True, self.kernel.exact)  # b 1 = 1, which order 1 says
             return facts_of(self.linear).known(claim)
-        answer = self._either_way(claim, True)
+        answer = self._either_way(claim, True, first=proposal_for(self, claim).likely())
         truth = {Verdict.HOLDS: True, Verdict.FAILS: False}.get(answer.verdict)
         return Known(truth, answer.proof is Proof.EXACT, answer.reason)
 
