@@ -13,7 +13,7 @@ from itertools import product
 
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Matrix, Vector, solve_affine
 from ..system.budget import fits, spend
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -39,10 +39,6 @@ class FormSpace:
     witness: str = ""  #: The entry that left no form with a principal part, or ``""``.
 
 
-#: The identities of a form: pairs of a name and a residual matrix.
-Identities = Callable[[Form], Sequence[tuple[str, Matrix]]]
-
-
 def combine(factors: Sequence[Scalar | int], forms: Sequence[Form]) -> Form:
     """Return linear combination of forms."""
     G = linalg.scale(factors[0], forms[0].G)
@@ -56,53 +52,11 @@ def combine(factors: Sequence[Scalar | int], forms: Sequence[Form]) -> Form:
     return Form(G, tuple(D))
 
 
-def invariant_matrices(V: Matrix, W: Matrix, *, hermitian: bool) -> list[Matrix]:
-    """Return a basis, over the reals, of the matrices with ``V^* G W = G`` (or Hermitian ones).
+def unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) -> Iterator[Matrix]:
+    """Yield a basis of the matrices over the reals, or of the Hermitian ones.
 
-    For real V and W only real G are taken: an imaginary part says nothing about real solutions.
-
-    Parameters
-    ----------
-    V : Matrix
-        (r, r).
-    W : Matrix
-        (q, q), equal to V where Hermitian G are requested.
-
-    Raises
-    ------
-    ExactnessError
-        When balls leave the dimension open.
+    For real methods only real ones are taken: an imaginary part says nothing about real solutions.
     """
-    rows, columns = len(V), len(W)
-    fits(rows * columns, rows * columns, "the form")
-    is_real = all(x.is_real() for m in (V, W) for row in m for x in row)
-    units = list(_unit_matrices(rows, columns, hermitian=hermitian, is_real=is_real))
-    V_star = linalg.conjugate_transpose(V)
-    defects = [linalg.sub(linalg.matmul(V_star, G, W), G) for G in units]
-    equations: list[Vector] = []
-    for i, j in product(range(rows), range(columns)):
-        if hermitian and j < i:
-            continue
-        entries = [defect[i][j] for defect in defects]
-        equations.append(tuple(x.real for x in entries))
-        if not is_real:
-            equations.append(tuple(x.imag for x in entries))
-    equations = [e for e in equations if any(x.is_zero() is not True for x in e)]
-    if not equations:
-        return units
-    basis = linalg.nullspace(tuple(equations))
-    return [_weighted_sum(weights, units) for weights in basis]
-
-
-def _weighted_sum(weights: Vector, matrices: list[Matrix]) -> Matrix:
-    total = linalg.zeros(len(matrices[0]), len(matrices[0][0]))
-    for t, m in zip(weights, matrices, strict=True):
-        if t.is_zero() is not True:
-            total = linalg.add(total, linalg.scale(t, m))
-    return total
-
-
-def _unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) -> Iterator[Matrix]:
     i = Exact(-1).sqrt()
     factors = (_ONE,) if is_real else (_ONE, i)
     for a, b in product(range(rows), range(columns)):
@@ -141,75 +95,46 @@ def _real_rows(identities: list[Sequence[tuple[str, Matrix]]]) -> Iterator[tuple
                     yield label, tuple(x.imag for x in values)
 
 
-def _subtract(a: Vector, factor: Scalar, b: Vector) -> Vector:
-    return tuple(x - factor * y for x, y in zip(a, b, strict=True))
-
-
-def cut_down(
-    forms: list[Form], identities: Identities, principal: Callable[[Form], Scalar] | None
+def solved(
+    forms: Sequence[Form],
+    identities: Callable[[Form], Sequence[tuple[str, Matrix]]],
+    principal: Callable[[Form], Scalar] | None,
 ) -> FormSpace:
-    """Keep the combinations of forms for which all identities hold.
+    """Return all combinations of forms for which all identities hold.
 
     Parameters
     ----------
-    forms : list[Form]
+    forms : sequence of Form
         Spanning forms, linearly independent.
-    identities : Identities
-        Residual matrices, linear in the form.
-    principal : Callable[[Form], Scalar] or None
+    identities : callable
+        Names and residual matrices, linear in the form.
+    principal : callable or None
         Value of a form on the principal solution (linear, real), or ``None``.
 
     Over balls an entry that may be zero is not used: the caller checks the residual of the result.
     """
-    if not forms:
-        return FormSpace((), False, 0.0, "no form G other than 0 has V^* G V = G")
-    values = [principal(f) for f in forms] if principal else [_ZERO] * len(forms)
-    basis: list[Vector] = [
-        tuple(_ONE if a == b else _ZERO for b in range(len(forms))) for a in range(len(forms))
-    ]
-    basis = _principal_first(basis, values)
-    sees = principal is not None and _sees(basis[0], values)
-    residual, witness = 0.0, "" if sees or principal is None else "no form sees the solution"
-    for label, row in _real_rows([identities(f) for f in forms]):
-        hits = [linalg.dot(row, b) for b in basis]
-        at = max((k for k, x in enumerate(hits) if x.is_zero() is False), default=None)
+    labels, rows = zip(*_real_rows(list(map(identities, forms))), strict=True)
+    fits(len(rows), len(forms), "the form")
+    residual, witness = 0.0, ""
+    if principal:
+        rows, right = (tuple(map(principal, forms)), *rows), (_ONE, *(_ZERO,) * len(rows))
+        found = solve_affine(rows, right)
+        at = found.failed
         if at is None:
-            continue
-        if sees and at == 0:  # every other form passes this entry and the principal one does not
-            residual = hits[0].magnitude()
+            whole = (found.point, *found.directions)
+            return FormSpace(tuple(combine(x, forms) for x in whole), True)
+        witness = "no form sees the solution"
+        if at:
+            before = solve_affine(rows[:at], right[:at])
+            residual = linalg.dot(rows[at], before.point).magnitude()
             witness = (
-                f"{label} is {residual:.6g} in size for the only form G left, 1 on the solution"
-                if len(basis) == 1
-                else f"{label} leaves no form G with a principal part"
+                f"{labels[at - 1]} leaves no form G with a principal part"
+                if before.directions
+                else f"{labels[at - 1]} is {residual:.6g} in size for the only form G left, 1 on "
+                "the solution"
             )
-            sees = False
-        pivot = basis[at]
-        basis = [
-            b if h.is_zero() is True else _subtract(b, h / hits[at], pivot)
-            for k, (b, h) in enumerate(zip(basis, hits, strict=True))
-            if k != at
-        ]
-        if not basis:
-            break
-    return FormSpace(tuple(combine(b, forms) for b in basis), sees, residual, witness)
-
-
-def _sees(weights: Vector, values: Sequence[Scalar]) -> bool:
-    return linalg.dot(weights, values).is_zero() is False
-
-
-def _principal_first(basis: list[Vector], values: Sequence[Scalar]) -> list[Vector]:
-    """Put a form of principal value 1 first and take that value out of the others."""
-    at = next((k for k, x in enumerate(values) if x.is_zero() is False), None)
-    if at is None:
-        return basis
-    first = tuple(x / values[at] for x in basis[at])
-    rest = [
-        _subtract(b, x, first) if x.is_zero() is not True else b
-        for k, (b, x) in enumerate(zip(basis, values, strict=True))
-        if k != at
-    ]
-    return [first, *rest]
+    free = solve_affine(rows[bool(principal) :], (_ZERO,) * len(labels)).directions
+    return FormSpace(tuple(combine(x, forms) for x in free), False, residual, witness)
 
 
 def is_nondegenerate(form: Form) -> bool | None:

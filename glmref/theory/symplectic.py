@@ -37,7 +37,7 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector
 from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
-from .forms import Form, FormSpace, choose_form, cut_down, invariant_matrices, is_nondegenerate
+from .forms import Form, FormSpace, choose_form, is_nondegenerate, solved, unit_matrices
 from .residuals import verdict_of
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -148,12 +148,9 @@ def _diagonals(m: Method, G: Matrix, u: Vector, u_hat: Vector) -> tuple[Vector, 
 
 
 def _start_forms(m: Method, u: Vector | None, u_hat: Vector | None) -> list[Form]:
-    """Return forms with V^* G V^ = G.
-
-    The diagonals follow from G where u is known, else they are free.
-    """
+    """Return forms that span all; the diagonals follow from G where u is known, else are free."""
     f, k = _ends(m)
-    found = invariant_matrices(f.V, k.V, hermitian=f is k)
+    found = unit_matrices(len(f.V), len(k.V), hermitian=f is k, is_real=m.is_real)
     if u is not None and u_hat is not None:
         return [
             Form(G, tuple(tuple(x.real for x in d) for d in _diagonals(m, G, u, u_hat)))
@@ -183,10 +180,12 @@ def find_forms(m: Method) -> FormSpace:
     ExactnessError
         When V holds balls.
     """
+    if not all(isinstance(x, Exact) for c in _ends(m) for row in c.V for x in row):
+        raise ExactnessError("V holds published decimals")
     u, u_hat = _principal_vectors(m)
 
     def identities(form: Form) -> list[tuple[str, Matrix]]:
-        found = g_symplectic_residual(m, form.G, *form.D)[1:]
+        found = g_symplectic_residual(m, form.G, *form.D)
         if len(m.components) > 1:
             return found + _shared_stages(m, form.D)
         name, square = found[-1]
@@ -199,7 +198,7 @@ def find_forms(m: Method) -> FormSpace:
         return quadratic_value(form.G, u or (), u_hat).real
 
     has_u = u is not None and u_hat is not None
-    return cut_down(_start_forms(m, u, u_hat), identities, principal if has_u else None)
+    return solved(_start_forms(m, u, u_hat), identities, principal if has_u else None)
 
 
 def _shared_stages(m: Method, diagonals: Sequence[Sequence[Scalar]]) -> list[tuple[str, Matrix]]:
