@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import product
 
 from .arithmetic import Fraction, Number
-from .document import Component
+from .document import Component, Method
 from .linalg import combine, identity, inverse_matrix, minus, rank, solve, times
 from .numbers import may_vanish, vanishes
 from .refusals import beyond, require
@@ -138,8 +138,8 @@ def A_is_reversed(case: SymmetricCase) -> bool:
 class Search:
     """All involutions P with A + P A P = U V^-1 B, by backtracking; those of Q stand first."""
 
-    def __init__(self, case: NotSymmetricCase) -> None:
-        method, blocks = case.method, []
+    def __init__(self, method: Method) -> None:
+        blocks = []
         for m in method.parts.values():
             blocks.append((m.A, times(m.U, inverse_matrix(m.V), m.B)))
         self.n, self.kinds = len(blocks[0][0]), [0] * len(blocks[0][0])
@@ -243,7 +243,7 @@ def the_V_named_is_singular(case: NotSymmetricCase) -> bool:
 def no_P_has_an_L(case: NotSymmetricCase) -> bool:
     """Else for every P that the stages allow a component has no L."""
     return case.witness.singular is not None or all(
-        any(case.no_reversal(c, P) for c in case.method.parts) for P in Search(case).found()
+        any(case.no_reversal(c, P) for c in case.method.parts) for P in Search(case.method).found()
     )
 
 

@@ -17,19 +17,22 @@ systems, forward and backward sweep change places. Shared stages are exchanged a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import islice, product
 from typing import cast
 
 from ..errors import ExactnessError
-from ..exact import Exact, exact, linalg
+from ..exact import Exact, linalg
+from ..exact.judging import as_numbers, consulted, outward
 from ..exact.linalg import Matrix, independent_rows, solve_affine
+from ..judge.refusals import Refused
 from ..method import GLM, Component, Method
 from ..method.stage_order import offsets
+from ..system.budget import spend
 from .equivalence import reduce
-from .involutions import Relation, involutions
+from .judged import judged_component, judged_parts
 from .symplectic import judge_identities
 
 #: At most so many stage permutations are tried; only methods with many equal stages have more.
@@ -189,38 +192,22 @@ def _observed_L(half: _Half, rows: Sequence[int]) -> Matrix | None:
     return None
 
 
-def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> tuple[list[Matrix], bool]:
+def _all_L(
+    c: Component, half: _Half, rows: Sequence[int], columns: Sequence[int]
+) -> tuple[list[Matrix], bool]:
     """Return candidates for L where the stages do not see all values: all conditions together.
 
     The affine solutions are walked with factors 0, 1 and -1; none is a proof of absence. The second
     result tells whether no other L satisfies the conditions than the one given.
     """
-    r = len(half.V)
-    equations: list[tuple[Exact, ...]] = []
-    right: list[Exact] = []
-
-    def add(coefficients: dict[tuple[int, int], object], value: object) -> None:
-        row: list = [exact(0)] * (r * r)
-        for (a, b), x in coefficients.items():
-            row[a * r + b] = row[a * r + b] + x
-        equations.append(tuple(row))
-        right.append(value)  # type: ignore[arg-type]
-
-    for (i, u), k in product(enumerate(_permuted(half.U, rows)), range(r)):
-        add({(a, k): u[a] for a in range(r)}, half.U_back[i][k])
-    B = _columns_permuted(half.B, columns)
-    for a, j in product(range(r), range(len(B[0]))):
-        add({(a, b): B[b][j] for b in range(r)}, half.B_back[a][j])
-    for a, k in product(range(r), repeat=2):  # V L - L V^-1 = 0
-        coefficients: dict = {}
-        for b in range(r):
-            coefficients[(b, k)] = coefficients.get((b, k), exact(0)) + half.V[a][b]
-            coefficients[(a, b)] = coefficients.get((a, b), exact(0)) - half.V_inverse[b][k]
-        add(coefficients, exact(0))
-    solution = solve_affine(tuple(equations), tuple(right))
+    with consulted() as judge:
+        part, back = judged_component(c), as_numbers(half.V_inverse)
+        equations, right = outward(judge.rules_symmetry.conditions(part, back, rows, columns))
+    solution = solve_affine(equations, right)
     if solution.failed is not None:
         return [], True
     found: list[Matrix] = []
+    r = len(half.V)
     for factors in islice(product((0, 1, -1), repeat=len(solution.directions)), 81):
         flat = list(solution.point)
         for t, direction in zip(factors, solution.directions, strict=True):
@@ -230,11 +217,11 @@ def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> tuple[li
 
 
 def _judge_half(
-    half: _Half, rows: Sequence[int], columns: Sequence[int]
+    c: Component, half: _Half, rows: Sequence[int], columns: Sequence[int]
 ) -> tuple[bool | None, Matrix | None, float, str]:
     """Find L for one half and given permutations: decision, L, residual, witness."""
     L = _observed_L(half, rows)
-    candidates, only = ([L], True) if L is not None else _all_L(half, rows, columns)
+    candidates, only = ([L], True) if L is not None else _all_L(c, half, rows, columns)
     if not candidates:
         return False, None, 0.0, f"no matrix L{half.hat} satisfies the linear conditions"
     first = None
@@ -263,18 +250,11 @@ def symmetry_as_given(m: Method) -> Symmetry:
         which = "V" if len(m.components) == 1 else "V or V^"
         text = f"{which} is singular: no step can be reversed" if singular else str(error)
         return Symmetry(False if singular else None, witness=text)
-    # where the rows of A belong, and at whose stages its columns are: those of another component
     colours = list(m.palette)
-    first = offsets(m.components, m.palette)
-    sizes = {c.colour: len(c.A) for c in m.components}
-    relations = [
-        Relation(x.A, x.exchange, first[c], first[m.palette[c][0]])
-        for c, x in zip(colours, halves, strict=True)
-    ]
-    kinds = [n for n, c in enumerate(colours[:1] if m.shared else colours) for _ in range(sizes[c])]
+    first, sizes = offsets(m.components, m.palette), {c.colour: len(c.A) for c in m.components}
     best: Symmetry | None = None
-    for tried, order in enumerate(involutions(relations, kinds)):
-        if tried == MAX_PERMUTATIONS:
+    for tried, order in enumerate(involutions(m)):
+        if tried == MAX_PERMUTATIONS or order is None:
             return Symmetry(None, witness="the search for an exchange of stages was cut off")
         exchanges = {
             c: tuple(i - first[c] for i in order[first[c] : first[c] + sizes[c]]) for c in colours
@@ -290,6 +270,26 @@ def symmetry_as_given(m: Method) -> Symmetry:
     what = "P" if len(colours) == 1 else ""
     text = f"no exchange of stages {what} works; for the reversal {witness}".replace("  ", " ")
     return Symmetry(False, residual=size, witness=text)
+
+
+def involutions(m: Method) -> Iterator[list[int] | None]:
+    """Yield the exchanges of stages that A may have, as the judge finds them; None beyond limits.
+
+    They are places in a common numbering of all stages.
+    """
+    with consulted() as judge:
+        found = judge.rules_symmetry.Search(judged_parts(m)).found()
+    order: list[int] | None = []
+    while order is not None:
+        spend()
+        with consulted():
+            try:
+                order = next(found)
+            except StopIteration:
+                return
+            except Refused:
+                order = None
+        yield order
 
 
 def _stage_residuals(
@@ -309,7 +309,7 @@ def _stage_residuals(
 def _at(m: Method, halves: Sequence[_Half], exchanges: Mapping[str, tuple[int, ...]]) -> Symmetry:
     """Return what given exchanges of stages make of the conditions."""
     found = [
-        _judge_half(x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
+        _judge_half(c, x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
         for c, x in zip(m.components, halves, strict=True)
     ]
     judged = [(holds, size, witness) for holds, _, size, witness in found]
