@@ -7,7 +7,6 @@ from typing import Any
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method.stage_order import dependency_blocks
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -69,9 +68,3 @@ def first_value(basis: list[Vector]) -> Vector | None:
             return None
         return tuple(1 / x if j == k else _ZERO for j, x in enumerate(u))
     return None
-
-
-def diagonal_values(V: Matrix) -> list[list[int]]:
-    """Return the values that belong to each diagonal block."""
-    blocks = dependency_blocks(len(V), lambda i, j: V[i][j].is_zero() is not True)
-    return [list(block.stages) for block in blocks]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -43,23 +44,24 @@ from ..catalogue.claims import (
 )
 from ..catalogue.files import document as shipped_document
 from ..errors import ExactnessError, UsageError
-from ..exact import Exact, linalg
+from ..exact import linalg
 from ..exact.expression import to_text
 from ..exact.judging import consulted, proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..judge.refusals import Refused
-from ..method.preconsistency import consistency_vector, preconsistency_vector
+from ..method.preconsistency import preconsistency_vector
 from ..system.budget import fits
 from ..system.shown import above
 from ..theory import polynomials as poly
 from ..theory.coefficients import scalars
 from ..theory.forms import choose_form
+from ..theory.judged import judged_parts
 from ..theory.residues import residues
 from ..theory.stability import SAMPLES
 from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symplectic import find_forms, form_identities
-from .algebra import diagonal_values, is_exact
+from .algebra import is_exact
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
@@ -382,29 +384,21 @@ class _Writer:
 
     def _no_order(self) -> Part:
         """Return a component that is not consistent."""
-        for c in self.kernel.method.components:
-            _, U, B, V = c.matrices
-            if consistency_vector(c) is None if is_exact(U, B, V) else (
-                is_exact(V) and self._other_u(U, B, V)
-            ):  # fmt: skip
-                self.identities.append("u and v of consistency do not exist")
-                return {"rule": "no-order-1", "witness": {"colour": c.colour}}
-        raise ExactnessError("order 1 is not excluded by consistency")
+        colour = self._without_vectors(consistent=True)
+        if colour is None:
+            raise ExactnessError("order 1 is not excluded by consistency")
+        self.identities.append("u and v of consistency do not exist")
+        return {"rule": "no-order-1", "witness": {"colour": colour}}
 
-    @staticmethod
-    def _other_u(U: Matrix, B: Matrix, V: Matrix) -> bool:
-        """Return whether U u is not 1 for the u with W u = W B 1."""
-        D = linalg.sub(V, linalg.identity(len(V)))
-        right, left = linalg.nullspace(D), linalg.nullspace(linalg.transpose(D))
-        if not right:
-            return True
-        pairing = linalg.matmul(tuple(left), linalg.transpose(tuple(right)))
-        if linalg.rank(pairing) < len(right):
-            return False
-        slopes = linalg.matvec(tuple(left), linalg.matvec(B, (Exact(1),) * len(B[0])))
-        parts = linalg.matvec(linalg.inverse(pairing), slopes)
-        u = linalg.matvec(linalg.transpose(tuple(right)), parts)
-        return any((x - 1).is_zero() is False for x in linalg.matvec(U, u))
+    def _without_vectors(self, *, consistent: bool) -> str | None:
+        """Return the first component that has no u as the judge finds, or no u and v."""
+        with consulted():
+            method = judged_parts(self.kernel.method)
+            for colour in method.parts:
+                with suppress(Refused):
+                    if method.vectors_to_one(colour, consistent)[0] is None:
+                        return colour
+        return None
 
     def _stage_order(self) -> list[Part]:
         found = self.kernel.range(STAGE_ORDER.key)
@@ -505,21 +499,10 @@ class _Writer:
 
     def _no_vector(self) -> Part:
         """Return a component for which V u = u, U u = 1 contradict each other."""
-        for c in self.kernel.method.components:
-            if not is_exact(c.V):
-                continue
-            if preconsistency_vector(c) is None if is_exact(c.U) else self._differing(c.U, c.V):
-                return {"rule": "not-preconsistent", "witness": {"colour": c.colour}}
-        raise ExactnessError("no vector refutes preconsistency")
-
-    @staticmethod
-    def _differing(U: Matrix, V: Matrix) -> bool:
-        """Return whether U u differs at two stages for the one u = V u, or V has no such u."""
-        fixed = linalg.nullspace(linalg.sub(V, linalg.identity(len(V))))
-        if len(fixed) != 1:
-            return not fixed
-        x = linalg.matvec(U, fixed[0])
-        return any((x[i] - x[j]).is_zero() is False for i in range(len(U)) for j in range(i))
+        colour = self._without_vectors(consistent=False)
+        if colour is None:
+            raise ExactnessError("no vector refutes preconsistency")
+        return {"rule": "not-preconsistent", "witness": {"colour": colour}}
 
     @staticmethod
     def _bounded(c: str) -> Part:
@@ -528,8 +511,10 @@ class _Writer:
     def _unbounded(self) -> Iterator[list[Part]]:
         """Yield every V, or block of V, that may have a root outside or defective on the circle."""
         for c, (_, _, _, V) in self.kernel.blocks.items():
-            blocks = range(len(diagonal_values(V)))
-            for where in [{}] if is_exact(V) else [{"block": i} for i in blocks]:
+            blocks = (
+                [{}] if is_exact(V) else [{"block": i} for i, _ in enumerate(poly.blocks_of(V))]
+            )
+            for where in blocks:
                 yield [{"rule": "unbounded", "witness": {"which": c, **where}}]
 
     def _zero_stable(self) -> list[Part]:

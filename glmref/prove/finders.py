@@ -30,7 +30,7 @@ from ..catalogue.claims import (
     ZERO_STABLE,
 )
 from ..errors import ExactnessError
-from ..exact import Exact, linalg
+from ..exact import Exact
 from ..exact.expression import parse, shown_number
 from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
@@ -219,32 +219,21 @@ def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None
 
 
 def _growth(facts: Facts) -> Proposal:
-    shown = _shown_growth(facts, facts.eigen)
+    shown = _shown_growth(facts)
     explain = _listed("growth parameters", lambda: facts.growth_parameters, shown)
     return Proposal(lambda: facts.eigen, shown, explain)
 
 
-def _shown_growth(facts: Facts, found: Mapping[str, Any]) -> list[str]:
+def _shown_growth(facts: Facts) -> list[str]:
     """Return the numbers to show, approximate for a multiple eigenvalue without exact ones."""
-    if "o" not in found:
-        return [shown_number(x) for x in facts.growth_parameters]
-    m, shown = facts.method, []
-    for zeta, W, N in found["o"]:
-        inner = linalg.matmul(tuple(W), m.B, m.U, linalg.transpose(tuple(N)))
-        matrix = linalg.scale(1 / zeta, inner)
-        trace = sum((matrix[i][i] for i in range(len(matrix))), Exact(0))
-        whole = poly.characteristic(matrix)
-        # an inconsistent method may have no principal component where 1 is multiple
-        principal = (zeta - 1).is_zero() is True and (
-            len(matrix) == 1 or poly.evaluate(whole, 1).is_zero() is not False
-        )
-        if len(matrix) == 1 + principal:
-            shown.append(shown_number(trace - 1 if principal else trace))
-        elif len(matrix) > 1:
-            roots = poly.approximate_roots(whole)
-            roots = sorted(roots, key=lambda x: abs(x - 1))[int(principal) :]
+    shown = []
+    for g in facts.parasitism.growths if facts.is_single else ():
+        if g.mu is None:
+            roots = poly.approximate_roots(poly.characteristic(g.matrix))
             shown += [f"{x.real:.12g}" if abs(x.imag) < 1e-12 else f"{x:.12g}" for x in roots]
-    return shown
+        else:
+            shown.append(shown_number(g.mu))
+    return shown or [shown_number(x) for x in facts.growth_parameters]
 
 
 def _second_order_growth(facts: Facts) -> Proposal:

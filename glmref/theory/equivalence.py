@@ -6,63 +6,23 @@ from collections.abc import Sequence
 
 from ..errors import UsageError
 from ..exact import Exact, Scalar, linalg
-from ..exact.linalg import Matrix, Vector, independent_rows
+from ..exact.judging import asked
+from ..exact.linalg import Matrix, Vector
 from ..method import GLM
 from ..method.stage_order import reached
 from .reduction import observed_rows, reached_rows
 
 _ZERO = Exact(0)
 
-
-def _row_basis(rows: Matrix) -> Matrix:
-    """Return reduced echelon basis of the span of the rows."""
-    columns = len(rows[0])
-    chosen = [rows[i] for i in independent_rows(rows, columns)]
-    if not chosen:
-        return ()
-    pivots: list[int] = []
-    work = [list(row) for row in chosen]
-    for column in range(columns):
-        top = len(pivots)
-        at = next((i for i in range(top, len(work)) if work[i][column].is_zero() is False), None)
-        if at is None:
-            continue
-        work[top], work[at] = work[at], work[top]
-        lead = work[top][column]
-        work[top] = [x / lead for x in work[top]]
-        for i, row in enumerate(work):
-            if i != top and row[column].is_zero() is not True:
-                factor = row[column]
-                work[i] = [x - factor * y for x, y in zip(row, work[top], strict=True)]
-        pivots.append(column)
-        if len(pivots) == len(work):
-            break
-    return tuple(tuple(row) for row in work)
-
-
-def _pivot_columns(basis: Matrix) -> list[int]:
-    return [next(j for j, x in enumerate(row) if x.is_zero() is False) for row in basis]
-
-
-def _observed(m: GLM) -> Matrix:
-    """Return the basis of the span of the rows of U, U V, U V^2, ..: what the stages can see."""
-    return _row_basis(observed_rows(m))
-
-
-def reachable_values(m: GLM) -> list[Vector]:
-    """Return a basis of the span of u and the columns of B, V B, V^2 B, ..: what a start can make.
-
-    Values outside stay zero once the start leaves them zero.
-    """
-    return list(_row_basis(reached_rows(m)))
+#: The reduced rows, a basis of the span of rows, and their pivot columns.
+_echelon = asked("linalg.echelon")
 
 
 def _keep_observed(m: GLM) -> GLM:
     """Carry ``z = C y`` instead of y, the rows of C a basis of what the stages see."""
-    C = _observed(m)
+    C, pivots = _echelon(observed_rows(m))
     if len(C) == m.r or not C:
         return m
-    pivots = _pivot_columns(C)
 
     def coordinates(rows: Matrix) -> Matrix:
         """Return coordinates in the basis C: C has unit columns at its pivots."""
@@ -72,11 +32,10 @@ def _keep_observed(m: GLM) -> GLM:
 
 
 def _keep_reachable(m: GLM) -> GLM:
-    """Restrict to the values ``y = X z`` that can be reached."""
-    basis = tuple(reachable_values(m))
+    """Restrict to the values ``y = X z`` that a start can make; others stay zero once they are."""
+    basis, pivots = _echelon(reached_rows(m))
     if len(basis) == m.r or not basis:
         return m
-    pivots = _pivot_columns(basis)
     X = linalg.transpose(basis)
     image = linalg.matmul(m.V, X)
     return m.bare(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 from ..exact.judging import as_numbers, fast_judge
@@ -14,8 +13,10 @@ def judged_component(c: Component) -> Any:
     return fast_judge().document.Component(*map(as_numbers, c.matrices))
 
 
-def judged_parts(m: Method) -> SimpleNamespace:
-    """Return the components by colour, and whether they are a pair, one that is separable."""
+def judged_parts(m: Method) -> Any:
+    """Return a method of the judge that has these components, and no document."""
+    found = object.__new__(fast_judge().document.Method)
     parts = {c.colour: judged_component(c) for c in m.components}
     pair = set(parts) == {"f", "k"}
-    return SimpleNamespace(parts=parts, pair=pair, separable=pair and not m.shared)
+    found.__dict__.update(parts=parts, pair=pair, separable=pair and not m.shared, declared={})
+    return found
