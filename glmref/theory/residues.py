@@ -17,12 +17,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ..exact import Exact, exact, linalg
+from ..exact import Exact, exact
 from ..exact.factors import rational_factors
+from ..exact.judging import consulted, inward, outward
 from ..exact.linalg import Matrix
 from ..method import Method
 from ..method.component import Component
 from . import polynomials as poly
+from .judged import judged_component
 from .polynomials import Polynomial
 
 
@@ -74,16 +76,10 @@ def cosines(V: Matrix) -> tuple[Fraction, ...] | None:
 
 
 def _sigma(m: Component, chi: Polynomial) -> Polynomial:
-    """Return the polynomial ``chi tr(U (z - V)^-1 B)``, by its series in 1/z."""
-    moments, image = [], m.B
-    for _ in range(len(chi) - 1):
-        product = linalg.matmul(m.U, image)
-        moments.append(sum((product[i][i] for i in range(len(product))), Exact(0)))
-        image = linalg.matmul(m.V, image)
-    n = len(chi) - 1
-    return tuple(
-        sum((chi[j + 1 + i] * moments[i] for i in range(n - j)), Exact(0)) for j in range(n)
-    )
+    """Return the polynomial ``chi tr(U (z - V)^-1 B)``."""
+    with consulted() as judge:
+        numerator = judge.rules_residues.trace_numerator
+        return outward(numerator(judged_component(m), inward(chi)))
 
 
 def _residue(cosine: Fraction, chi: Polynomial, sigma: Polynomial) -> Residue | None:
