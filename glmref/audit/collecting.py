@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..system.budget import spend
-from .folding import Entries, Folder, Record, flattened, plain
+from .folding import Entries, Folder, Frame, Record, flattened, plain
 from .lexer import Language, Token, tokens
 from .values import Number, Unread, whole_number
 
@@ -25,6 +25,8 @@ _HEADS = frozenset(
     "struct class namespace enum union interface impl trait extern fn func function mod if for "
     "while do else try catch switch match unsafe loop template module".split()
 )
+#: Words of a choice that begin a statement with what its subject is: ``elif name == "RK4":``.
+_CHOSEN = frozenset("if elif elseif else case otherwise".split())
 #: Words before a block that is no function, class or object.
 CHOICES = frozenset("if else for while switch".split())
 _OWN = frozenset("self this Self cls".split())
@@ -338,6 +340,9 @@ class Collector:
         column = first.start - (self.text.rfind("\n", 0, first.start) + 1)
         name = self.language.name
         words = [x.text.lower() for x in row[:6]]
+        if name != "fortran" and words[0] in _CHOSEN:
+            self._choice(row, column)
+            return
         if name == "python":
             while self.block.parent is not None and column <= self.block.indent:
                 self._close(first.line - 1)
@@ -371,6 +376,24 @@ class Collector:
         block = Block(name, line, self.block, indent=indent)
         self.block.blocks.append(block)
         self.block = block
+
+    def _choice(self, row: Sequence[Token], column: int) -> None:
+        """Begin what is done where a name has the value of a string: a block of that name."""
+        while self.block.parent is not None and column <= self.block.indent:
+            self._leave(row[0].line - 1)
+        ends = (":",) if self.language.name == "python" else ("line", ",", "then")
+        depth, end = 0, len(row)
+        for k, x in enumerate(row):
+            depth += (x.text in ("(", "[", "{")) - (x.text in (")", "]", "}"))
+            if depth == 0 and (x.text in ends or x.kind in ends):
+                end = k
+                break
+        said = [x.text.strip("\"'") for x in row[1:end] if x.kind == "string"]
+        if said and not said[0].startswith("__"):
+            self._begin(said[0], row[0].line, column)
+            self.block.kind = "case"
+        if row[end + 1 :]:
+            self._statement(row[end + 1 :])
 
     def _python_head(self, row: Sequence[Token], column: int) -> None:
         k = 2 if row[0].text == "async" else 1
@@ -605,6 +628,8 @@ class Collector:
                 self._lose(name, "a part of it is set by a loop or slice", line)
                 return
             item = Item(name, value, line, self.count, last=row[-1].line if row else line)
+            if isinstance(block.names.get(name), Frame) and _is_empty(block.names[name]):
+                block.items = [x for x in block.items if x.value is not block.names[name]]
             if isinstance(value, Unread):
                 self.failed.append((block, item, row))
             block.items.append(item)
@@ -856,6 +881,11 @@ class Collector:
                 item.value = plain(value)
                 if isinstance(block.names.get(item.name), Unread):
                     block.names[item.name] = item.value
+
+
+def _is_empty(frame: Frame) -> bool:
+    """Return whether nothing was put into an array of zeros."""
+    return all(isinstance(x, Number) and x.value == 0 for x in flattened(frame))
 
 
 def _last_name(row: Sequence[Token]) -> str:

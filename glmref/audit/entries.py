@@ -23,7 +23,8 @@ _WORDS = (
 ).split()
 _PHRASES = re.compile(
     r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
-    r"|cash.?karp|bogacki|omelyan|forest.?ruth"
+    r"|cash.?karp|bogacki|omelyan|forest.?ruth|split.?(?:operator|step)|operator.?splitting|nos[eé].?hoover"
+    r"|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
 )
 
 
@@ -230,8 +231,10 @@ def _of_entries(entries: Entries, item: Item, base: int) -> Array | None:
             value = [entries.get((rows_[0], k), ZERO) for k in range(base, max(columns) + 1)]
             return Array(item.name, value, item.line, item.last, item.at, item.lost)
         s = max(*rows_, *columns)
+        whole = len(entries) == (max(rows_) - base + 1) * (max(columns) - base + 1)
+        width = max(columns) if whole and len(set(columns)) == 2 else s  # a list of pairs
         value = [
-            [entries.get((i, j), ZERO) for j in range(base, s + 1)] for i in range(base, s + 1)
+            [entries.get((i, j), ZERO) for j in range(base, width + 1)] for i in range(base, s + 1)
         ]
         return Array(item.name, value, item.line, item.last, item.at, item.lost)
     return None

@@ -17,7 +17,8 @@ from typing import Any
 
 from ..errors import GlmrefError
 from ..exact import Exact
-from .collecting import Block, Collector
+from .collecting import Block, Collector, _equal, _partner
+from .compositions import of_weights
 from .lexer import Token
 from .nearest_method import Library
 from .steps import ACCIDENTS, BRANCHES, Form, Step, StepFolder, atom, calls, form, statements
@@ -33,11 +34,13 @@ WORDS = re.compile(
 #: Names of a step.
 _STEP = re.compile(
     r"(?:.*[._])?(?:\w{0,9}_?d_?(?:t|tau|s|l)\w{0,4}|h|hh|h0|dh|eps(?:ilon)?|\w*step\w*|tau|length|"
-    r"l|delta\w*)(?:\(\)|\[\])?",
+    r"l|delta\w*|d[xz])(?:\(\)|\[\])?",
     re.IGNORECASE,
 )
 #: How far apart the sums of both flows may be, as a part of one, for a defect; for a method.
 _APART, _SAME = 0.05, 1e-9
+#: How far from 1 and 0 the sums of weights and of their cubes may be, where these are found.
+_LOOSE = 4e-3
 #: Most names of flows in one function.
 _MOST = 12
 #: Multiples of Störmer's method and of Euler's, which are no numbers of a method.
@@ -92,6 +95,18 @@ class _Moves(Step):
     def fold(self, row: Sequence[Token], reader: type[StepFolder] = _Atoms) -> Any:
         """Return the value of an expression."""
         return super().fold(row, reader)
+
+    def take(self, row: list[Token]) -> None:
+        """Carry out a statement; ``q, p = kick(q, p, h)`` moves a flow on."""
+        equal = _equal(row)
+        if equal is not None and row[equal].text == "=":
+            given, said = row[equal + 1 :], {x.text for x in row[:equal]}
+            made = next((x for x in calls(given) if not x.valued), None)
+            whole = made is not None and _partner(given, made.at + 1) == len(given) - 1
+            if made and whole and any(len(x) == 1 and x[0].text in said for x in made.arguments):
+                self._end(given)
+                return
+        super().take(row)
 
     def _end(self, row: Sequence[Token]) -> None:
         made = calls(row)
@@ -192,6 +207,28 @@ def _pairs(moves: list[Moved]) -> Iterator[tuple[list[Moved], list[Number]]]:
                 break
 
 
+def _composed(moves: list[Moved]) -> Iterator[Table]:
+    """Yield weights by which one flow alone moves on, a symmetric method of order 2 composed.
+
+    The sum of the cubes says so: it is not 0 where the flow has a higher order.
+    """
+    for flow in sorted({x.flow for x in moves}):
+        mine = [x for x in moves if x.flow == flow and x.called]
+        for values in _multiples(mine).values() if len(mine) > 2 else ():
+            forms = [form(x).terms for x in values]
+            if any(x.keys() - {()} for x in forms):
+                continue
+            made = [x.of(y.get((), Exact(0))) for x, y in zip(values, forms, strict=True)]
+            for x, move in zip(made, mine, strict=True):
+                x.place = (move.line, move.text)
+            sizes = [complex(x.value).real for x in made]
+            gaps = abs(sum(sizes) - 1), abs(sum(x**3 for x in sizes))
+            if max(gaps) < _LOOSE and min(sizes) < 0:
+                table = of_weights("", mine[0].line, made)
+                table.general, table.sure, table.last = True, False, mine[-1].line
+                yield table
+
+
 def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterator[Table]:
     """Yield the splittings that a function of flat tokens carries out, unread if not understood."""
     if sum(x.kind == "name" and _STEP.fullmatch(x.text) is not None for x in row) < 3:
@@ -206,6 +243,7 @@ def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
     branches = sorted({x.line for x in row if x.text in BRANCHES or x.text == "if"})
     parts = [list(x) for _, x in groupby(moves, lambda x: bisect(branches, x.line))]
     found = [made for x in parts for pair in _pairs(x) if (made := _table(*pair)) is not None]
+    found = found or list(_composed(moves))
     if len(parts) > 1 and all(x.unread for x in found):
         whole = [made for pair in _pairs(moves) if (made := _table(*pair)) is not None]
         found = (whole or found)[:1]

@@ -7,6 +7,7 @@ nothing becomes 0.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -78,6 +79,8 @@ Lookup = Callable[[str], Any]
 
 def _apply(sign: str, x: Any, y: Any, language: Language) -> Any:
     sign = sign.lstrip(".") or sign
+    if sign == "//" and language.name == "python" and isinstance(x, Number):
+        return Number(Exact(x.whole() // number(y).whole()))
     if sign == "%" or sign == "\\" or (sign == "//" and language.name not in ("julia", "fortran")):
         raise Unread(f"the operator {sign} is not read")
     both = isinstance(x, Integer) and isinstance(y, Integer)
@@ -716,6 +719,8 @@ class Folder:
             return bounded(x for part in parts for x in part)
         if low == "reshape" and len(given) >= 2:
             return self._reshaped(given[0], given[1:])
+        if low in _OF_LISTS and len(given) == 1 and isinstance(given[0], list) and not words:
+            return _OF_LISTS[low](given[0])
         if low in ("exp", "log", "sin", "cos", "tan", "abs", "min", "max", "sum", "len", "diag"):
             raise Unread(f"the function {low!r} is not read")
         return _NOT_KNOWN
@@ -795,6 +800,8 @@ class Folder:
             return transposed(x)
         if name == "reshape":
             return self._reshaped(x, given)
+        if name == "sum" and called and not given and isinstance(x, list):
+            return total(x)
         if name in _COPIES:
             return given[0] if name == "newInstance" and given else x
         raise Unread(f"{name!r} of a value is not read", t.line)
@@ -891,6 +898,22 @@ def number(x: Any) -> Number:
     if not isinstance(x, Number):
         raise Unread("a number is expected")
     return x
+
+
+def total(x: Sequence[Any]) -> Number:
+    """Return the sum of a list of numbers."""
+    found = Number(Exact(0))
+    for y in x:
+        found = found.of(found.value + number(y).value, y)
+    return found
+
+
+#: Functions of one list.
+_OF_LISTS: Mapping[str, Callable[[list[Any]], Any]] = {
+    **dict.fromkeys("flip flipud fliplr reverse reversed".split(), lambda x: x[::-1]),
+    "sum": total,
+    "diff": lambda x: [pairwise("-", q, p) for p, q in itertools.pairwise(x)],
+}
 
 
 def plain(x: Any) -> Any:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from itertools import product
+from itertools import pairwise, product
 from math import isqrt
 from typing import Any
 
@@ -27,7 +27,8 @@ from .values import Number, Unread, whole_number
 #: How near a sum must be to 1 for a list to be taken for weights.
 LOOSE = 4e-3
 _SPLITTING = re.compile(
-    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|mclachlan|hamiltonian",
+    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|mclachlan|hamiltonian|"
+    r"nos[eé].?hoover",
     re.IGNORECASE,
 )
 _STEPS = re.compile(
@@ -44,6 +45,8 @@ _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t",
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
 _NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
 _LAST_LETTER = re.compile(r"(?:.*[_\d]|rk)?([a-z])$", re.IGNORECASE)
+#: The letter of ``sC``.
+_CAPITAL = re.compile(r"[a-z]+([A-Z])$")
 
 
 @dataclass
@@ -73,7 +76,7 @@ def _word(x: Array) -> str:
 def _letter(x: Array) -> str:
     """Return the letter or word that a name ends with, ``rk4a`` as ``a``."""
     word = _word(x)
-    last = _LAST_LETTER.match(word)
+    last = _LAST_LETTER.match(word) or _CAPITAL.match(word)
     return (last[1] if last else re.split(r"[_.]", word)[-1]).lower()
 
 
@@ -105,7 +108,8 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
         found += rule(block, matrices, vectors)
     steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
-    vectors += [y for x in steps for y in _columns(x)]
+    pairs = [y for x in steps for y in _columns(x)]
+    vectors += pairs if len(steps) == len(matrices) else []
     if {"gamma1", "gamma2", "gamma3", "beta", "delta"} <= {x.name for x in vectors}:
         first = next(x for x in vectors if x.name == "gamma1")
         table = Table("", first.line, "low-storage", general=True, last=vectors[-1].last)
@@ -124,7 +128,9 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
             x.table.sure = good
             found += [x] if good or _go_back(x.arrays) else []
         if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
-            found += _compositions(block, vectors, text)
+            found += list(_mirrored(vectors, text)) or _compositions(block, vectors, text)
+    elif not found and _says(_SPLITTING, text):  # lists of pairs beside others
+        found += _splitting(pairs)
     if not found:
         found += _multistep(block, made)
     return found
@@ -531,7 +537,10 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
     for x, (letter, stem) in zip(vectors, ends, strict=True):
         others = {(q, stem) for p, q in (*_FLOWS, *_STATES) if letter == p}
         y = next((z for z, end in zip(vectors, ends, strict=True) if end in others), None)
-        if y is None or abs(len(x.value) - len(y.value)) > 1 or len(x.value) + len(y.value) < 4:
+        if y is None or abs(len(x.value) - len(y.value)) > 1 or len(x.value) + len(y.value) < 3:
+            continue
+        x, y = _whole(x, y)
+        if len(x.value) + len(y.value) < 4:
             continue
         good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
         whole = all(size(v) % 1 == 0 for v in (*x.value, *y.value))
@@ -549,7 +558,44 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
         yield from _guarded(name, min(x.line, y.line), [x, y], make)
 
 
+def _whole(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the steps of a symmetric splitting whose first half is given, with its middle step.
+
+    The list that ends in the middle step sums to 1 if its other entries count twice, the other one
+    to 1/2; lists that are whole are as they are.
+    """
+    for p, q in ((x, y), (y, x)):
+        twice = 2 * sum(map(size, p.value)) - size(p.value[-1]), 2 * sum(map(size, q.value))
+        if len(p.value) >= len(q.value) and all(abs(v - 1) < LOOSE for v in twice):
+            whole = replace(p, value=[*p.value, *p.value[-2::-1]])
+            other = replace(q, value=[*q.value, *q.value[::-1]])
+            return (whole, other) if p is x else (other, whole)
+    return x, y
+
+
 # --- multistep ------------------------------------------------------------------------------------
+
+
+def _mirrored(vectors: list[Array], text: str) -> Iterator[Found]:
+    """Yield steps of a method and its adjoint in turn, of which the second half is the first's.
+
+    They are those of a splitting whose flows move on by the sums of neighbours: McLachlan (1995),
+    "On the numerical integration of ordinary differential equations by symmetric composition
+    methods", section 3.
+    """
+    for x in vectors:
+        own = re.escape(x.name or " ")
+        turned = rf"(?:flip|reverse)\w*\(\s*{own}\s*\)|\b{own}\s*\[::-1\]"
+        half = abs(2 * sum(map(size, x.value)) - 1) < LOOSE
+        if not half or len(x.value) < 2 or not re.search(turned, text):
+            continue
+
+        def make(table: Table, x: Array = x) -> None:
+            steps = [ZERO, *x.value, *x.value[::-1], ZERO]
+            sums = [p.of(p.value + q.value, q) for p, q in pairwise(steps)]
+            table.kind, table.b, table.sure = "splitting", [sums[::2], [*sums[1::2], ZERO]], False
+
+        yield from _guarded("", x.line, [x], make)
 
 
 def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Found]:
@@ -610,7 +656,9 @@ def _other_flow(x: Array, vectors: list[Array]) -> bool:
     )
 
 
-_WEIGHTS = re.compile(r"suzuki|yoshida|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE)
+_WEIGHTS = re.compile(
+    r"suzuki|yosh(?:ida)?(?![a-z])|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE
+)
 
 
 def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:

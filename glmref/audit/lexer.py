@@ -152,6 +152,10 @@ def _fixed_form(text: str) -> str:
     return "\n".join(rows)
 
 
+#: A statement in the first five columns, which no fixed form has.
+_FREE = re.compile(r"(?m)^(?![cCdD]) {0,4}[A-Za-z]")
+
+
 def tokens(
     text: str, language: Language, *, fixed: bool = False
 ) -> tuple[list[Token], list[Remark]]:
@@ -164,7 +168,7 @@ def tokens(
     """
     if len(text) > MOST:
         raise DataError(f"the file has {len(text)} characters; at most {MOST} are read")
-    if fixed:
+    if fixed and not _FREE.search(text):
         text = _fixed_form(text)
     if language.name == "fortran":  # lines of the preprocessor, with marks that are no Fortran
         text = re.sub(r"(?m)^#", "!", text)

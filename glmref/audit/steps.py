@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -144,7 +145,7 @@ def _loops(row: Sequence[Token]) -> set[str]:
 
 
 def flat(given: Sequence[Token], language: Language) -> list[Token]:
-    """Return tokens in which ``k[0][i]`` is the name ``k[0]``, and ``f.(`` is ``f(``."""
+    """Return tokens in which ``k[0][i]`` is the name ``k[0]``, ``f.(`` and ``f!(`` are ``f(``."""
     row = [x._replace(text=".") if x.text == "%" and language.name == "fortran" else x
            for x in given if x.text != "self" or language.name != "rust"]  # fmt: skip
     counts = _loops(row)
@@ -153,7 +154,9 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
     while k < len(row):
         x = row[k]
         nxt = row[k + 1].text if k + 1 < len(row) else ""
-        if x.text == "." and nxt in ("=", "+=", "-=", "("):
+        if (x.text == "." and nxt in ("=", "+=", "-=", "(")) or (
+            x.text == "!" and nxt == "(" and found and found[-1].kind == "name"
+        ):
             k += 1
             continue
         if x.text == "(" and [y.text for y in row[k + 1 : k + 2]] == ["*"] and [
@@ -306,16 +309,23 @@ class Step:
             if isinstance(x, Unread):
                 raise x
             return x
+        base, _, index = name.partition("[")
+        if index and isinstance(self.values.get(base), list):
+            return self._part(self.values[base], index)
         if not _LOOSE.fullmatch(name.rpartition(".")[2]) and name not in self.again:
             try:
-                x = Collector._look(self.block)(name.partition("[")[0])
-                for k in re.findall(r"\d+", name.partition("[")[2]):
-                    x = x[int(k) - self.collector.language.base]
+                x = self._part(Collector._look(self.block)(base), index)
                 if isinstance(x, Number):
                     return plain(x)
             except (Unread, IndexError, TypeError):
                 pass
         return atom(name)
+
+    def _part(self, x: Any, index: str) -> Any:
+        """Return the entry of nested lists at the numbers of ``2,1]``."""
+        for k in re.findall(r"\d+", index):
+            x = x[int(k) - self.collector.language.base]
+        return x
 
     def is_slope(self, name: str, folder: Folder) -> bool:
         """Return whether a call gives a slope: of the callee, or of one that is called alike."""
@@ -403,6 +413,12 @@ class Step:
         self, targets: Sequence[Sequence[Token]], given: Sequence[Sequence[Token]]
     ) -> None:
         """Set several names to numbers; one that is set to a sum of others is not followed."""
+        if len(given) == 1 < len(targets):  # k, d = COEFFICIENTS
+            with suppress(Unread):
+                held = Collector._look(self.block)("".join(x.text for x in given[0]))
+                if isinstance(held, list) and len(held) == len(targets):
+                    self.values |= {y[-1].text: x for y, x in zip(targets, held, strict=True)}
+                    return
         for k, target in enumerate(targets):
             try:
                 x = self.fold(given[k]) if len(given) == len(targets) else None

@@ -125,3 +125,174 @@ DICTIONARY = """class RKF45(ExplicitRungeKutta):
 def test_a_dictionary_of_rows_is_a_table(old: str, new: str, status: str) -> None:
     (table,) = read(DICTIONARY.replace(old, new), "python")
     assert judge(table)["status"] == status
+
+
+#: Forest and Ruth (1990) as coefficients a, b; Blanes and Moan (2002), S6, from both ends.
+CHOICES = {
+    "python": """def build(method):
+    if method == "FR":
+        a = [0.6756035959798288, -0.1756035959798288, -0.1756035959798288, 0.6756035959798288]
+        b = [1.3512071919596576, -1.7024143839193153, 1.3512071919596576]
+    elif method in ("S6", "BM4"):
+        a, b = zeros(7), zeros(7)
+        a[1] = 0.209515106613362
+        a[2] = -0.143851773179818
+        a[3] = 0.5 - a[:3].sum()
+        a[4:] = flipud(a[1:4])
+        b[0] = 0.0792036964311957
+        b[1] = 0.353172906049774
+        b[2] = -0.0420650803577195
+        b[3] = 1 - 2*sum(b[:3])
+        b[4:] = flipud(b[:3])
+    return a, b
+""",
+    "matlab": """function [a, b] = build(method)
+    switch method
+    case 'FR'
+        a = [0.6756035959798288 -0.1756035959798288 -0.1756035959798288 0.6756035959798288];
+        b = [1.3512071919596576 -1.7024143839193153 1.3512071919596576];
+    case 'S6'
+        a = [0.209515106613362 -0.143851773179818 0.434336666566456 0.434336666566456 ...
+             -0.143851773179818 0.209515106613362];
+        b = [0.0792036964311957 0.353172906049774 -0.0420650803577195 0.2193769557534996 ...
+             -0.0420650803577195 0.353172906049774 0.0792036964311957];
+    end
+end
+""",
+    "julia": """function build(method)
+    if method == "FR"
+        a = [0.6756035959798288, -0.1756035959798288, -0.1756035959798288, 0.6756035959798288]
+        b = [1.3512071919596576, -1.7024143839193153, 1.3512071919596576]
+    elseif method == "S6"
+        a = [0.209515106613362, -0.143851773179818, 0.434336666566456, 0.434336666566456,
+             -0.143851773179818, 0.209515106613362]
+        b = [0.0792036964311957, 0.353172906049774, -0.0420650803577195, 0.2193769557534996,
+             -0.0420650803577195, 0.353172906049774, 0.0792036964311957]
+    end
+end
+""",
+}
+
+
+@pytest.mark.parametrize("language", CHOICES)
+def test_what_is_done_for_one_string_is_a_method_of_that_name(language: str) -> None:
+    found = read(CHOICES[language], language)
+    assert [(x.name, judge(x)["found"]) for x in found] == [("FR", 4), ("S6", 4)]
+
+
+def test_a_name_of_one_choice_is_not_known_in_another() -> None:
+    text = 'if method == "x":\n    a = [0.5, 0.5]\nelif method == "y":\n    b = [1.0, 0.0]\n'
+    assert read(text, "python") == []
+    assert len(read(text.replace('elif method == "y"', "if twice"), "python")) == 0
+
+
+ADJOINT = """def sequence(name):
+    alpha = [0.0792036964311957, 0.1303114101821663, 0.2228614958676077, -0.3667132690474257,
+             0.3246481886897062, 0.1096884778767498]
+    return concatenate((alpha, flip(alpha)))
+"""
+
+
+def test_steps_of_a_method_and_its_adjoint_are_those_of_a_splitting() -> None:
+    (table,) = read(ADJOINT, "python")
+    assert judge(table)["found"] == 4
+    wrong = judge(read(ADJOINT.replace("0.3246", "0.3264"), "python")[0])
+    assert wrong["found"] == 0
+    assert wrong["status"] == "unread"
+    assert all(x.kind != "splitting" or x.unread
+               for x in read(ADJOINT.replace("flip(alpha)", "alpha"), "python"))  # fmt: skip
+
+
+HALVES = """void omelyan(double dt) {
+  const double rho = 0.08398315262876693, theta = 0.6822365335719091;
+  const double kappa = 0.2539785108410595, lambda = -0.03230286765269967;
+  double a[3] = {kappa, lambda, 1-2*(kappa+lambda)};
+  double b[3] = {rho, theta, .5-rho-theta};
+}"""
+
+
+def test_half_of_a_symmetric_splitting_is_the_whole_one() -> None:
+    (table,) = read(HALVES, "c")
+    assert [len(x) for x in table.b] == [6, 6]
+    assert judge(table)["found"] == 4
+    other = read(HALVES.replace("1-2*(kappa+lambda)", "1-kappa-lambda"), "c")
+    assert not other or len(other[0].b[0]) == 3
+
+
+PAIRS = """void make(int n) {
+  if (n == -3) {
+""" + "".join(
+    f"    cd[{k}][0] = {x}; cd[{k}][1] = {y};\n"
+    for k, (x, y) in enumerate(zip(FOREST[::2], [*FOREST[1::2], "0.0"], strict=True))
+) + "  }\n}"  # fmt: skip
+
+
+def test_pairs_that_are_given_entry_by_entry_are_steps_of_two_flows() -> None:
+    (table,) = read(PAIRS, "c")
+    assert judge(table)["found"] == 4
+    assert all(x.unread for x in read(PAIRS.replace("cd[3][1] = 0.0;", ""), "c"))
+
+
+def test_lists_of_pairs_beside_other_matrices_are_steps_of_two_flows() -> None:
+    text = """def methods():
+    alphas['Lie-3'] = [[1, 1, 1]]
+    alphas['Ruth'] = [[7./24, 2./3], [3./4, -2./3], [-1./24, 1.]]
+    alphas['Three'] = [[0.5, 0.5, 1], [0, 0.5, 0], [0.5, 0, 0]]
+"""
+    (table,) = read(text, "python")
+    assert (table.name, judge(table)["found"]) == ("Ruth", 3)
+    (table,) = read(text.replace("3./4", "3./8"), "python")
+    assert (judge(table)["found"], judge(table)["status"]) == (0, "unread")
+
+
+ASSIGNED = """class Neri:
+    coefs = ([1.3512071919596578, -1.7024143839193155], [0.6756035959798289, -0.1756035959798289])
+
+    def step(ips, tau):
+        k, d = Neri.coefs
+""" + "".join(
+    f"        ips = {'drift' if k % 2 == 0 else 'kick'}(ips, {'dk'[k % 2]}[{x}] * tau)\n"
+    for k, x in enumerate([0, 0, 1, 1, 1, 0, 0])
+) + "        return ips\n"  # fmt: skip
+
+
+def test_flows_whose_value_is_the_new_state_are_a_splitting() -> None:
+    (table,) = read(ASSIGNED, "python")
+    assert judge(table)["found"] == 4
+    other = read(ASSIGNED.replace("ips = kick(ips,", "new = kick(ips,"), "python")
+    assert all(x.unread for x in other)
+
+
+COMPOSED = """function step!(y, x, dt, ops)
+    s = 2^(1 / 3)
+    g = 1 / (2 - s)
+    strang!(y, x, g*dt, ops)
+    strang!(y, y, -s*g*dt, ops)
+    strang!(y, y, g*dt, ops)
+end
+"""
+
+
+def test_one_flow_that_goes_back_is_a_composition() -> None:
+    (table,) = read(COMPOSED, "julia")
+    assert (table.kind, judge(table)["found"]) == ("composition", 4)
+    assert read(COMPOSED.replace("1 / 3", "1 / 5"), "julia") == []  # of a method of order 4
+    assert read(COMPOSED.replace("-s*g", "s*g"), "julia") == []
+
+
+def test_a_file_with_a_statement_in_the_first_columns_is_no_fixed_form() -> None:
+    text = """MODULE yoshida
+   SUBROUTINE weights(w)
+         w(1) = 1.0d0/(2.0d0 - 2.0d0**(1.0d0/3.0d0))
+         w(2) = 1.0d0 - &
+                2.0d0*w(1)
+         w(3) = w(1)
+"""
+    (table,) = tables(text, LANGUAGES["fortran"], fixed=True)
+    assert judge(table)["found"] == 4
+
+
+def test_letters_after_small_ones_are_those_of_two_flows() -> None:
+    text = "\n".join(f"s{'CD'[k % 2]}{k // 2 + 1} = {x};" for k, x in enumerate(FOREST))
+    (table,) = read(text, "matlab")
+    assert judge(table)["found"] == 4
