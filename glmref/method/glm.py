@@ -1,8 +1,7 @@
 """Methods as frozen records: general linear, partitioned, starting and finishing.
 
 Arrays carry the letters of the literature. Entries are :mod:`glmref.exact` numbers; the one place
-where they are rounded to floating point is :meth:`GLM.to_float` (and its twins), which keeps the
-rounding residue so that a kernel can compensate it and a test can bound it.
+where they are rounded to floating point is :meth:`GLM.to_float`, which keeps the rounding residue.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from .component import GENERAL, SEPARABLE, Palette
 from .embedded import EmbeddedRow, quoted
 from .entries import Entries, Rows, as_matrix, as_vector, check_fields, check_shape
 from .model import Method
-from .rounding import FloatGLM, FloatPair, rounded_blocks
+from .rounding import FloatGLM, float_arrays
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
 
@@ -98,6 +97,34 @@ def _transformation(T: Rows, name: str, r: int, letter: str) -> Matrix:
     matrix = as_matrix(T, name)
     check_shape(name, matrix, r, r, f"({letter}, {letter})")
     return matrix
+
+
+def _transformed(method: GLM | PartitionedGLM, *changes: tuple[Matrix, Matrix]) -> dict[str, Any]:
+    """Return what T y in place of y changes, T and its inverse given for each component."""
+    found: dict[str, Any] = {"claims": method.claims}
+    for c, (T, back) in zip(method.components, changes, strict=True):
+        hat = method.LETTERS[c.colour]
+        found[f"U{hat}"] = linalg.matmul(c.U, back)
+        found[f"B{hat}"] = linalg.matmul(T, c.B)
+        found[f"V{hat}"] = linalg.matmul(T, c.V, back)
+        found[f"output{hat}"] = _moved_output(c, back)
+    if method.G is not None:
+        left = linalg.conjugate_transpose(changes[0][1])
+        found["G"] = linalg.matmul(left, method.G, changes[-1][1])
+    if method.starting is not None:
+        found["starting"] = method.starting.transform(*(T for T, _ in changes))
+    return found
+
+
+def _renumbered(method: GLM | PartitionedGLM, *orders: Sequence[int]) -> dict[str, Any]:
+    """Return what another order of the stages changes, given for each component."""
+    found: dict[str, Any] = {x: getattr(method, x) for x in ("G", "claims", "starting")}
+    for c, rows, columns in zip(method.components, orders, orders[::-1], strict=True):
+        hat = method.LETTERS[c.colour]
+        found[f"A{hat}"] = tuple(tuple(c.A[i][j] for j in columns) for i in rows)
+        found[f"U{hat}"] = tuple(c.U[i] for i in rows)
+        found[f"B{hat}"] = tuple(tuple(row[j] for j in columns) for row in c.B)
+    return found
 
 
 def _permutation(order: Sequence[int], name: str, size: int) -> Sequence[int]:
@@ -331,19 +358,10 @@ class GLM(Own, Method):
         """
         T = _transformation(T, "T", self.r, "r")
         back = linalg.inverse(T)
-        G, start = self.G, self.starting
-        if G is not None:
-            G = linalg.matmul(linalg.conjugate_transpose(back), G, back)
         return self.bare(
-            U=linalg.matmul(self.U, back),
-            B=linalg.matmul(T, self.B),
-            V=linalg.matmul(T, self.V, back),
-            G=G,
+            **_transformed(self, (T, back)),
             D=self.D,
-            claims=self.claims,
-            starting=None if start is None else start.transform(T),
             finishing=self.finishing,
-            output=_moved_output(self, back),
             multistep=self.multistep,
             embedded=tuple(row.transformed(back) for row in self.embedded),
             abscissae_given=self.abscissae_given,
@@ -357,13 +375,8 @@ class GLM(Own, Method):
         """
         order = _permutation(order, "order", self.s)
         return self.bare(
-            A=tuple(tuple(self.A[i][j] for j in order) for i in order),
-            U=tuple(self.U[i] for i in order),
-            B=tuple(tuple(row[j] for j in order) for row in self.B),
-            G=self.G,
-            D=None if self.D is None else tuple(self.D[i] for i in order),
-            claims=self.claims,
-            starting=self.starting,
+            **_renumbered(self, order),
+            D=self.D and tuple(self.D[i] for i in order),
             finishing=self.finishing,
             multistep=self.multistep,
             embedded=tuple(row.permuted(order) for row in self.embedded),
@@ -373,7 +386,14 @@ class GLM(Own, Method):
 
     def to_float(self) -> FloatGLM:
         """Round every coefficient to double precision, once, and keep the residue."""
-        return FloatGLM(name=self.name, **rounded_blocks(self, "AUBV", "G", "D"))
+        found: dict[str, Any] = {"name": self.name}
+        for name in "AUBV":
+            found[name], found[f"{name}_residue"] = float_arrays(getattr(self, name))
+        if self.G is not None:
+            found["G"], _ = float_arrays(self.G)
+        if self.D is not None:
+            found["D"] = float_arrays((self.D,))[0][0]
+        return FloatGLM(**found)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -558,25 +578,10 @@ class PartitionedGLM(Own, Method):
         T = _transformation(T, "T", self.r, "r")
         one = linalg.identity(self.r_hat)
         T_hat = one if T_hat is None else _transformation(T_hat, "T_hat", self.r_hat, "r^")
-        back, back_hat = linalg.inverse(T), linalg.inverse(T_hat)
-        G, start = self.G, self.starting
-        if G is not None:
-            G = linalg.matmul(linalg.conjugate_transpose(back), G, back_hat)
-        q, p = self.components
         return self.bare(
-            U=linalg.matmul(self.U, back),
-            B=linalg.matmul(T, self.B),
-            V=linalg.matmul(T, self.V, back),
-            U_hat=linalg.matmul(self.U_hat, back_hat),
-            B_hat=linalg.matmul(T_hat, self.B_hat),
-            V_hat=linalg.matmul(T_hat, self.V_hat, back_hat),
-            G=G,
+            **_transformed(self, (T, linalg.inverse(T)), (T_hat, linalg.inverse(T_hat))),
             D_P=self.D_P,
             D_Q=self.D_Q,
-            claims=self.claims,
-            starting=None if start is None else start.transform(T, T_hat),
-            output=_moved_output(q, back),
-            output_hat=_moved_output(p, back_hat),
             embedded=self.embedded,
         )
 
@@ -598,17 +603,9 @@ class PartitionedGLM(Own, Method):
                 "one permutation for both"
             )
         return self.bare(
-            A=tuple(tuple(self.A[i][j] for j in P) for i in Q),
-            U=tuple(self.U[i] for i in Q),
-            B=tuple(tuple(row[j] for j in P) for row in self.B),
-            A_hat=tuple(tuple(self.A_hat[i][j] for j in Q) for i in P),
-            U_hat=tuple(self.U_hat[i] for i in P),
-            B_hat=tuple(tuple(row[j] for j in Q) for row in self.B_hat),
-            G=self.G,
-            D_P=None if self.D_P is None else tuple(self.D_P[i] for i in P),
-            D_Q=None if self.D_Q is None else tuple(self.D_Q[i] for i in Q),
-            claims=self.claims,
-            starting=self.starting,
+            **_renumbered(self, Q, P),
+            D_P=self.D_P and tuple(self.D_P[i] for i in P),
+            D_Q=self.D_Q and tuple(self.D_Q[i] for i in Q),
             embedded=tuple(row.permuted(P, Q) for row in self.embedded),
         )
 
@@ -619,8 +616,3 @@ class PartitionedGLM(Own, Method):
             B=B[0], U=one * self.n_Q, V=one, B_hat=B[1], U_hat=one * self.n_P, V_hat=one,
             output=None, output_hat=None,
         )  # fmt: skip
-
-    def to_float(self) -> FloatPair:
-        """Round every coefficient to double precision, once, and keep the residue."""
-        names = [f"{letter}{hat}" for hat in ("", "_hat") for letter in "AUBV"]
-        return FloatPair(name=self.name, **rounded_blocks(self, names, "G", "D_P", "D_Q"))

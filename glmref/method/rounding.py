@@ -6,11 +6,10 @@ bound it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isinf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import DataError
 from ..exact import Scalar
@@ -76,63 +75,6 @@ class FloatGLM:
     G: np.ndarray | None = None
     D: np.ndarray | None = None
     name: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class FloatPair:
-    """A partitioned GLM rounded to double precision once, with what the rounding lost.
-
-    Attributes
-    ----------
-    A, U, B, V : np.ndarray
-        For q: shapes (n_Q, n_P), (n_Q, r), (r, n_P), (r, r).
-    A_hat, U_hat, B_hat, V_hat : np.ndarray
-        For p: shapes (n_P, n_Q), (n_P, r^), (r^, n_Q), (r^, r^).
-    A_residue, U_residue, B_residue, V_residue : np.ndarray
-        Exact minus rounded, themselves rounded.
-    A_hat_residue, U_hat_residue, B_hat_residue, V_hat_residue : np.ndarray
-        The same of the method for p.
-    G : np.ndarray or None
-        (r, r^) or ``None``.
-    D_P, D_Q : np.ndarray or None
-        (n_P,) and (n_Q,), or ``None``.
-    """
-
-    A: np.ndarray
-    U: np.ndarray
-    B: np.ndarray
-    V: np.ndarray
-    A_hat: np.ndarray
-    U_hat: np.ndarray
-    B_hat: np.ndarray
-    V_hat: np.ndarray
-    A_residue: np.ndarray
-    U_residue: np.ndarray
-    B_residue: np.ndarray
-    V_residue: np.ndarray
-    A_hat_residue: np.ndarray
-    U_hat_residue: np.ndarray
-    B_hat_residue: np.ndarray
-    V_hat_residue: np.ndarray
-    G: np.ndarray | None = None
-    D_P: np.ndarray | None = None
-    D_Q: np.ndarray | None = None
-    name: str = ""
-
-
-def rounded_blocks(
-    method: Any, blocks: Iterable[str], form: str, *diagonals: str
-) -> dict[str, Any]:
-    """Round blocks, form and diagonals of a method: arrays by name, with residues of blocks."""
-    arrays: dict[str, Any] = {}
-    for name in blocks:
-        arrays[name], arrays[f"{name}_residue"] = float_arrays(getattr(method, name))
-    if getattr(method, form) is not None:
-        arrays[form] = float_arrays(getattr(method, form))[0]
-    for name in diagonals:
-        if getattr(method, name) is not None:
-            arrays[name] = float_arrays((getattr(method, name),))[0][0]
-    return arrays
 
 
 def float_arrays(matrix: Matrix) -> tuple[np.ndarray, np.ndarray]:
