@@ -16,9 +16,8 @@ from ..compute import Done, Executor, Limits, Records
 from ..compute.child import MEMORY
 from ..compute.executors import Here
 from ..compute.records import in_json, made
-from ..engine.outcome import StartFailed
+from ..engine.outcome import Outcome, StartFailed
 from ..errors import GlmrefError
-from ..measure.attempt import FUNCTION_FAILED, check_function, given_by_user
 from ..measure.law import fit_law, samples_of
 from ..measure.limits import stable_step
 from ..measure.longtime import along, energy_deviation, follow, g_form, watch
@@ -35,10 +34,13 @@ from ..measure.work_precision import (
     measure,
     of_run,
 )
+from ..problems.model import Problem
 from ..problems.user_functions import FunctionFailed
 from .model import TIMED, Scene, subject_of
 from .planning import SAMPLED, Plan, plan
 
+#: The engine's, which a right-hand side that fails at the very start has here too.
+FUNCTION_FAILED = str(Outcome.FUNCTION_FAILED)
 #: Outcomes a scene adds to those of the engine.
 BUDGET_SPENT = "budget spent"
 FAILED = "internal error"
@@ -161,16 +163,41 @@ def perform(task: Mapping[str, Any]) -> dict[str, Any]:
         outcome = SYSTEM_REFUSED if isinstance(error, OSError | ImportError) else FAILED
         measured = {
             # what a Python function of the user's does is not ours to answer for
-            "outcome": FUNCTION_FAILED if given_by_user(_subject(task)) else outcome,
+            "outcome": FUNCTION_FAILED if _given_by_user(_subject(task)) else outcome,
             "message": message,
         }
     return {**measured, "where": circumstances()}
 
 
+def _given_by_user(problem: Problem) -> bool:
+    """Return whether a right-hand side or Jacobian is a Python function."""
+    functions = (problem.f, problem.dq, problem.dp, problem.jacobian)
+    return any(f is not None and not hasattr(f, "on") for f in functions)
+
+
+def _check_function(problem: Problem) -> None:
+    """Evaluate f once where it is a Python function: it must return d real numbers.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a result that is none.
+    """
+    if not _given_by_user(problem):
+        return
+    slope = np.asarray(problem.f(float(problem.t_span[0]), np.array(problem.y0, dtype=float)))
+    if slope.dtype.kind not in "fiub":
+        raise TypeError(f"f must return real numbers, got an array of {slope.dtype}")
+    if slope.shape != (problem.dimension,):
+        raise ValueError(
+            f"f must return an array of shape {(problem.dimension,)}, got {slope.shape}"
+        )
+
+
 def _method(task: Mapping[str, Any]) -> dict[str, Any]:
     method = load(task["file"] or task["method"])
     subject = _subject(task)
-    check_function(subject)
+    _check_function(subject)
     questions = set(task["ask"])
     record = (_long if SAMPLED & questions else _short)(task, method, subject)
     if "orbit" in questions:

@@ -13,8 +13,9 @@ from mpmath import ellipk, sin
 from glmref.catalogue.lookup import load, names
 from glmref.exact.expression import parse
 from glmref.measure.longtime import follow, watch
-from glmref.measure.parasitic import growth, loss, modes, solution_direction
+from glmref.measure.parasitic import loss, modes, solution_direction
 from glmref.problems import problem
+from tests.evidence.propagators import growth, predicted_propagator
 from tests.shipped import shipped
 
 PENDULUM = problem("pendulum", q0="23/10")
@@ -22,6 +23,15 @@ PERIOD = float(4 * ellipk(sin(1.15) ** 2))
 FREE = ("thesis-3-8", "s4-symmetric", "g6245", "g6245-w3")
 #: Complex coefficients; growth of second order in h that a million steps show, see below.
 SPECIAL = {*FREE, "g6245-w3-complex", "s3i1-w3", "s5i1-i"}
+
+
+def test_the_predicted_propagator_of_a_linear_problem_is_an_exponential():
+    subject = problem("harmonic-oscillator")
+    found = predicted_propagator(0.5, subject, time=2.0)
+    # exp(mu t J) is a rotation by mu t = 1; the classical method errs by 800 h^5 / 120
+    expected = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]
+    assert np.max(np.abs(found - expected)) < 1e-11
+    assert predicted_propagator(1j, subject, time=1.0)[0, 0] == pytest.approx(math.cosh(1))
 
 
 @pytest.mark.slow

@@ -1,18 +1,11 @@
-"""Timing: median and quartiles, budgets, circumstances without names of hosts; attempts of runs."""
+"""Timing: median and quartiles, budgets, circumstances without names of hosts."""
 
 import json
-import math
 import os
 import platform
 import time
-from typing import Any
 
-import pytest
-
-from glmref.catalogue.lookup import load
-from glmref.measure.attempt import FUNCTION_FAILED, REFUSED, attempt
 from glmref.measure.timing import Timing, circumstances, repeat
-from glmref.problems import Problem, problem
 
 
 def test_one_duration_is_its_own_quartiles():
@@ -60,22 +53,3 @@ def test_circumstances_name_versions_and_machine_and_nothing_private():
     assert {"python", "numpy", "numba"} <= set(found["versions"])
     assert os.getcwd() not in text
     assert platform.node() not in text or platform.node() in found["processor"]
-
-
-def test_an_attempt_ends_in_a_name_and_hides_no_defect(monkeypatch: pytest.MonkeyPatch) -> None:
-    given: dict[str, Any] = {"steps": 2, "evaluations": 20_000}
-    calm = problem("harmonic-oscillator")
-    found = attempt(calm, load("rk4"), h=0.1, **given)
-    assert found.outcome == "completed" and found.solution is not None
-    refused = attempt(calm, load("rk4"), h=math.nan, **given)
-    assert refused.outcome == REFUSED and "`h` must be finite" in refused.message
-    short = Problem(f=lambda t, y: y[:1], y0=[1.0, 1.0], name="user")
-    failed = attempt(short, load("rk4"), h=0.1, engine="interpreted", **given)
-    assert failed.outcome == FUNCTION_FAILED and "shape (2,)" in failed.message
-
-    def broken(*args: object, **options: object) -> None:
-        raise KeyError("a defect")
-
-    monkeypatch.setattr("glmref.measure.attempt.solve", broken)
-    with pytest.raises(KeyError, match="a defect"):
-        attempt(calm, load("rk4"), h=0.1, **given)

@@ -8,15 +8,7 @@ import pytest
 from glmref.catalogue.lookup import load
 from glmref.errors import UsageError
 from glmref.measure.longtime import follow
-from glmref.measure.parasitic import (
-    LOST,
-    growth,
-    loss,
-    modes,
-    parasitic_size,
-    predicted_propagator,
-    solution_direction,
-)
+from glmref.measure.parasitic import LOST, loss, modes, parasitic_size, solution_direction
 from glmref.problems import Problem, problem
 
 
@@ -35,40 +27,6 @@ def test_modes_come_by_increasing_argument():
 def test_a_one_step_method_and_an_adams_method_have_none():
     assert modes(load("rk4")) == []
     assert modes(load("ab-3")) == []
-
-
-def test_growth_of_a_method_without_modes_is_refused():
-    with pytest.raises(UsageError, match="no parasitic mode"):
-        growth(load("rk4"), problem("pendulum"), h=0.1, time=1.0)
-
-
-def test_the_predicted_propagator_of_a_linear_problem_is_an_exponential():
-    subject = problem("harmonic-oscillator")
-    found = predicted_propagator(0.5, subject, time=2.0)
-    # exp(mu t J) is a rotation by mu t = 1; the classical method errs by 800 h^5 / 120
-    expected = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]
-    assert np.max(np.abs(found - expected)) < 1e-11
-
-
-def test_a_complex_parameter_gives_a_complex_propagator():
-    found = predicted_propagator(1j, problem("harmonic-oscillator"), time=1.0)
-    assert found[0, 0] == pytest.approx(math.cosh(1), abs=1e-9)
-    assert np.iscomplexobj(found)
-
-
-def test_a_problem_without_jacobian_is_refused():
-    plain = Problem(f=lambda t, y: -y, y0=(1.0,))
-    with pytest.raises(UsageError, match="no Jacobian"):
-        predicted_propagator(1.0, plain, time=1.0)
-
-
-def test_leapfrog_grows_as_its_parameter_says():
-    # y' = -y: mu = -1, so the parasitic part grows like exp(t)
-    decay = Problem(f=("-y[0]",), y0=(1,))
-    found = growth(load("leapfrog"), decay, h=0.01, time=2.0)
-    assert found.mu == pytest.approx(-1)
-    assert found.rate == pytest.approx(1.0, rel=1e-4)
-    assert found.predicted_rate == pytest.approx(1.0, rel=1e-9)
 
 
 def test_the_solution_is_the_first_value_or_repeated_in_past_values():
