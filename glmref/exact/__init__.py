@@ -13,7 +13,7 @@ Reading and writing the text form is the business of :mod:`glmref.exact.expressi
 
 from .field import BALL_BITS, LIBRARY
 from .jet import Jet, jets, lift
-from .number import Ball, Exact, ball, exact, root_of_unity
+from .number import Ball, Exact, ball, exact, isolated_roots, root_of_unity
 from .products import BallMatrix, sum_of_products
 from .relations import RationalCombinations, box, cyclotomic, factorization
 from .to_decimals import rounded_decimal
@@ -32,6 +32,7 @@ __all__ = [
     "cyclotomic",
     "exact",
     "factorization",
+    "isolated_roots",
     "jets",
     "lift",
     "root_of_unity",

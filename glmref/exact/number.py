@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import re
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any, ClassVar
@@ -604,6 +605,19 @@ def exact(value: int | Fraction | Exact) -> Exact:
 def ball(value: int | Fraction | Exact | Ball) -> Ball:
     """Turn any number of this module into a :class:`Ball`."""
     return value if isinstance(value, Ball) else exact(value).ball()
+
+
+def isolated_roots(coefficients: Sequence[Exact | Ball]) -> list[Ball] | None:
+    """Return balls around all roots of a polynomial, constant term first, one in each.
+
+    ``None`` where they are not isolated: for multiple roots, or wide balls. The leading coefficient
+    is not zero.
+    """
+    whole = flint.acb_poly([x.ball()._acb for x in coefficients])
+    try:
+        return [Ball._wrap(x) for x in whole.roots(tol=2.0**-80)]
+    except ValueError:
+        return None
 
 
 def root_of_unity(numerator: int, denominator: int) -> Exact:

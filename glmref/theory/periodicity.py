@@ -8,8 +8,7 @@ the circle for every y (G-symplectic and symmetric methods), which is decided ex
   real in t up to a factor that t does not change. Where it alternates at r points around the
   circle there are r simple roots between them. Taylor's formula in ball arithmetic proves that for
   a whole interval of y at a time;
-* from above: the disc of radius ``r |P/P'|`` around any w holds a root; if it misses the circle, a
-  root is off it.
+* from above: a disc that holds a root and misses the circle.
 
 A method that is G-symplectic with a definite G needs none of this: its M(iy) is unitary in G.
 """
@@ -23,7 +22,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import pi, tan
 
-from ..exact import Ball, Exact, ball
+from ..exact import Ball, Exact, ball, isolated_roots
 from ..method import Method
 from . import polynomials as poly
 from .polynomials import Polynomial
@@ -149,9 +148,8 @@ class _March:
         self.start = Fraction(0)
 
     def run(self) -> Periodicity:
-        roots = self._approximate(Fraction(0)) or []
-        apart = all(abs(a - b) > 1e-6 for i, a in enumerate(roots) for b in roots[:i])
-        self.start = y = Fraction(0) if apart else Fraction(1, 64)
+        simple = self._roots(Fraction(0)) is not None
+        self.start = y = Fraction(0) if simple else Fraction(1, 64)
         step = Fraction(1, 8)
         while y < FARTHEST:
             if self._alternates(y, step):
@@ -184,8 +182,8 @@ class _March:
 
     def _alternates(self, y: Fraction, step: Fraction) -> bool:
         """Prove r simple unimodular roots for all values in [y, y + step]."""
-        roots = self._approximate(y + step / 2)
-        if roots is None or any(abs(abs(w) - 1) > 1e-3 for w in roots):
+        roots = [complex(w) for w in self._roots(y + step / 2) or ()]
+        if not roots or any(abs(abs(w) - 1) > 1e-3 for w in roots):
             return False
         rho, separators = _separators(roots)
         if rho is None:
@@ -219,65 +217,14 @@ class _March:
                 total[j] = total[j] + weight * c
         return poly.evaluate(tuple(total), offset).ball()
 
-    def _approximate(self, y: Fraction) -> list[complex] | None:
-        """Return roots at y in floating point.
-
-        Close ones are polished: they lose half the digits.
-        """
-        values: Polynomial = tuple(c.midpoint() for c in self._coefficients(ball(y)))
-        if values[-1].magnitude() < 1e-12 * max(v.magnitude() for v in values):
-            return None
-        roots = poly.approximate_roots(values)
-        if all(abs(a - b) > 1e-4 for i, a in enumerate(roots) for b in roots[:i]):
-            return roots
-        return _polished(values, roots)
+    def _roots(self, y: Fraction) -> list[Ball] | None:
+        """Return balls around the roots at y, ``None`` where some are not apart or not finite."""
+        coefficients = self._coefficients(ball(y))
+        return None if coefficients[-1].contains_zero() else isolated_roots(coefficients)
 
     def _off_circle(self, y: Fraction) -> bool:
         """Prove that some root at y has a modulus other than one."""
-        coefficients = tuple(self._coefficients(ball(y)))
-        slope = poly.derivative(coefficients)
-        roots = self._approximate(y) or []
-        for start in sorted(roots, key=lambda w: -abs(abs(w) - 1))[:2]:
-            w = _newton(coefficients, slope, start, 12)
-            radius = self.degree * poly.evaluate(coefficients, w) / poly.evaluate(slope, w)
-            distance = (w * w.conjugate() - 1).real  # |w|^2 - 1
-            if not radius.magnitude() < 1:
-                continue
-            bound = ball(Fraction(radius.magnitude()) * Fraction(1001, 1000))
-            # a root within r of w has | |root|^2 - 1 | >= | |w|^2 - 1 | - r (2 |w| + r)
-            reach = bound * (2 * Fraction(max(w.magnitude(), 1.0)) + bound)
-            if _surely_larger(distance, reach):
-                return True
-        return False
-
-
-def _polished(p: Polynomial, roots: list[complex]) -> list[complex]:
-    """Do Durand and Kerner's iteration with many digits: close roots stay apart."""
-    fine = [ball(Fraction(w.real)) + ball(Fraction(w.imag)) * _I for w in roots]
-    for _ in range(8):
-        for k, w in enumerate(fine):
-            divisor = p[-1].ball()
-            for j, other in enumerate(fine):
-                if j != k:
-                    divisor = divisor * (w - other)
-            if divisor.is_zero() is False:
-                fine[k] = (w - poly.evaluate(p, w) / divisor).midpoint()
-    return [complex(w) for w in fine]
-
-
-def _newton(p: Polynomial, slope: Polynomial, start: complex, steps: int) -> Ball:
-    """Do Newton's iteration on midpoints: a good guess, nothing more."""
-    w = ball(Fraction(start.real)) + ball(Fraction(start.imag)) * _I
-    for _ in range(steps):
-        divisor = poly.evaluate(slope, w)
-        if divisor.is_zero() is not False:
-            return w
-        w = (w - poly.evaluate(p, w) / divisor).midpoint()
-    return w
-
-
-def _surely_larger(distance: Ball, reach: Ball) -> bool:
-    return any(x.is_zero() is False and x.sign() > 0 for x in (distance - reach, -distance - reach))
+        return any(not (w * w.conjugate() - 1).contains_zero() for w in self._roots(y) or ())
 
 
 def _opposite(a: Ball, b: Ball) -> bool:

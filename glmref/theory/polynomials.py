@@ -7,11 +7,10 @@ the roots lie, are the judge's.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from fractions import Fraction
 
-from ..exact import Exact, Scalar
+from ..exact import Exact, Scalar, isolated_roots
 from ..exact.judging import asked
 from ..system.budget import spend
 
@@ -101,29 +100,11 @@ def evaluate(p: Polynomial, x: Scalar | int | Fraction) -> Scalar:
 
 
 def approximate_roots(p: Polynomial) -> list[complex]:
-    """Return roots in floating point (Durand, Kerner): for messages and guesses, not decisions."""
+    """Return roots in floating point, as often as they occur: for messages and guesses."""
+    found: list[complex] = []
     p = trim(p)
-    coefficients = [complex(a / p[-1]) for a in p[:-1]]
-    size = len(coefficients)
-    radius = 1 + max((abs(a) for a in coefficients), default=0.0)
-    roots = [min(radius, 2.0) * (0.4 + 0.9j) ** k for k in range(size)]
-    last = math.inf
-    for _ in range(500):
-        change = 0.0
-        for k in range(size):
-            value, spread = 1 + 0j, 1 + 0j
-            for a in reversed(coefficients):
-                value = value * roots[k] + a
-            for j in range(size):
-                if j != k:
-                    spread *= roots[k] - roots[j]
-            if spread == 0:
-                spread = 1e-12 + 0j
-            step = value / spread
-            roots[k] -= step
-            change = max(change, abs(step))
-        # near the roots changes fall until rounding stops them: what comes after gains nothing
-        if change < 1e-15 * radius or last <= change < 1e-9 * radius:
-            break
-        last = change
-    return roots
+    while len(p) > 1:
+        once = squarefree(p)
+        found += map(complex, isolated_roots(once) or ())
+        p = divide(p, once)[0]
+    return found

@@ -6,18 +6,15 @@ from fractions import Fraction
 import pytest
 
 import glmref
-from glmref.exact import Ball, ball, exact
+from glmref.exact import Ball, ball, exact, isolated_roots
 from glmref.method.families import linear_multistep, runge_kutta, splitting
 from glmref.theory import polynomials as poly
 from glmref.theory.periodicity import (
     _March,
     _mirrored,
     _never_both_zero,
-    _newton,
     _opposite,
-    _polished,
     _separators,
-    _surely_larger,
     _taylor,
     periodicity,
 )
@@ -118,20 +115,16 @@ def test_signs_are_compared_where_they_are_sure():
     i, wide = exact(-1).sqrt(), Ball.decimal("0.0", 1)
     assert _opposite(ball(2), ball(-3)) and _opposite(ball(2) * i, ball(-3) * i)
     assert not _opposite(ball(2), ball(3)) and not _opposite(ball(2), wide)
-    assert _surely_larger(ball(3), ball(2)) and _surely_larger(ball(-3), ball(2))
-    assert not _surely_larger(ball(2), ball(3)) and not _surely_larger(ball(2), ball(2))
-    assert not _surely_larger(wide, wide)
 
 
-def test_newton_and_the_polish_find_roots():
-    p = tuple(ball(x) for x in (-2, 0, 1))
-    slope = tuple(ball(x) for x in (0, 2))
-    w = _newton(p, slope, 1.4 + 0.1j, 12)
-    assert abs(complex(w) ** 2 - 2) < 1e-15 and (w * w - 2).magnitude() < 1e-100
-    assert _newton(p, slope, 0j, 12).is_zero() is True  # the slope is zero there
-    near = tuple(ball(x) for x in (1, -2 - Fraction(1, 10**8), 1))  # roots 1 -+ 1e-4
-    found = sorted(x.real for x in _polished(near, [0.99 + 0j, 1.01 + 0.001j]))
-    assert found == pytest.approx([1 - 1e-4, 1 + 1e-4], abs=1e-8)
+def test_isolated_roots_are_enclosed_and_others_are_none():
+    found = isolated_roots((exact(-2), exact(0), exact(1)))
+    assert len(found) == 2 and all(x.radius() < 1e-20 for x in found)
+    assert all(any(x.contains(root) for x in found) for root in (exact(2).sqrt(), -exact(2).sqrt()))
+    near = (exact(1), exact(-2 - Fraction(1, 10**8)), exact(1))  # roots 1 -+ 1e-4
+    assert sorted(float(x.real) for x in isolated_roots(near)) == pytest.approx([0.9999, 1.0001])
+    assert isolated_roots((exact(1), exact(-2), exact(1))) is None
+    assert isolated_roots((Ball.decimal("1.0", 1), ball(-2), ball(1))) is None
 
 
 def test_mirrored_polynomials_are_told_from_others():

@@ -75,6 +75,8 @@ def test_approximate_roots_are_close():
     p = poly.from_roots([exact(1), exact(-2), SQRT2])
     found = sorted(x.real for x in poly.approximate_roots(p))
     assert found == pytest.approx([-2, 1, 2**0.5])
+    assert sorted(x.real for x in poly.approximate_roots(P(0, 0, 4, -4, 1))) == [0, 0, 2, 2]
+    assert poly.approximate_roots(P(3)) == []
 
 
 def test_a_first_root_that_is_a_short_fraction_is_found_itself():
