@@ -2,8 +2,8 @@
 
 ``V u = u, U u = 1`` (pre-consistency) lets the method reproduce constants, and
 ``B 1 + V v = u + v`` (consistency) the solution of y' = 1. Then ``c = A 1 + U v`` are the
-abscissae. The vectors themselves come from :mod:`glmref.method.preconsistency`; here it is decided
-whether they satisfy the conditions.
+abscissae. The vectors themselves come from :mod:`glmref.method.preconsistency`, and the judge says
+whether they exist; here it is said which condition fails.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from ..method.preconsistency import (
     consistency_vector,
     preconsistency_of,
 )
-from .residuals import verdict_of
 from .spectrum import Boundedness, power_bounded
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -27,18 +26,13 @@ _NO_V = "no vector v has B 1 + V v = u + v: the weights along the eigenvalue 1 o
 
 @dataclass(frozen=True, eq=False)
 class Consistency:
-    """Pre-consistency and consistency of a method."""
+    """The vectors of consistency of a component, as far as there are any."""
 
-    #: The decisions; ``None`` where balls leave them open.
-    preconsistent: bool | None
-    consistent: bool | None
     u: Vector | None = None  #: (r,) with V u = u, U u = 1, or ``None``.
     #: (r,) with B 1 + V v = u + v, or ``None``. It is fixed up to multiples of u: the output
     #: functional w has w v = 0, so that the solution w y stands at the time of the step.
     v: Vector | None = None
     c: Vector | None = None  #: (s,) abscissae A 1 + U v, or ``None``.
-    #: Whether u is the only solution (1 is then a simple eigenvalue where it matters).
-    unique: bool = True
     #: Largest entry of the conditions that fail or stay open, 0.0 when all hold.
     residual: float = 0.0
     witness: str = ""  #: One sentence naming the condition that fails, or ``""``.
@@ -68,22 +62,16 @@ def consistency(m: Block) -> Consistency:
     510B and 510C.
     """
     found = preconsistency_of(m)
-    u, unique = found.u, found.unique
+    u, v = found.u, consistency_vector(m)
     if u is None:
         guess = linalg.identity(len(m.V))[0]  # for the size of a residual where no u exists
         size = linalg.largest(preconsistency_residual(m, guess))
-        return Consistency(False, False, residual=size, witness=found.witness)
-    first = verdict_of(preconsistency_residual(m, u))
-    v = consistency_vector(m)
+        return Consistency(residual=size, witness=found.witness)
     if v is None:
-        zero = (_ZERO,) * len(u)
-        size = linalg.largest(consistency_residual(m, u, zero))
-        witness = f"{_NO_V}; {_row_off(m, u)}"
-        return Consistency(first.holds, False, u, unique=unique, residual=size, witness=witness)
-    second = verdict_of(consistency_residual(m, u, v))
-    both = False if False in (first.holds, second.holds) else second.holds if first.holds else None
-    residual = max(first.residual, second.residual)
-    return Consistency(first.holds, both, u, v, abscissae(m), unique, residual)
+        size = linalg.largest(consistency_residual(m, u, (_ZERO,) * len(u)))
+        return Consistency(u, residual=size, witness=f"{_NO_V}; {_row_off(m, u)}")
+    residuals = preconsistency_residual(m, u), consistency_residual(m, u, v)
+    return Consistency(u, v, abscissae(m), max(map(linalg.largest, residuals)))
 
 
 def _row_off(m: Block, u: Vector) -> str:
