@@ -211,23 +211,3 @@ def growth(m: Method) -> Parasitism:
     if why and free is not False:  # growth at one eigenvalue decides, whatever the others do
         return Parasitism(None, growths, witness=why)
     return Parasitism(free, growths, residual, "" if free else witness)
-
-
-def growth_parameters(m: GLM) -> tuple[Scalar, ...]:
-    """Return the growth parameters by increasing argument in (0, 2 pi) of the eigenvalue.
-
-    Raises
-    ------
-    ExactnessError
-        When the eigenvalues are not decided, or one of them is multiple.
-    """
-    found = growth(m)
-    if found.free is None and not found.growths:
-        raise ExactnessError(found.witness)
-    for g in found.growths:
-        if g.mu is None:
-            raise ExactnessError(
-                f"the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V is multiple: it has a "
-                f"growth matrix, not a growth parameter"
-            )
-    return tuple(g.mu for g in found.growths if g.mu is not None)

