@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 from .arithmetic import Fraction
+from .document import Component
 from .linalg import apply, combine, diagonal, dot, inverse_matrix, less, minus, placewise, times
 from .numbers import apart, conj, real, vanishes
 from .rule import NoWitness, Rule, Space
@@ -34,31 +35,33 @@ class SecondCase(GrowthCase):
     @cached_property
     def terms(self) -> list[tuple]:
         """Return I1, the coefficient of z^2, and I3 of every eigenvalue other than 1."""
-        return [self.of_simple(x) for x in self.others("o")]
+        m = self.method.single()
+        return [terms_of(m, x, self.bend) for x in self.others("o")]
 
     @property
     def invariants(self) -> list:
         """Return I1 and I3 of one eigenvalue other than 1 after the other."""
         return [y for I1, _, I3 in self.terms for y in (I1, I3)]
 
-    def of_simple(self, x: Space) -> tuple:
-        """Return I1 and z^2 and z^3 in lambda(z)/zeta of a simple eigenvalue, where z has 0."""
-        m, (W,), N = self.method.single(), x.W, [row[0] for row in x.N]
-        slopes, moved = [apply(m.U, N)], []
-        I1 = dot(W, apply(m.B, placewise(len(m.A), [slopes[0], self.bend])))
-        onto = times(x.N, x.W)
-        shift = minus(diagonal([x.zeta] * m.r), m.V)
-        reduced = minus(inverse_matrix(combine(shift, onto)), onto)  # of zeta - V, 0 at N
-        for _ in range(2):  # A (I - zA)^-1 U and the eigenvector, by powers of z
-            moved.append(apply(reduced, apply(m.B, slopes[-1])))
-            inner, outer = apply(m.A, slopes[-1]), apply(m.U, moved[-1])
-            slopes.append([a + b for a, b in zip(inner, outer, strict=True)])
-        return tuple(conj(x.zeta) * y for y in (I1, *(dot(W, apply(m.B, y)) for y in slopes[1:])))
-
     @cached_property
     def gap(self) -> list:
         """Return the invariants less those declared."""
         return less(self.invariants, self.claimed)
+
+
+def terms_of(m: Component, x: Space, bend: list) -> tuple:
+    """Return I1 and z^2 and z^3 in lambda(z)/zeta of a simple eigenvalue, where z has 0."""
+    (W,), N = x.W, [row[0] for row in x.N]
+    slopes, moved = [apply(m.U, N)], []
+    I1 = dot(W, apply(m.B, placewise(len(m.A), [slopes[0], bend])))
+    onto = times(x.N, x.W)
+    shift = minus(diagonal([x.zeta] * m.r), m.V)
+    reduced = minus(inverse_matrix(combine(shift, onto)), onto)  # of zeta - V, 0 at N
+    for _ in range(2):  # A (I - zA)^-1 U and the eigenvector, by powers of z
+        moved.append(apply(reduced, apply(m.B, slopes[-1])))
+        inner, outer = apply(m.A, slopes[-1]), apply(m.U, moved[-1])
+        slopes.append([a + b for a, b in zip(inner, outer, strict=True)])
+    return tuple(conj(x.zeta) * y for y in (I1, *(dot(W, apply(m.B, y)) for y in slopes[1:])))
 
 
 def one_map_of_order_2_underlies_the_method(case: SecondCase) -> bool:

@@ -53,9 +53,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ..errors import ExactnessError
-from ..exact import Exact, Scalar, linalg
+from ..exact import Exact, Scalar
+from ..exact.judging import consulted, inward, outward
 from ..method import Component, Method
 from .coefficients import is_zero, plus
+from .judged import judged_component
 from .parasitism import growth
 from .spectrum import eigenvectors
 from .trees import Tree, single
@@ -121,24 +123,10 @@ def second_order(m: Method, series: UnderlyingMethod | None = None) -> tuple[Sec
 
 def _second_order_at(m: Component, zeta: Exact, bend: Sequence[Scalar]) -> SecondOrder:
     (left,), (right,) = eigenvectors(m.V, zeta)
-    reads = linalg.vecmat(left, m.B)
-    n = len(m.V)
-    near = tuple(
-        tuple(m.V[i][j] - (zeta if i == j else 0) + right[i] * left[j] for j in range(n))
-        for i in range(n)
-    )
-    stages, marked = linalg.matvec(m.U, right), right
-    I1 = linalg.dot(reads, [x * y for x, y in zip(stages, bend, strict=True)]) / zeta
-    terms: list[Scalar] = []
-    for _ in range(2):  # xi([x]), xi([[x]])
-        after = linalg.matvec(m.B, stages)
-        seen = linalg.dot(left, after)
-        rest = [[seen * v - x] for v, x in zip(right, after, strict=True)]
-        marked = [row[0] for row in linalg.solve(near, tuple(map(tuple, rest)))]
-        inner, outer = linalg.matvec(m.A, stages), linalg.matvec(m.U, marked)
-        stages = tuple(x + y for x, y in zip(inner, outer, strict=True))
-        terms.append(linalg.dot(reads, stages) / zeta)
-    turn, I3 = terms
+    with consulted() as judge:
+        rules, space = judge.rules_second, inward([zeta, [left], [[x] for x in right]])
+        found = rules.terms_of(judged_component(m), rules.Space(*space), inward(bend))
+        I1, turn, I3 = outward(found)
     if is_zero(plus(turn, turn.conjugate())) is False:
         raise ExactnessError("growth of second order needs terms of z^2 that are imaginary")
     return SecondOrder(zeta, I1, I3)
