@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import cmath
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cmp_to_key, lru_cache
-from math import gcd as integer_gcd
+from functools import cmp_to_key
+from math import pi
 
 from ..errors import ExactnessError
-from ..exact import Ball, Exact, Scalar, exact, linalg, root_of_unity
+from ..exact import Exact, Scalar, exact, linalg, root_of_unity
 from ..exact.judging import asked
 from ..exact.linalg import Matrix, Vector
 from . import polynomials as poly
 from .polynomials import Polynomial
 
-#: Roots of unity of these orders are tried whatever the field; the others follow from the degree.
+#: Roots of unity of these orders are tried whatever the field, others where p is rational.
 USUAL_ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
 MAX_ORDER = 90
 #: An approximate root so near to the unit circle may lie on it.
@@ -46,42 +47,23 @@ def _require_exact(V: Matrix) -> None:
         )
 
 
-@lru_cache(maxsize=1)
-def _totients() -> dict[int, int]:
-    return {
-        n: sum(integer_gcd(k, n) == 1 for k in range(1, n + 1)) for n in range(1, MAX_ORDER + 1)
-    }
-
-
-@lru_cache(maxsize=4096)
-def _unit_ball(numerator: int, denominator: int) -> Ball:
-    return root_of_unity(numerator, denominator).ball()
-
-
-def _candidate_orders(p: Polynomial) -> list[int]:
-    """Return orders of possible roots of unity: for rational p, phi(n) is at most deg p."""
-    if all(isinstance(a, Exact) and a.as_fraction() is not None for a in p):
-        return [n for n, phi in _totients().items() if phi <= len(p) - 1]
-    return list(USUAL_ORDERS)
-
-
 def _cyclotomic_part(p: Polynomial) -> tuple[list[Eigenvalue], Polynomial]:
     """Divide out the roots of unity: found roots, and what is left of the polynomial."""
+    rational = all(isinstance(a, Exact) and a.as_fraction() is not None for a in p)
     found: list[Eigenvalue] = []
-    for order in _candidate_orders(p):
-        for k in range(order):
-            if integer_gcd(k, order) != 1 and order > 1:
-                continue
-            if len(p) <= 1:
-                return found, p
-            balls = tuple(a.ball() for a in p)
-            if not poly.evaluate(balls, _unit_ball(k, order)).ball().contains_zero():
-                continue
-            root = root_of_unity(k, order)
+    for w in _near_circle(p):
+        turn = Fraction(cmath.phase(w) / (2 * pi)).limit_denominator(MAX_ORDER) % 1
+        near = abs(w - cmath.exp(2j * pi * turn)) < NEAR**2
+        if near and (rational or turn.denominator in USUAL_ORDERS):
+            root = root_of_unity(turn.numerator, turn.denominator)
             multiplicity, p = _divided_out(p, root)
             if multiplicity:
                 found.append(Eigenvalue(root, multiplicity))
     return found, p
+
+
+def _near_circle(p: Polynomial) -> list[complex]:
+    return [w for w in poly.approximate_roots(p) if abs(abs(w) - 1) < NEAR]
 
 
 def _quadratic_roots(p: Polynomial) -> list[Scalar]:
@@ -147,7 +129,7 @@ def unimodular_eigenvalues(V: Matrix) -> tuple[Eigenvalue, ...]:
     if not poly.is_schur(rest):
         # what rest shares with its mirror image: roots on the circle, or in pairs beside it
         common = poly.squarefree(poly.gcd(rest, poly.mirror(rest)))
-        if any(abs(abs(x) - 1) < NEAR for x in poly.approximate_roots(common)):
+        if _near_circle(common):
             found += _multiplicities(rest, _solve_unimodular(common))
     order = sorted(range(len(found)), key=lambda i: argument_key(found[i].value))
     return tuple(found[i] for i in order)
