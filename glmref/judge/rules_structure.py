@@ -186,24 +186,30 @@ class ReducibleCase(Case):
         return {x for c in self.method.parts for x in ranks_are_less(self.method, c)}
 
 
+def seen_rows(m: Component) -> list:
+    """Return the rows of U, U V, .., U V^(r-1): what the stages see of the values."""
+    rows = list(m.U)
+    for _ in range(m.r - 1):
+        rows += times(rows[-len(m.U) :], m.V)
+    return rows
+
+
+def reached_rows(m: Component, u: list | None) -> list:
+    """Return u and the columns of B, V B, .., V^(r-1) B: what a run reaches from the solution."""
+    rows = ([u] if u else []) + transpose(m.B)
+    for _ in range(m.r - 1):
+        rows += [apply(m.V, x) for x in rows[-len(m.B[0]) :]]
+    return rows
+
+
 def ranks_are_less(method: Method, colour: str) -> Iterator[bool | None]:
     """Yield whether a value is never seen, and never reached, None where it is left open."""
     m = method.part(colour)
 
-    def seen() -> list:
-        rows = list(m.U)
-        for _ in range(m.r - 1):
-            rows += times(rows[-len(m.U) :], m.V)
-        return rows
+    def reached() -> list:  # by any u: the difference of two is never seen
+        return reached_rows(m, method.vectors_to_one(colour)[0])
 
-    def reached() -> list:
-        u, _ = method.vectors_to_one(colour)  # the difference of two is never seen
-        rows = ([u] if u else []) + transpose(m.B)
-        for _ in range(m.r - 1):
-            rows += [apply(m.V, x) for x in rows[-len(m.B[0]) :]]
-        return rows
-
-    for rows in (seen, reached):
+    for rows in (lambda: seen_rows(m), reached):
         try:
             yield rank(rows()) < m.r
         except Refused:

@@ -663,14 +663,14 @@ class _Writer:
         for c in self.kernel.blocks:
             if c not in proposed:
                 raise ExactnessError(proposed.get("why", "eigenvalues are not known"))
-            values = [to_text(z) for z, _, _ in proposed[c]]
+            values = list(map(to_text, proposed[c]))
             parts.append({"rule": "eigen", "witness": {"which": c, "zeta": values}})
         return parts, dict(proposed)
 
     def _real_growth(self, proposed: Mapping[str, Any]) -> None:
         """Refuse decimals at an eigenvalue that is not real: the intervals of a checker are."""
         decimals = not all(is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
-        if decimals and not all(z.is_real() for parts in proposed.values() for z, *_ in parts):
+        if decimals and not all(z.is_real() for zeta in proposed.values() for z in zeta):
             raise ExactnessError("growth of decimals at an eigenvalue that is not real")
 
     def _unshared(self) -> list[Part]:

@@ -22,12 +22,13 @@ from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
+from ..theory.spectrum import unimodular_eigenvalues
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
 from .algebra import is_exact
 from .certificate import Shared, certificates_of
-from .finders import eigenvalues, proposal_for
+from .finders import proposal_for
 from .kernel import BESIDE, Found, Kernel
 from .ranges import Known
 from .verdicts import Judgement, explained, judged
@@ -201,7 +202,8 @@ class Facts:
     def eigen(self) -> Mapping[str, Any]:
         """Return the eigenvalues of V of modulus 1 by colour as a witness, or why they are open."""
         try:
-            return {c.colour: eigenvalues(c.V) for c in self.method.components}
+            return {c.colour: [e.value for e in unimodular_eigenvalues(c.V)]
+                    for c in self.method.components}  # fmt: skip
         except ExactnessError as error:
             return {"why": f"the growth parameters are open: {error}"}
 

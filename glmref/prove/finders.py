@@ -32,10 +32,8 @@ from ..catalogue.claims import (
 from ..errors import ExactnessError
 from ..exact import Exact
 from ..exact.expression import parse, shown_number
-from ..exact.linalg import Matrix
 from ..theory import polynomials as poly
 from ..theory.equivalence import reduce
-from ..theory.spectrum import eigenvectors, unimodular_eigenvalues
 from ..theory.stability import seems_a_stable, why_not_a_stable
 from ..theory.symmetry import Symmetry, symmetry, symmetry_as_given
 from .kernel import BESIDE, Explain, Proposal
@@ -165,17 +163,6 @@ def _symmetric_reduced(facts: Facts) -> Proposal:
         return known
 
     return Proposal(witness, explain=_told(lambda: symmetry_as_given(reduce(facts.method))))
-
-
-def eigenvalues(V: Matrix) -> list[Any]:
-    """Return eigenvalues of modulus 1 with left and right eigenvectors.
-
-    Raises
-    ------
-    ExactnessError
-        For balls, defective eigenvalues, or ones that square roots do not give.
-    """
-    return [(e.value, *eigenvectors(V, e.value)) for e in unimodular_eigenvalues(V)]
 
 
 def _parasitism(facts: Facts) -> Proposal:

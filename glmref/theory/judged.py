@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from ..exact.judging import as_numbers, fast_judge
-from ..method import Component, Method
+from ..method import Method
+from ..method.preconsistency import Block
 
 
-def judged_component(c: Component) -> Any:
+def judged_component(c: Block) -> Any:
     """Return A, U, B, V in numbers of :func:`~glmref.exact.judging.fast_judge`."""
-    return fast_judge().document.Component(*map(as_numbers, c.matrices))
+    return fast_judge().document.Component(*map(as_numbers, (c.A, c.U, c.B, c.V)))
 
 
 def judged_parts(m: Method) -> Any:

@@ -25,7 +25,7 @@ from ..method.preconsistency import preconsistency_vector
 from . import polynomials as poly
 from .residuals import verdict_of
 from .residues import both_ways, residues
-from .spectrum import Eigenvalue, eigenvectors, unimodular_eigenvalues
+from .spectrum import Eigenvalue, brief, eigenvectors, unimodular_eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,11 +127,6 @@ def _coupled_growth_at(m: Method, zeta: Exact) -> Growth:
     )
 
 
-def _eigenvalue_text(zeta: Exact) -> str:
-    fraction = zeta.as_fraction()
-    return str(fraction) if fraction is not None else f"{complex(zeta):.6g}"
-
-
 def _parasitic(V: Matrix) -> list[Exact]:
     """Return eigenvalues of modulus one but 1.
 
@@ -194,7 +189,7 @@ def growth(m: Method) -> Parasitism:
     free: bool | None = True
     residual, witness = 0.0, ""
     for g in growths:
-        at = f"at the eigenvalue {_eigenvalue_text(g.eigenvalue)} of V"
+        at = f"at the eigenvalue {brief(g.eigenvalue)} of V"
         for name, matrix in g.matrices.items():
             verdict = verdict_of(matrix)
             if verdict.residual > residual:

@@ -20,9 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..exact import Exact, linalg
+from ..exact.judging import consulted, inward, outward
 from ..exact.linalg import Matrix
 from ..method import Method, PartitionedGLM
 from ..method.preconsistency import Block, preconsistency_vector
+from .judged import judged_component
 
 
 @dataclass(frozen=True)
@@ -39,23 +41,15 @@ class Reduction:
 
 def reached_rows(m: Block) -> Matrix:
     """Return rows that span the values a run can reach from the solution."""
-    u = preconsistency_vector(m)
-    layer = linalg.transpose(m.B)
-    rows = layer if u is None else (u, *layer)
-    back = linalg.transpose(m.V)
-    for _ in range(len(m.V) - 1):
-        layer = linalg.matmul(layer, back)
-        rows = (*rows, *layer)
-    return rows
+    with consulted() as judge:
+        u = preconsistency_vector(m)
+        return outward(judge.rules_structure.reached_rows(judged_component(m), inward(u)))
 
 
 def observed_rows(m: Block) -> Matrix:
     """Return rows U, U V, U V^2, ..: what the stages see of the values."""
-    layer = rows = m.U
-    for _ in range(len(m.V) - 1):
-        layer = linalg.matmul(layer, m.V)
-        rows = (*rows, *layer)
-    return rows
+    with consulted() as judge:
+        return outward(judge.rules_structure.seen_rows(judged_component(m)))
 
 
 #: What the values of a component are called, by its colour.

@@ -208,13 +208,14 @@ def _defective(V: Matrix) -> str:
         independent = len(V) - linalg.rank(shifted)
         if independent < eigenvalue.multiplicity:
             return (
-                f"the eigenvalue {_brief(eigenvalue.value)} of V on the unit circle has "
+                f"the eigenvalue {brief(eigenvalue.value)} of V on the unit circle has "
                 f"multiplicity {eigenvalue.multiplicity} and {independent} eigenvector"
                 f"{'s' if independent > 1 else ''}"
             )
     return "a multiple eigenvalue of V on the unit circle lacks eigenvectors"
 
 
-def _brief(x: Exact) -> str:
+def brief(x: Exact) -> str:
+    """Return a number in a sentence: a rational one as it is."""
     fraction: Fraction | None = x.as_fraction()
     return str(fraction) if fraction is not None else f"{complex(x):.6g}"
