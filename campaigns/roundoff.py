@@ -16,7 +16,6 @@ Hairer, McLachlan, Razakarivony, Achieving Brouwer's law with implicit Runge-Kut
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
@@ -26,14 +25,13 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments, fingerprint, renew
 from glmref.catalogue.lookup import load
 from glmref.compute.records import in_json
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import samples_of
 from glmref.measure.longtime import slope
-from glmref.measure.timing import circumstances
 from glmref.method import GLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -64,8 +62,6 @@ HEAD: Mapping[str, str] = {
     "G-form. `rms`: over n/2 .. n steps and all invariants, for n in `steps`. `exponent`: slope of "
     "log rms against log n. `mean`: over the last stretch. `runs`: number of invariants.",
 }
-
-Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -153,52 +149,29 @@ def options_of(method: GLM, variant: str) -> dict[str, Any]:
     return options
 
 
-def rows(
-    *,
-    methods: Sequence[str] = METHODS,
-    steps: int = STEPS,
-    known: Sequence[Row] = (),
-    beside: Path | None = None,
-) -> list[Row]:
-    """Measure every variant of some methods, one row in JSON's types for each.
+def cases() -> list[dict[str, Any]]:
+    """List the variants of every method."""
+    return [
+        {"method": name, "variant": variant, "fingerprint": fingerprint(name)}
+        for name in METHODS
+        for variant in VARIANTS
+    ]
+
+
+def row(case: Mapping[str, Any], steps: int = STEPS) -> dict[str, Any]:
+    """Measure a variant of a method.
 
     The exact form, compensated, is measured on eight bodies, because the exponent of a random walk
     takes many of them; the others, which drift or are far larger, on three.
     """
-    done = {(row["method"], row["variant"], row["steps"][-1]): row for row in known}
-    wanted = [(name, variant, steps) for name in methods for variant in VARIANTS]
-    missing = [{"method": x[0], "variant": x[1], "steps": x[2]} for x in wanted if x not in done]
-    found = iter(carried_out(row, missing, beside=beside))
-    return [done[x] if x in done else next(found) for x in wanted]
-
-
-def row(task: Mapping[str, Any]) -> Row:
-    """Measure a variant of a method."""
-    method, variant = load(task["method"]), task["variant"]
+    method, variant = load(case["method"]), case["variant"]
     if not isinstance(method, GLM):
         raise UsageError(f"{method.name} is a pair of methods; give methods of one kind of value")
     subjects = bodies(8 if VARIANTS[variant]["arithmetic"] == "strict" else 3)
     options = options_of(method, variant)
-    found = round_off(method, subjects, h=SIZE, steps=task["steps"], **options)
-    return {"variant": variant, **in_json(found)}
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Measure and write a document, which is kept up to date; rows that it holds are not redone."""
-    if not arguments:
-        sys.stderr.write("usage: python -m campaigns.roundoff FILE [METHOD ...]\n")
-        return 2
-    path, methods = Path(arguments[0]), arguments[1:] or METHODS
-    known = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else []
-    document: dict[str, Any] = {**HEAD, "where": circumstances(), "rows": []}
-    found = rows(methods=methods, known=known, beside=path)
-    document["rows"] = found + [x for x in known if x not in found]
-    complete(path, document)
-    for one in found:
-        exponent = math.nan if one["exponent"] is None else one["exponent"]
-        sys.stderr.write(f"{one['method']}, {one['variant']}: exponent {exponent:.3f}\n")
-    return 0
+    return in_json(round_off(method, subjects, h=SIZE, steps=steps, **options))
 
 
 if __name__ == "__main__":
-    sys.exit(main(arguments(sys.argv[1:])))
+    (file,) = arguments(sys.argv[1:])
+    renew(Path(file), HEAD, "rows", cases(), row)

@@ -4,13 +4,15 @@ import json
 
 import pytest
 
-from campaigns.roundoff import VARIANTS, bodies, main, options_of, round_off, rows
+from campaigns.pages import measured
+from campaigns.roundoff import STEPS, VARIANTS, bodies, cases, options_of, round_off, row
 from glmref.catalogue.lookup import load
 from glmref.compute.records import in_json
 from glmref.errors import UsageError
 from glmref.problems import problem
 
 BODIES = [problem("rigid-body", inertia1=n) for n in (2, "17/8")]
+STORED = measured("roundoff")["rows"]
 OPTIONS = {"h": 1 / 16, "steps": 2000, "first": 100, "engine": "interpreted"}
 
 
@@ -61,33 +63,16 @@ def test_the_bodies_differ_and_have_two_invariants_each():
     assert all(len(body.quadratic) == 2 for body in bodies(8))
 
 
-def test_known_rows_are_passed_on_and_the_others_measured():
-    found = list(rows(methods=["gauss-1"], steps=20_000))
-    assert [row["variant"] for row in found] == list(VARIANTS)
-    marked = [{**found[1], "exponent": "known"}]
-    again = list(rows(methods=["gauss-1"], steps=20_000, known=marked))
-    assert [row["exponent"] == "known" for row in again] == [False, True, False, False]
-    assert again[0] == found[0]  # a run has no chance in it
+def test_a_run_has_no_chance_in_it():
+    case = {"method": "gauss-1", "variant": "rounded tableau, plain sums"}
+    assert row(case, steps=20_000) == row(case, steps=20_000)
 
 
-def test_the_command_keeps_rows_that_a_file_holds(tmp_path, capsys):
-    path = tmp_path / "folder" / "roundoff.json"
-    kept = [
-        {"method": "gauss-1", "variant": variant, "steps": [10_000_000], "exponent": 0.5}
-        for variant in VARIANTS
-    ]
-    path.parent.mkdir()
-    path.write_text(json.dumps({"rows": kept}), encoding="utf-8")
-    assert main([str(path), "gauss-1"]) == 0
-    assert json.loads(path.read_text(encoding="utf-8"))["rows"] == kept
-    assert capsys.readouterr().err.count("exponent 0.500") == 4
-
-
-def test_the_command_without_a_file_says_how_it_is_used(capsys):
-    assert main([]) == 2
-    assert capsys.readouterr().err.startswith("usage: ")
+def test_every_variant_is_in_the_record():
+    known = [{k: x[k] for k in ("method", "variant", "fingerprint")} for x in STORED]
+    assert known == cases() and all(x["steps"][-1] == STEPS for x in STORED)
 
 
 def test_a_pair_is_refused():
     with pytest.raises(UsageError, match="pair of methods"):
-        list(rows(methods=["stormer-verlet"], steps=1000))
+        row({"method": "stormer-verlet", "variant": "exact form, plain sums"}, steps=1000)
