@@ -1,8 +1,8 @@
 """Steppers as source files: one template for each language, filled with a method's tableaux.
 
-A template (``templates/stepper.*.in``) is the source file with three kinds of marks: ``@{name}`` is
-replaced, and a part between the lines ``@if WORD``, ``@elif WORD``, ``@else`` and ``@end`` stays
-where the word holds:
+A template (``templates/stepper.*.in``) is the source file with marks of jinja2: ``@{name}`` is
+replaced, and a part between the lines ``@% if WORD %@``, ``@% elif WORD %@``, ``@% else %@`` and
+``@% endif %@`` stays where the word holds:
 
     pair      f and k are given separately      implicit  some stage needs an equation solved
     newton    implicit, and not a pair          started   the method has a starting method
@@ -16,7 +16,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
+from functools import cache
+from typing import Any
 
 from ..exact import Scalar
 from ..exact.linalg import Matrix
@@ -26,7 +27,6 @@ from .numbers import lost, rounded, worst
 from .scheme import Scheme, Table, scheme_of
 
 _WIDTH = 96
-_MARK = re.compile(r"@\{(\w+)\}")
 
 
 #: What a namespace of C++, a module of Fortran or of Julia cannot be called: keywords, and names
@@ -51,30 +51,29 @@ def identifier(name: str) -> str:
     return word if word[0].isalpha() and len(word) > 1 and word not in _TAKEN else f"m_{word}"
 
 
-def fill(template: str, words: frozenset[str], values: Mapping[str, str]) -> str:
-    """Fill a template: see the module's docstring."""
-    out: list[str] = []
-    states: list[list[bool]] = []  # for each open @if: a branch was taken; this one is
-    for line in template.splitlines():
-        mark, _, word = line.strip().partition(" ")
-        if mark == "@if":
-            states.append([word in words, word in words])
-        elif mark == "@elif":
-            states[-1] = [states[-1][0] or word in words, not states[-1][0] and word in words]
-        elif mark == "@else":
-            states[-1] = [True, not states[-1][0]]
-        elif mark == "@end":
-            states.pop()
-        elif all(here for _, here in states):
-            out.append(_MARK.sub(lambda m: values[m[1]], line))
-    return "\n".join(out) + "\n"
+#: What a template can ask for.
+_WORDS = (
+    *("pair", "implicit", "newton", "started", "enhanced", "plain", "finish", "headed", "renewed"),
+    *("ark", "sprk"),
+)
+
+
+@cache
+def _templates() -> Any:
+    """Return the templates of the folder ``templates``."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    return Environment(
+        loader=PackageLoader("glmref.exchange"), undefined=StrictUndefined,
+        block_start_string="@%", block_end_string="%@", trim_blocks=True, lstrip_blocks=True,
+        variable_start_string="@{", variable_end_string="}", keep_trailing_newline=True,
+    )  # fmt: skip
 
 
 def filled(template: str, words: Iterable[str], values: Mapping[str, object]) -> str:
-    """Fill a template of the folder ``templates``."""
-    source = files("glmref.exchange") / "templates" / template
-    texts = {name: str(x) for name, x in values.items()}
-    return fill(source.read_text(encoding="utf-8"), frozenset(words), texts)
+    """Fill a template of the folder ``templates``: see the module's docstring."""
+    said = dict.fromkeys(_WORDS, False) | dict.fromkeys(words, True)
+    return _templates().get_template(template).render(said | {k: str(x) for k, x in values.items()})
 
 
 @dataclass(frozen=True)

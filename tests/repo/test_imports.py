@@ -44,7 +44,7 @@ OUTSIDE: dict[str, str] = {
     "flint": "exact",
     "heyoka": "conformance",
     "jax": "conformance",
-    "jinja2": "report",
+    "jinja2": "exchange report",
     "jitcode": "conformance",
     "juliacall": "conformance",
     "llvmlite": "engine",

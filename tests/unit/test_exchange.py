@@ -23,7 +23,7 @@ from glmref.exchange.header import Comment, header
 from glmref.exchange.import_tables import read_table
 from glmref.exchange.numbers import decimal_of, lost, rounded
 from glmref.exchange.scheme import scheme_of
-from glmref.exchange.steppers import LANGUAGES, fill, identifier
+from glmref.exchange.steppers import LANGUAGES, identifier
 from glmref.method import GLM, AdditiveGLM
 from glmref.views.notation import LATEX
 
@@ -245,14 +245,6 @@ def test_identifiers_are_names_in_every_language() -> None:
         "m_double", "m_new", "m_std", "m_step", "m_r"
     ]  # fmt: skip
     assert len(identifier("x" * 100)) <= 63
-
-
-def test_a_template_keeps_the_parts_that_hold() -> None:
-    text = "@if a\n1\n@if b\n2\n@end\n@elif b\n3\n@else\n4\n@end\n@{x}"
-    assert fill(text, frozenset("a"), {"x": "y"}) == "1\ny\n"
-    assert fill(text, frozenset("ab"), {"x": "y"}) == "1\n2\ny\n"
-    assert fill(text, frozenset("b"), {"x": "y"}) == "3\ny\n"
-    assert fill(text, frozenset(), {"x": "y"}) == "4\ny\n"
 
 
 @pytest.mark.slow
