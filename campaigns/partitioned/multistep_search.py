@@ -142,13 +142,13 @@ def coefficients(q: Sequence[Fraction], p: Sequence[Fraction]) -> tuple[np.ndarr
     a, b = np.array([1.0, -1.0]), np.array([1.0])
     for cosines in (q, p):
         if cosines:
-            half = Half(cosines, second=not q)
+            half = Half(tuple(cosines), second=not q)
             rho = np.array([1.0])
             for c in cosines:
                 rho = np.convolve(rho, [1.0, -2 * float(c), 1.0])
             # sigma = rho_parasitic + (z - 1)^2 sum alpha_j prod_{i != j}
             sigma = rho.copy()
-            for j, alpha in enumerate(half.alpha):
+            for j, alpha in enumerate(half.stage[1::2]):
                 rest = np.array([float(alpha), -2 * float(alpha), float(alpha)])
                 for i, c in enumerate(cosines):
                     if i != j:

@@ -34,7 +34,8 @@ from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.work import crossing
 from glmref import solve
 from glmref.catalogue.reader import load_document
-from glmref.derive.general_multistep import GeneralHalf, general_document
+from glmref.derive.general_multistep import general_document
+from glmref.derive.halves import GeneralHalf
 from glmref.derive.recipes.general_multistep import SHIPPED, half_of
 from glmref.engine.outcome import Solution
 from glmref.measure.work_precision import energy_error, reference_state, state_error

@@ -19,6 +19,7 @@ from campaigns.partitioned.error_front import (
     table,
 )
 from campaigns.partitioned.stages_search import gap, interval, of_file
+from glmref.derive.halves import even_odd, pair_series, quotient
 from glmref.derive.multistep import Half
 from glmref.derive.recipes.multistep import SHIPPED
 
@@ -33,31 +34,24 @@ def test_the_coefficients_are_those_of_cowell():
 @pytest.mark.parametrize("name", ["multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"])
 def test_the_error_constant_is_what_the_weights_leave(name):
     cosines = SHIPPED[name].numbers().p
-    half, m = Half(cosines, second=True), len(cosines)
+    half, m = Half(tuple(cosines), second=True), len(cosines)
     # the drift of the formula and of the solution, both in forces exp(x t), times x
     x = 0.05
     drift = 1 / (2 * math.sinh(x / 2))
-    for alpha, c in zip(half.alpha, cosines, strict=True):
+    for alpha, c in zip(half.stage[1::2], cosines, strict=True):
         drift += float(alpha) * 2 * math.sinh(x / 2) / (2 * math.cosh(x) - 2 * float(c))
     exact = 2 * math.sinh(x / 2) / x**2
     left = (exact / drift - 1) / x ** (2 * m + 2)
     assert m > 3 or left == pytest.approx(error_constant(of_file(name).angles), rel=0.02)
     # exactly, from the series
-    target = [*half.sinh[1:], Fraction(0)]
-    one = [Fraction(1), *[Fraction(0)] * (half.length - 1)]
-    rest = [_quotient(one, target), *(_quotient(half.sinh, pair) for pair in half.pairs)]
-    series = rest[0][2 * m + 2] + sum(
-        a * row[2 * m + 1] for a, row in zip(half.alpha, rest[1:], strict=True)
+    n = 2 * m + 4
+    target, one = even_odd(Fraction(1, 2), n + 1, 1)[1:], [Fraction(1), *[Fraction(0)] * (n - 1)]
+    series = quotient(one, target)[2 * m + 2] + sum(
+        a * quotient(even_odd(Fraction(1, 2), n, 1), pair_series(c, n))[2 * m + 1]
+        for a, c in zip(half.stage[1::2], cosines, strict=True)
     )
     constant = target[2 * m + 2] - series
     assert float(constant) == pytest.approx(error_constant(of_file(name).angles), rel=1e-9)
-
-
-def _quotient(a, b):
-    found = []
-    for k, x in enumerate(a):
-        found.append((x - sum(found[i] * b[k - i] for i in range(k))) / b[0])
-    return found
 
 
 def test_the_slopes_are_the_constants_of_the_other_roots_and_the_bound_is_below():

@@ -18,7 +18,7 @@ from campaigns.partitioned.semi_separable import (
     needed,
 )
 from glmref.catalogue.lookup import load
-from glmref.derive.general_multistep import EndedHalf
+from glmref.derive.halves import EndedHalf
 
 PAGE = (Path(__file__).parents[2] / "docs" / "velocities.md").read_text("utf-8")
 WHOLE = measured("nonseparable")["semi-separable"]

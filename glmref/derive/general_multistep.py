@@ -6,40 +6,13 @@ For q' = f(q, p), p' = k(q, p) each half is a linear multistep formula,
 
 with rho(z) = (z - 1) prod_j (z^2 - 2 c_j z + 1), times z + 1 in one half at most, and sigma
 palindromic with sigma(0) = 0. f and k are evaluated once a step, at the solution (q_n, p_n) itself.
-The two rho have the root 1 in common and no other.
-
-*Residues.* With simple roots on the unit circle, ``sigma/rho = sum mu_zeta zeta/(z - zeta)``. The
-formula is symmetric where mu_zeta is real and equal at conjugate roots, and explicit where the
-value at z = 0, which is -sum mu_zeta, vanishes; mu_1 = 1. So the sum over the other roots is -1.
-mu_zeta is also the growth parameter of the half at zeta: a component zeta^n a(t) of q obeys
-a' = mu_zeta f_q a + O(h), of p b' = mu_zeta k_p b + O(h).
-
-*Values.* s <- s + h f for the root 1; v_j <- 2 c_j v_j - v'_j + h f, v'_j <- v_j for each pair of
-roots; x <- -(x + h f) for the root -1. The stage, and the solution, is
-``s + sum 2 mu_j (c_j v_j - v'_j) + mu_{-1} x``.
-
-*Order.* With z = exp(x) the residues are determined by
-
-    coth(x/2)/2 + sum mu_j sinh x/(cosh x - c_j) + mu_{-1} tanh(x/2)/2 = 1/x + C x^{p-1} + ..,
-
-    sum mu_j + mu_{-1}/2 = -1/2.
-
-m pairs have order p = 2 m, and with the root -1 order 2 m + 2. Because the stages are the solution,
-the conditions of quadrature are those of all trees of two colours.
+The two rho have the root 1 in common and no other. See :mod:`.halves`.
 
 *Error constant.* With w = 2 cosh x - 2, u_j = 1/(2 - 2 c_j) and n = p/2, C is the coefficient of
 w^n in ``-prod (1 + u_j w) G``, with G = 2 tanh(x/2)/x, or sinh(x)/x where -1 is a root: ``rho
 G/(z - 1)`` is, but for a factor, the series that sigma breaks off. C is affine in each u_j, so that
 one cosine can be chosen with C_q = C_p, exactly, by one division. Then the drift of the energy
 begins two powers of h later.
-
-*Semi-separable systems*, q' = f(p), p' = k(q, p). p_n is known before f is evaluated there, so that
-the half of q may contain f(p_n) itself: the row ``sum mu = -1`` falls away, and with the same roots
-the order is two higher. The residues of q have no part in the growth, because f_q = 0. The values
-of both halves are then those in the middle of an update (:class:`EndedHalf`), ``V y + h f/2``, from
-which the solution is read without an evaluation: s + h f/2; (2 c v - v' + h f/2, v); -(x + h f/2).
-The step begins and ends at the solution, q_n = w y with ``w = (1, 2 mu_j, -2 mu_j c_j, ..,
--mu_{-1})``, so that its two points are one evaluation, and it reads the same backwards.
 
 *Start.* The values are functionals ``g(h D) h y'`` of the solution, evaluated on points ``t + c h``
 that Picard iteration finds: each level interpolates the slopes of the one before, integrates, and
@@ -59,185 +32,16 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
-from ..errors import ExactnessError, UsageError
-from .multistep import (
-    Series,
-    dot,
-    even_odd,
-    exponential,
-    integrals,
-    pair_series,
-    partitioned,
-    quotient,
-    ring_points,
-    solve,
-    turning,
-    value_weights,
-)
+from ..errors import UsageError
+from .halves import GeneralHalf, integrals, ring_points, value_weights
+from .multistep import partitioned
 
-_ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
+_ZERO, _ONE = Fraction(0), Fraction(1)
 #: Of the points of the last level of a start.
 _SPACING = Fraction(3, 4)
-
-
-@dataclass(frozen=True)
-class GeneralHalf:
-    """One half: a linear multistep formula given by its roots.
-
-    Raises
-    ------
-    UsageError
-        For cosines that are equal or out of range, or none.
-    """
-
-    cosines: tuple[Fraction, ...]  #: c_1, .., c_m of the pairs of roots, different, in (-1, 1).
-    minus_one: bool = False  #: Whether -1 is a root.
-
-    def __post_init__(self) -> None:
-        c = self.cosines
-        if not c or len(set(c)) < len(c) or any(not -1 < x < 1 for x in c):
-            raise UsageError("the cosines of a half must be different and lie between -1 and 1")
-
-    @property
-    def order(self) -> int:
-        """The order p."""
-        return 2 * len(self.cosines) + 2 * self.minus_one
-
-    @cached_property
-    def _columns(self) -> list[Series]:
-        """Series in x of what each residue is multiplied by: (m or m + 1) rows."""
-        n = self.order + 2
-        sinh, cosh = even_odd(_ONE, n, 1), even_odd(_ONE, n, 0)
-        columns = []
-        for c in self.cosines:
-            columns.append(quotient(sinh, [cosh[0] - 2 * c, *cosh[1:]]))
-        if self.minus_one:
-            tanh = quotient(even_odd(_HALF, n, 1), even_odd(_HALF, n, 0))
-            columns.append([x / 2 for x in tanh])
-        return columns
-
-    @cached_property
-    def _principal(self) -> Series:
-        """coth(x/2)/2 - 1/x as a series in x."""
-        n = self.order + 3
-        sinh, cosh = even_odd(_HALF, n, 1), even_odd(_HALF, n, 0)
-        return quotient(cosh[:-1], [2 * x for x in sinh[1:]])[1:]
-
-    @cached_property
-    def residues(self) -> tuple[Fraction, ...]:
-        """mu_1, .., mu_m of the pairs, and mu of the root -1 at the end if there is one."""
-        columns, principal = self._columns, self._principal
-        weights = [_ONE] * len(self.cosines) + [_HALF] * self.minus_one
-        powers = range(1, self.order - 1, 2)
-        rows = [[column[k] for column in columns] for k in powers]
-        right = [-principal[k] for k in powers]
-        if len(rows) < len(columns):  # explicit
-            rows, right = [weights, *rows], [-_HALF, *right]
-        try:
-            return tuple(solve(rows, right))
-        except ExactnessError:
-            raise UsageError("these cosines determine no method: the equations are singular") from (
-                None
-            )
-
-    @property
-    def error_constant(self) -> Fraction:
-        """C, the first coefficient of sigma/rho - 1/x that does not vanish."""
-        k = self.order - 1
-        terms = zip(self.residues, self._columns, strict=True)
-        return self._principal[k] + sum((mu * column[k] for mu, column in terms), _ZERO)
-
-    @property
-    def V(self) -> list[list[Fraction]]:
-        """(r, r), r = 2 m + 1, or 2 m + 2 with the root -1."""
-        V = turning(self.cosines)
-        if self.minus_one:
-            V = [[*row, _ZERO] for row in V] + [[_ZERO] * len(V) + [-_ONE]]
-        return V
-
-    @property
-    def U(self) -> list[Fraction]:
-        """The stage, and the solution, from the values: (r,)."""
-        row = [_ONE]
-        for c, mu in zip(self.cosines, self.residues, strict=False):
-            row += [2 * mu * c, -2 * mu]
-        return row + [self.residues[-1]] * self.minus_one
-
-    @property
-    def entry(self) -> list[Fraction]:
-        """What an evaluation is added to: (r,)."""
-        return [_ONE, *[_ONE, _ZERO] * len(self.cosines)] + [-_ONE] * self.minus_one
-
-    def values(self, length: int) -> list[Series]:
-        """Return the values but the first as series in x = h D, times h y'."""
-        rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
-        for c in self.cosines:
-            pair = pair_series(c, length)
-            rows += [quotient(one, pair), quotient(exponential(-_ONE, length), pair)]
-        if self.minus_one:
-            step = exponential(_ONE, length)
-            rows.append(quotient([-_ONE, *[_ZERO] * (length - 1)], [step[0] + 1, *step[1:]]))
-        return rows
-
-    def block(self) -> dict[str, Any]:
-        """Return A, U, B, V and the output."""
-        return {
-            "A": [[_ZERO]],
-            "U": [self.U],
-            "B": [[x] for x in self.entry],
-            "V": self.V,
-            "output": self.U,
-        }
-
-
-@dataclass(frozen=True)
-class EndedHalf(GeneralHalf):
-    """One half with values in the middle of an update, so that a step ends at the solution."""
-
-    explicit: bool = True  #: Whether q_n, or p_n, does not contain the slope at the same time.
-
-    @property
-    def order(self) -> int:
-        """The order p."""
-        return super().order + 2 * (not self.explicit)
-
-    @property
-    def U(self) -> list[Fraction]:
-        """The solution from the values: (r,)."""
-        row = [_ONE]
-        for c, mu in zip(self.cosines, self.residues, strict=False):
-            row += [2 * mu, -2 * mu * c]
-        return row + [-self.residues[-1]] * self.minus_one
-
-    def values(self, length: int) -> list[Series]:
-        """Return the values but the first as series in x = h D, times h y'."""
-        rows, one = [], [_ONE, *[_ZERO] * (length - 1)]
-        for c in self.cosines:
-            pair = pair_series(c, length)
-            later = [x / 2 for x in even_odd(_ONE, length, 1)]
-            later[0] += c
-            rows += [quotient(later, pair), quotient(one, pair)]
-        if self.minus_one:
-            tanh = quotient(even_odd(_HALF, length, 1), even_odd(_HALF, length, 0))
-            rows.append([-x / 2 for x in tanh])
-        return rows
-
-    def block(self) -> dict[str, Any]:
-        """Return A, U, B, V and the output."""
-        w, ending = self.U, [x / 2 for x in self.entry]
-        beginning = [dot(row, ending) for row in self.V]
-        return {
-            "A": [[_ZERO, _ZERO], [dot(w, beginning), dot(w, ending)]],
-            "U": [w, [dot(w, column) for column in zip(*self.V, strict=True)]],
-            "B": [list(pair) for pair in zip(beginning, ending, strict=True)],
-            "V": self.V,
-            "output": w,
-        }
 
 
 def matching_cosine(

@@ -51,146 +51,69 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from functools import cached_property
+from typing import Any, ClassVar
 
-from ..errors import ExactnessError, UsageError
-from ..exact import Exact, linalg
+from ..errors import UsageError
+from .halves import (
+    EndedHalf,
+    Series,
+    check_cosines,
+    dot,
+    even_odd,
+    exponential,
+    integrals,
+    pair_series,
+    quotient,
+    ring_points,
+    row_times,
+    solve,
+    turning,
+    value_weights,
+)
 
 #: Distance of the points of the starting method, in steps, with one and with two kicks.
 SPACING, TWO_KICK_SPACING = Fraction(1), Fraction(1, 2)
-
-Series = list[Fraction]
-
-
-def factorial(n: int) -> int:
-    """Return n!."""
-    return 1 if n < 2 else n * factorial(n - 1)
 
 
 def _product(a: Series, b: Series) -> Series:
     return [sum((a[i] * b[k - i] for i in range(k + 1)), Fraction(0)) for k in range(len(a))]
 
 
-def quotient(a: Series, b: Series) -> Series:
-    """Return the series a/b, with b[0] not 0, of the length of a."""
-    out: Series = []
-    for k, x in enumerate(a):
-        out.append((x - sum((out[i] * b[k - i] for i in range(k)), Fraction(0))) / b[0])
-    return out
+def _fit(
+    columns: list[Series], target: Series, main: Series, powers: Sequence[int]
+) -> list[Fraction]:
+    """Return the weights of the columns with which ``main`` is the target, power by power."""
+    rows = [[column[k] for column in columns] for k in powers]
+    return solve(rows, [target[k] - main[k] for k in powers])
 
 
-def exponential(rate: Fraction, length: int) -> Series:
-    """Return exp(rate x)."""
-    return [rate**k / factorial(k) for k in range(length)]
+@dataclass(frozen=True)
+class Half(EndedHalf):
+    """One half of a method: the values end a step in the middle of an update, or between two."""
 
+    explicit: bool = False
+    second: bool = False  #: Whether the sum of the other half is folded in (second-order systems).
+    least: ClassVar[int] = 0
 
-def even_odd(rate: Fraction, length: int, parity: int) -> Series:
-    """Return 2 cosh(rate x) or 2 sinh(rate x)."""
-    return [
-        2 * x if k % 2 == parity else Fraction(0) for k, x in enumerate(exponential(rate, length))
-    ]
-
-
-def pair_series(c: Fraction, length: int) -> Series:
-    """Return 2 cosh(x) - 2 c, which a pair of roots of the cosine c divides by."""
-    first, *rest = even_odd(Fraction(1), length, 0)
-    return [first - 2 * c, *rest]
-
-
-def solve(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
-    """Solve a square system of rational equations.
-
-    Raises
-    ------
-    ExactnessError
-        When it is singular.
-    """
-    exact = linalg.solve(
-        tuple(tuple(Exact(x) for x in row) for row in rows), tuple((Exact(x),) for x in right)
-    )
-    return [_fraction(row[0]) for row in exact]
-
-
-def _fraction(x: Any) -> Fraction:
-    found = x.as_fraction()
-    assert found is not None  # rational equations have rational solutions
-    return found
-
-
-class Half:
-    """One half of a method: its roots, its weights and the series of its values.
-
-    The cosines c_1, .., c_m of the pairs of roots differ and lie in (-1, 1); ``second`` says
-    whether the sum of the other half is folded in (second-order systems).
-    """
-
-    def __init__(self, cosines: Sequence[Fraction], *, second: bool = False) -> None:
-        if len(set(cosines)) < len(cosines) or any(not -1 < c < 1 for c in cosines):
-            raise UsageError("the cosines of a half must be different and lie between -1 and 1")
-        self.cosines = tuple(cosines)
-        self.m = len(self.cosines)
-        n = self.length = 2 * self.m + 6
-        half = Fraction(1, 2)
-        self.sinh = even_odd(half, n, 1)
-        self.pairs = [pair_series(c, n) for c in self.cosines]
-        one = [Fraction(1), *[Fraction(0)] * (n - 1)]
-        # all times x, so that they are power series
-        main = quotient(one, [*self.sinh[1:], Fraction(0)])
-        target = [*self.sinh[1:], Fraction(0)] if second else one
-        mids = [[Fraction(0), *quotient(self.sinh, p)[:-1]] for p in self.pairs]
-        self.alpha = self._fit(mids, target, main)
-        cosh = even_odd(half, n, 0)
-        ends = [
-            [Fraction(0), *(x / 2 for x in quotient(even_odd(Fraction(1), n, 1), p)[:-1])]
-            for p in self.pairs
-        ]
-        self.beta = self._fit(ends, one, _product([x / 2 for x in cosh], main))
-
-    def _fit(self, columns: list[Series], target: Series, main: Series) -> list[Fraction]:
-        if not self.m:
-            return []
-        powers = range(2, 2 * self.m + 1, 2)
-        rows = [[column[k] for column in columns] for k in powers]
-        return solve(rows, [target[k] - main[k] for k in powers])
-
-    @property
-    def V(self) -> list[list[Fraction]]:
-        """(r, r), r = 2 m + 1."""
-        return turning(self.cosines)
-
-    @property
-    def entry(self) -> list[Fraction]:
-        """What one evaluation is added to: (r,)."""
-        return [Fraction(1), *[Fraction(x) for x in (1, 0) * self.m]]
-
-    @property
+    @cached_property
     def stage(self) -> list[Fraction]:
         """The stage from the values after the update: (r,)."""
-        return [Fraction(1), *[s * a for a in self.alpha for s in (1, -1)]]
+        n, half = 2 * len(self.cosines) + 2, Fraction(1, 2)
+        one, zero = [Fraction(1), *[Fraction(0)] * n], [Fraction(0)]
+        sinh = even_odd(half, n + 2, 1)[1:]
+        # all times x, so that they are power series
+        pairs = [quotient(even_odd(half, n, 1), pair_series(c, n)) for c in self.cosines]
+        target = sinh if self.second else one
+        alpha = _fit([zero + x for x in pairs], target, quotient(one, sinh), range(2, n, 2))
+        return [Fraction(1), *[s * a for a in alpha for s in (1, -1)]]
 
-    @property
-    def solution(self) -> list[Fraction]:
-        """The solution from the values between the halves of the update: (r,)."""
-        weights = zip(self.beta, self.cosines, strict=True)
-        return [Fraction(1), *[x for b, c in weights for x in (b, -b * c)]]
-
-    def series(self, *, ended: bool) -> list[Series]:
-        """Return the exact values but the first as series in x = h D, times h y'.
-
-        ``ended`` ones are at the time of an evaluation, half of whose update has been made; the
-        others in the middle between two evaluations, the earlier of which has been made.
-        """
-        n, half = self.length, Fraction(1, 2)
-        rows = []
-        for pair, c in zip(self.pairs, self.cosines, strict=True):
-            later, earlier = exponential(half, n), exponential(-half, n)
-            if ended:
-                later = [x / 2 for x in even_odd(Fraction(1), n, 1)]
-                later[0] += c
-                earlier = [Fraction(int(k == 0)) for k in range(n)]
-            rows += [quotient(later, pair), quotient(earlier, pair)]
-        return rows
+    def between(self, length: int) -> list[Series]:
+        """Return the values but the first in the middle between two evaluations, as series."""
+        half = Fraction(1, 2)
+        return self.pair_values(exponential(half, length), exponential(-half, length))
 
 
 class TwoKicks:
@@ -216,13 +139,12 @@ class TwoKicks:
     def __init__(
         self, cosines: Sequence[Fraction], slopes: Sequence[Fraction], weight: Fraction
     ) -> None:
-        if len(set(cosines)) < len(cosines) or any(not -1 < c < 1 for c in cosines):
-            raise UsageError("the cosines must be different and lie between -1 and 1")
+        check_cosines(cosines, least=0)
         if len(slopes) != len(cosines):
             raise UsageError("each cosine needs one slope of the first drift")
         self.cosines, self.slopes, self.weight = tuple(cosines), tuple(slopes), weight
         m = self.m = len(self.cosines)
-        n = self.length = 2 * m + 6
+        n = 2 * m + 6
         zero, one, half = Fraction(0), Fraction(1), Fraction(1, 2)
         self.V = turning(self.cosines)
         # values over h k in the middle of the first kick: (E - V)^-1 of what the kicks add
@@ -245,7 +167,7 @@ class TwoKicks:
         columns = [[zero, *column[:-1]] for column in columns]  # times x, as the sums
         target = exponential(half, n + 1)[1:]
         known = [(x + weight / 2 * (k == 1)) / 2 for k, x in enumerate(sums)]
-        found = self._fit(columns, target, known, range(1, 2 * m + 1))
+        found = _fit(columns, target, known, range(1, 2 * m + 1))
         if not all(found[::2]):
             raise UsageError("these numbers determine no method: a pair is not read")
         seconds = [b / a for a, b in zip(found[::2], found[1::2], strict=True)]
@@ -267,10 +189,10 @@ class TwoKicks:
             for j, c in enumerate(self.cosines)
         ]
         unit = [one, *[zero] * (n - 1)]
-        beta = self._fit(even, unit, sums, range(2, 2 * m + 1, 2))
+        beta = _fit(even, unit, sums, range(2, 2 * m + 1, 2))
         weights = zip(beta, self.cosines, strict=True)
         #: the velocity from the values in the middle of the first kick, (r,)
-        self.solution = [one, *(x for b, c in weights for x in (b, -b * c))]
+        self.U = [one, *(x for b, c in weights for x in (b, -b * c))]
 
     @staticmethod
     def _pair(c: Fraction, u: Series, u_: Series) -> tuple[Series, Series]:
@@ -281,23 +203,9 @@ class TwoKicks:
         lower = [x + y - 2 * c * z for x, y, z in zip(u, _product(step, u_), u_, strict=True)]
         return quotient(upper, determinant), quotient(lower, determinant)
 
-    @staticmethod
-    def _fit(
-        columns: list[Series], target: Series, main: Series, powers: Sequence[int]
-    ) -> list[Fraction]:
-        rows = [[column[k] for column in columns] for k in powers]
-        try:
-            return solve(rows, [target[k] - main[k] for k in powers])
-        except ExactnessError:
-            raise UsageError("these numbers determine no method: a drift is singular") from None
-
-    def series(self, *, ended: bool) -> list[Series]:
-        """Return the exact values but the first at the ends of the step, times h y'.
-
-        Only the exact case is defined: ``ended`` must be true.
-        """
-        assert ended
-        return self.rows
+    def values(self, length: int) -> list[Series]:
+        """Return the values but the first at the ends of the step as series, times h y'."""
+        return [row[:length] for row in self.rows]
 
     def blocks(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return (A, U, B, V, output) of the halves q and p, of which the stages are Q P Q P Q."""
@@ -318,59 +226,12 @@ class TwoKicks:
         p = {
             "A": [[dot(self.phi, ended), zero, zero],
                   [dot(back, turned), dot(back, self.second), zero]],
-            "U": [self.phi, _times(back, self.V)],
+            "U": [self.phi, row_times(back, self.V)],
             "B": [list(row) for row in zip(turned, self.second, ended, strict=True)],
             "V": self.V,
-            "output": self.solution,
+            "output": self.U,
         }  # fmt: skip
         return q, p
-
-
-def turning(cosines: Sequence[Fraction]) -> list[list[Fraction]]:
-    """Return V, (r, r) with r = 2 m + 1: 1, and a block for each pair."""
-    r = 2 * len(cosines) + 1
-    V = [[Fraction(int(i == j == 0)) for j in range(r)] for i in range(r)]
-    for j, c in enumerate(cosines):
-        a = 2 * j + 1
-        V[a][a], V[a][a + 1], V[a + 1][a] = 2 * c, Fraction(-1), Fraction(1)
-    return V
-
-
-def dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
-    """Return the sum of the products."""
-    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
-
-
-def integrals(nodes: Sequence[Fraction], point: Fraction) -> list[Fraction]:
-    """Return weights at the nodes of the integral from 0 to the point, exact for polynomials."""
-    powers = range(len(nodes))
-    rows = [[x**k for x in nodes] for k in powers]
-    return solve(rows, [point ** (k + 1) / (k + 1) for k in powers])
-
-
-def ring_points(n: int, spacing: Fraction) -> list[Fraction]:
-    """Return the points +-1, .., +-n times the spacing."""
-    return [s * i * spacing for i in range(1, n + 1) for s in (1, -1)]
-
-
-def value_weights(
-    series: Sequence[Series], functional: Sequence[Fraction], points: Sequence[Fraction],
-    nodes: Sequence[int],
-) -> tuple[list[Fraction], list[list[Fraction]]]:  # fmt: skip
-    """Return u and B of a start whose stages stand at the points, from slopes at some of them.
-
-    ``series`` are those of the values but the first, which makes ``functional`` of the values, the
-    solution, exact.
-    """
-    zero, powers = Fraction(0), range(len(nodes))
-    moments = [[points[i] ** k for i in nodes] for k in powers]
-    lines = []
-    for row in series:
-        solved = solve(moments, [row[k] * factorial(k) for k in powers])
-        known = dict(zip(nodes, solved, strict=True))
-        lines.append([known.get(j, zero) for j in range(len(points))])
-    first = [-dot(functional[1:], column) for column in zip(*lines, strict=True)]
-    return [Fraction(1), *[zero] * len(lines)], [first or [zero] * len(points), *lines]
 
 
 def _start(
@@ -405,9 +266,10 @@ def _start(
     def weights(
         half: Half | TwoKicks, nodes: list[int], of: list
     ) -> tuple[list, list[list[Fraction]]]:
-        functional = half.stage if isinstance(half, Half) and half is not ended else half.solution
-        points = [c for c, _ in of]
-        return value_weights(half.series(ended=half is ended), functional, points, nodes)
+        points, n = [c for c, _ in of], len(nodes)
+        if isinstance(half, Half) and half is not ended:
+            return value_weights(half.between(n), half.stage, points, nodes)
+        return value_weights(half.values(n), half.U, points, nodes)
 
     u, B = weights(halves["q"], at_P, P)
     u_hat, B_hat = weights(halves["p"], at_Q, Q)
@@ -417,10 +279,6 @@ def _start(
         "A": matrix(Q, len(P)), "B": B, "A_hat": matrix(P, len(Q)), "B_hat": B_hat,
         "u": u, "u_hat": u_hat,
     }  # fmt: skip
-
-
-def _times(row: Sequence[Fraction], V: list[list[Fraction]]) -> list[Fraction]:
-    return [dot(row, column) for column in zip(*V, strict=True)]
 
 
 def _apply(V: list[list[Fraction]], column: Sequence[Fraction]) -> list[Fraction]:
@@ -433,28 +291,14 @@ def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
     ``outer`` holds the values that the evaluations at both ends of the step update, by half each;
     its stage is in the middle. ``inner`` holds the others, which the stages at the ends read.
     """
-    half = Fraction(1, 2)
     middle = {
-        "A": [
-            [
-                half * dot(outer.stage, outer.entry),
-                Fraction(0),
-            ]
-        ],
+        **outer.block(),
+        "A": [[dot(outer.stage, outer.entry) / 2, Fraction(0)]],
         "U": [outer.stage],
-        "B": [
-            [half * x, half * y]
-            for x, y in zip(_apply(outer.V, outer.entry), outer.entry, strict=True)
-        ],
-        "V": outer.V,
-        "output": outer.solution,
     }
     ends = {
-        "A": [
-            [Fraction(0)],
-            [dot(inner.stage, inner.entry)],
-        ],
-        "U": [inner.stage, _times(inner.stage, inner.V)],
+        "A": [[Fraction(0)], [dot(inner.stage, inner.entry)]],
+        "U": [inner.stage, row_times(inner.stage, inner.V)],
         "B": [[x] for x in inner.entry],
         "V": inner.V,
         "output": inner.stage,
@@ -482,7 +326,7 @@ def multistep_document(
             "`p` needs at least one cosine, and `q` none or as many, all different from those "
             "of `p`"
         )
-    half_q, half_p = Half(q), Half(p, second=second)
+    half_q, half_p = Half(tuple(q)), Half(tuple(p), second=second)
     rounds = len(p) + 1
     ended, other = (half_p, half_q) if second else (half_q, half_p)
     middle, ends = _halves(ended, other)
@@ -496,7 +340,7 @@ def two_kick_document(name: str, half: TwoKicks, *, title: str = "") -> dict[str
     """Build a method with two kicks and its start, exact, without claims and source."""
     q, p = half.blocks()
     rounds = half.m + 1
-    start = _start({"q": Half([]), "p": half}, half, rounds, TWO_KICK_SPACING)
+    start = _start({"q": Half(()), "p": half}, half, rounds, TWO_KICK_SPACING)
     return partitioned(name, title, q, p, start, 2, separable=True)
 
 

@@ -16,13 +16,12 @@ from glmref.catalogue.lookup import data_root, load, path_of
 from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
 from glmref.derive.general_multistep import (
-    GeneralHalf,
     gaining,
     general_document,
     matching_cosine,
     start_levels,
 )
-from glmref.derive.multistep import integrals
+from glmref.derive.halves import GeneralHalf, integrals
 from glmref.derive.recipes.general_multistep import SHIPPED
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.solve import solve

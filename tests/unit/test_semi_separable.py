@@ -13,7 +13,8 @@ from glmref import compare, solve
 from glmref.catalogue.advice import ADVICE
 from glmref.catalogue.lookup import data_root, load
 from glmref.catalogue.reader import load_document
-from glmref.derive.general_multistep import EndedHalf, GeneralHalf, general_document
+from glmref.derive.general_multistep import general_document
+from glmref.derive.halves import EndedHalf, GeneralHalf
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.forms import explicit_after_velocity, same_point
 from glmref.errors import UsageError

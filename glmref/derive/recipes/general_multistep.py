@@ -21,7 +21,8 @@ from ...catalogue.reader import load_document
 from ...errors import ExactnessError, UsageError
 from ...findings import Proof
 from ...theory.residues import in_order, residues
-from ..general_multistep import EndedHalf, GeneralHalf, general_document, matching_cosine
+from ..general_multistep import general_document, matching_cosine
+from ..halves import EndedHalf, GeneralHalf
 from .record import (
     Derivation,
     Progress,
