@@ -33,7 +33,7 @@ def test_the_coefficients_are_those_of_cowell():
 
 @pytest.mark.parametrize("name", ["multistep-rkn-8", "multistep-rkn-10", "multistep-rkn-12"])
 def test_the_error_constant_is_what_the_weights_leave(name):
-    cosines = SHIPPED[name].numbers().p
+    cosines = SHIPPED[name].p
     half, m = Half(tuple(cosines), second=True), len(cosines)
     # the drift of the formula and of the solution, both in forces exp(x t), times x
     x = 0.05

@@ -303,7 +303,7 @@ def resonances(path: Path, count: int = 4000, evaluations: int = 5000) -> None:
 
 def growth_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Look for growth of one method with two kicks on one orbit."""
-    numbers = SHIPPED[task["method"]].numbers()
+    numbers = SHIPPED[task["method"]]
     given = unknowns(TwoKicks(numbers.p, numbers.slopes, numbers.weight))
     made, steps = weights(given), task["steps"] // 2
     return scanned(task, interval(given), lambda case, h: made.run(case, 2 * h, steps)[0])

@@ -12,7 +12,7 @@ everything else follows from them exactly (:mod:`glmref.derive.multistep`).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -33,38 +33,21 @@ from .record import (
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
 
-
 _LISTS = ("q", "p", "slopes")
 
 
 @dataclass(frozen=True)
 class Shipped:
-    """Cosines of the two halves, in units of 1/over, and notes for the file.
+    """Cosines of the two halves, and notes for the file.
 
     With two kicks a step also the slopes of the first drift, and the weight of the first kick.
     """
 
-    q: Sequence[int]
-    p: Sequence[int]
-    notes: Sequence[str] = field(default_factory=tuple)
-    slopes: Sequence[int] = ()
-    weight: int = 0
-    over: int = 256
-
-    def numbers(self) -> _Numbers:
-        """Return the same as fractions."""
-        q, p, slopes = (
-            [Fraction(x, self.over) for x in row] for row in (self.q, self.p, self.slopes)
-        )
-        return _Numbers(q, p, slopes, Fraction(self.weight, self.over))
-
-
-@dataclass(frozen=True)
-class _Numbers:
-    q: list[Fraction]
-    p: list[Fraction]
-    slopes: list[Fraction]
-    weight: Fraction
+    q: Sequence[Fraction]
+    p: Sequence[Fraction]
+    notes: Sequence[str] = ()
+    slopes: Sequence[Fraction] = ()
+    weight: Fraction = Fraction(0)
 
     def document(self, name: str, order: int) -> dict[str, Any]:
         """Return the document without claims and source."""
@@ -74,6 +57,10 @@ class _Numbers:
         if self.q:
             raise UsageError("methods with two kicks are for second-order systems: no `q`")
         return two_kick_document(name, TwoKicks(self.p, self.slopes, self.weight), title=title)
+
+
+def _over(whole: int, *numbers: int) -> list[Fraction]:
+    return [Fraction(x, whole) for x in numbers]
 
 
 #: Labels that `campaigns/partitioned/test_multistep.py` compares with the data they name.
@@ -88,32 +75,32 @@ _GROWS = (
 )
 
 SHIPPED: Mapping[str, Shipped] = {
-    "multistep-8": Shipped((168, 7, -186), (99, -102, -241), notes=(_BOUNDED,)),
+    "multistep-8": Shipped(_over(256, 168, 7, -186), _over(256, 99, -102, -241), notes=(_BOUNDED,)),
     "multistep-10": Shipped(
-        (210, 195, 4, -79), (172, 39, 84, -163), notes=(_GROWS.format("henon-heiles and toda"),)
+        _over(256, 210, 195, 4, -79),
+        _over(256, 172, 39, 84, -163),
+        notes=(_GROWS.format("henon-heiles and toda"),),
     ),
-    "multistep-rkn-8": Shipped((), (20, -71, -224), notes=(_BOUNDED,)),
+    "multistep-rkn-8": Shipped((), _over(256, 20, -71, -224), notes=(_BOUNDED,)),
     "multistep-rkn-10": Shipped(
-        (), (-227, -135, 23, 102), notes=(_GROWS.format("toda and outer-solar-system"),)
+        (), _over(256, -227, -135, 23, 102), notes=(_GROWS.format("toda and outer-solar-system"),)
     ),
     "multistep-rkn-12": Shipped(
-        (), (102, 146, 53, -96, -232), notes=(_GROWS.format("toda and kepler at 1/10"),)
+        (), _over(256, 102, 146, 53, -96, -232), notes=(_GROWS.format("toda and kepler at 1/10"),)
     ),
     "multivalue-rkn-10": Shipped(
         (),
-        (1156, -935, -1116, -2003),
+        _over(2048, 1156, -935, -1116, -2003),
         notes=(_GROWS.format("kepler at 1/10 and kepler at 3/10"),),
-        slopes=(5757, 4153, -367, 1589),
-        weight=1038,
-        over=2048,
+        slopes=_over(2048, 5757, 4153, -367, 1589),
+        weight=Fraction(1038, 2048),
     ),
     "multivalue-rkn-12": Shipped(
         (),
-        (1267, -569, -1398, -1525, -1874),
+        _over(2048, 1267, -569, -1398, -1525, -1874),
         notes=(_GROWS.format("henon-heiles, toda and kepler at 1/10"),),
-        slopes=(6024, -457, 423, 3504, 1251),
-        weight=1002,
-        over=2048,
+        slopes=_over(2048, 6024, -457, 423, 3504, 1251),
+        weight=Fraction(1002, 2048),
     ),
 }
 
@@ -156,7 +143,7 @@ def claims_of(order: int, *, second: bool) -> dict[str, Any]:
 
 
 def _complete(
-    name: str, numbers: _Numbers, notes: Sequence[str], where: str
+    name: str, numbers: Shipped, notes: Sequence[str], where: str
 ) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Build a document and prove its claims.
 
@@ -194,7 +181,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
                 "`q`, `p` and `slopes` must be fractions with blanks between, and `weight` one "
                 f"({error})"
             ) from None
-        numbers = _Numbers(**given, weight=weight)
+        numbers = Shipped(**given, weight=weight)
         kind = "multivalue" if numbers.slopes else "multistep"
         name = f"{kind}-{'' if numbers.q else 'rkn-'}{2 * len(numbers.p) + 2}-found"
         where = f"cosines {options['q']}; {options['p']}"
@@ -206,7 +193,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         name: partial(
             _complete,
             name,
-            SHIPPED[name].numbers(),
+            SHIPPED[name],
             [*SHIPPED[name].notes, *survey_notes(name)],
             f"recipe multistep, name = {name}",
         )
