@@ -131,17 +131,18 @@ def windows(steps: int, renew: int) -> list[int]:
     last = steps - WINDOW
     if last < 0 or 0 < renew < WINDOW:
         return []
-    found, b = [0], 0
-    while b < last:
-        b = min(2 * b + WINDOW, b + MOST_BETWEEN, last)
+    if renew:  # the last window may not go over a renewal either
+        last -= max(0, last % renew - (renew - WINDOW))
+    found = [0]
+    while True:
+        b = min(2 * found[-1] + WINDOW, found[-1] + MOST_BETWEEN)
         if renew:  # at the end of the steps after a renewal, where the parasitic part is largest
-            b = max(b, min(b - b % renew + renew - WINDOW, last))
-            if b % renew > renew - WINDOW:
-                b += (renew - WINDOW) - b % renew
-        if b < found[-1] + WINDOW:
-            break
+            b += renew - WINDOW - b % renew
+            if b < found[-1] + WINDOW:
+                b += renew
+        if b >= last:
+            return found + [last] * (last >= found[-1] + WINDOW)
         found.append(b)
-    return found
 
 
 class Watch:

@@ -1,6 +1,7 @@
 """A run with an explicit multistep pair never loses its orbit without a notice."""
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from glmref import Solution, solve
 from glmref.engine import run as running
 from glmref.engine.kept import method_of
 from glmref.engine.outcome import Outcome
-from glmref.engine.parasites import WINDOW, Watch, windows
+from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, windows
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -239,9 +240,10 @@ def test_renewal_keeps_an_orbit_that_is_lost_without() -> None:
 @given(st.integers(0, 400_000), st.one_of(st.just(0), st.integers(1, 20_000)))
 def test_windows_lie_within_the_run_and_between_renewals(steps: int, renew: int) -> None:
     found = windows(steps, renew)
-    assert all(b - a >= WINDOW for a, b in zip(found, found[1:], strict=False))
+    assert all(b - a >= WINDOW for a, b in pairwise(found))
     assert all(0 <= b <= steps - WINDOW for b in found)
+    assert all(b - a <= min(a + WINDOW, MOST_BETWEEN) + 2 * renew for a, b in pairwise(found))
     if renew:
         assert all(b // renew == (b + WINDOW - 1) // renew for b in found)
-    elif steps >= 2 * WINDOW:  # the end is looked at
-        assert found[-1] > steps - 2 * WINDOW
+    if steps >= WINDOW and not 0 < renew < WINDOW:  # the end is looked at
+        assert found[-1] > steps - 2 * WINDOW - renew
