@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import math
 import sys
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,8 +20,9 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.extended import SCENES, TOLERANCES, scenes
+from campaigns.partitioned.extended import TOLERANCES, scenes
 from campaigns.partitioned.loosened import reached
+from campaigns.partitioned.semi_separable import long_run, step_of
 from campaigns.partitioned.work import crossing
 from glmref import solve
 from glmref.catalogue.lookup import load
@@ -43,11 +43,17 @@ from glmref.scenes.running import run
 #: What is renewed, and after how many steps.
 RENEWED = ("uneven-plane", "swinging-atwood", "shear", "discrete-schroedinger")
 METHODS = ("multistep-general-8b", "multistep-general-8")
+#: All methods for general systems.
+GENERAL = tuple(name for name, roots in SHIPPED.items() if not roots.semi)
 RENEW = (300, 1000)
 #: Steps of a run with renewals, and its step size.
 _STEPS, _H = 40_000, 0.02
-#: Samples of a long run, the first steps with which growth compares, and what rounding may make.
-_SAMPLES, _FIRST, _ROUNDING = 64, 288, 2e-15
+#: An energy error that is a loss.
+LOST = 1e-3
+#: Steps of a long run by the steps between renewals, 0 for none.
+LONG = {0: 10_000_000, 1000: 1_000_000}
+#: The first steps with which growth compares, most rows of that run, and what rounding may make.
+_FIRST, _ROWS, _ROUNDING = 288, 2**20, 2e-15
 
 
 def needed(curve: Sequence[tuple[int, float]], tolerance: float) -> int | None:
@@ -90,26 +96,29 @@ def _energy(one: Problem, found: Solution) -> float | None:
     return float(f"{size:.2g}") if math.isfinite(size) else None
 
 
-def growth(one: Problem, method: str, h: float, end: float) -> float:
+def growth(one: Problem, method: str, h: float, end: float, renew: int) -> float:
     """Return the largest energy error up to a time over that of the first steps."""
-    found = solve(one, method, h=h, steps=round(end / h), every=1)
+    steps = round(end / h)
+    every = 1 + steps // _ROWS
+    found = solve(one, method, h=h, steps=steps, every=every, renew=renew)
     energy = along(one.hamiltonian, found.y)  # type: ignore[arg-type]
     error = np.abs(energy - energy[0])
     rounding = _ROUNDING * abs(energy[0])
-    return float(f"{error.max() / max(error[: _FIRST + 1].max(), rounding):.2g}")
+    return float(f"{error.max() / max(error[: _FIRST // every + 1].max(), rounding):.2g}")
 
 
-def long_run(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Follow a method for many steps: energy, time of the notice and growth up to it."""
-    one, steps = problem(case["problem"]), case["steps"]
-    h = case["t_end"] / steps
-    found = solve(one, case["method"], h=h, steps=steps, every=steps // _SAMPLES)
-    row = {"problem": case["problem"], "method": case["method"], "steps": found.steps}
-    row |= {"energy": _energy(one, found), "reported": None}
-    if found.suspect is not None:
-        row["reported"] = round(found.suspect, 6)
-        row["growth"] = growth(one, case["method"], h, found.suspect)
-    return row
+def long_runs(case: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Follow a method for many steps of the tolerance, without and with renewal."""
+    one, name, found = problem(case["problem"]), case["method"], []
+    step = step_of(load(name), case["problem"])
+    for renew, steps in LONG.items():
+        x = {**case, "h": step and step[0], "steps": steps, "renew": renew}
+        if step:
+            x |= long_run(name, case["problem"], step[0], steps, renew)
+            if x["reported"] is not None:
+                x["growth"] = growth(one, name, step[0], x["reported"], renew)
+        found.append(x)
+    return found
 
 
 def better_start(name: str, order: int) -> Method:
@@ -135,17 +144,6 @@ def renewed(case: Mapping[str, Any]) -> dict[str, Any]:
     return {**case, **cost, "energy": _energy(one, found), "reported": reported}
 
 
-def long_cases() -> list[dict[str, Any]]:
-    """Return problem, method, steps and end of the runs of ``docs/nonseparable/long.toml``."""
-    campaign = tomllib.loads((SCENES / "long.toml").read_text(encoding="utf-8"))
-    grid, fixed = campaign["grid"], campaign["fixed"]
-    return [
-        {"problem": x, "method": m, "steps": fixed["steps"], "t_end": fixed["t_end"]}
-        for x in grid["problem"]
-        for m in grid["method"]
-    ]
-
-
 def renewal_cases() -> list[dict[str, Any]]:
     """Return what is renewed how: by the start of the file, and by one two orders better."""
     return [
@@ -168,7 +166,10 @@ def main(path: Path) -> None:
     rows = [x for found in counted for x in found]
     record["evaluations"] = [x for x in rows if x["problem"] in general]
     record["semi-separable"]["evaluations"] = [x for x in rows if x["problem"] in semi]
-    record["long"] = carried_out(long_run, long_cases(), beside=path)
+    names = dict.fromkeys(x["problem"] for x in record["long"])
+    cases = [{"problem": x, "method": m} for x in names for m in GENERAL]
+    long = carried_out(long_runs, cases, beside=path)
+    record["long"] = [x for found in long for x in found]
     record["renewal"] = carried_out(renewed, renewal_cases(), beside=path)
     complete(path, record)
 
@@ -189,23 +190,28 @@ def count_table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
     return markdown(["problem", *(f"`{x}`" for x in names), "best Gauss", "DOP853"], lines)
 
 
-def long_table(rows: Sequence[Mapping[str, Any]], names: Sequence[str], lost: float) -> str:
+def long_table(
+    rows: Sequence[Mapping[str, Any]], columns: Sequence[tuple[str, int]], lost: float
+) -> str:
     """Return the energy errors of long runs, or when they were reported, in Markdown.
 
-    An error beyond ``lost`` is a loss. Of several runs of one kind the last one counts.
+    A column is a method and the steps between renewals. An error beyond ``lost`` is a loss.
     """
-    found = {(x["problem"], x["method"]): x for x in rows}
+    found = {(x["problem"], x["method"], x.get("renew", 0)): x for x in rows}
 
     def cell(x: Mapping[str, Any]) -> str:
+        if x["h"] is None:
+            return "—"
         if x["energy"] is None or x["energy"] > lost:
             return f"lost, {x['reported']:g}"
         return f"{x['energy']:.1e}" + (f", notice {x['reported']:g}" if x["reported"] else "")
 
     lines = [
-        [name, *(cell(found[name, m]) for m in names)]
+        [name, *(cell(found[name, *column]) for column in columns)]
         for name in dict.fromkeys(x["problem"] for x in rows)
     ]
-    return markdown(["problem", *(f"`{x}`" for x in names)], lines)
+    heads = [f"`{name}`" + (f", `renew={n}`" if n else "") for name, n in columns]
+    return markdown(["problem", *heads], lines)
 
 
 def _semi(what: str) -> list[dict[str, Any]]:
@@ -213,8 +219,7 @@ def _semi(what: str) -> list[dict[str, Any]]:
     return found
 
 
-#: On the pages: the methods for every Hamiltonian, and those for semi-separable systems.
-_GENERAL = tuple(name for name, roots in SHIPPED.items() if not roots.semi)
+#: The methods for semi-separable systems that the page has.
 _KINETIC = tuple(f"multistep-kinetic-{order}" for order in (8, 10, 12))
 _DOCS = ROOT / "docs"
 PAGES: Pages = {
@@ -222,11 +227,13 @@ PAGES: Pages = {
         "nonseparable": lambda: count_table(measured("nonseparable")["evaluations"], METHODS[::-1]),
     },
     _DOCS / "nonseparable" / "long-runs.md": {
-        "nonseparable-long": lambda: long_table(measured("nonseparable")["long"], _GENERAL, 1.0),
+        "nonseparable-long": lambda: long_table(
+            measured("nonseparable")["long"], [(m, n) for m in METHODS[::-1] for n in LONG], LOST
+        ),
     },
     _DOCS / "velocities.md": {
         "semi-separable": lambda: count_table(_semi("evaluations"), _KINETIC),
-        "semi-separable-long": lambda: long_table(_semi("long"), _KINETIC, 1e-3),
+        "semi-separable-long": lambda: long_table(_semi("long"), [(m, 0) for m in _KINETIC], LOST),
     },
 }
 

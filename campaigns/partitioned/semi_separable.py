@@ -115,9 +115,14 @@ class Pair:
         return round((k - 1) * _GRID, 3)
 
 
+def end_of(name: str) -> float:
+    """Return the time at which the error counts: the end of the problem's scene, or 20."""
+    return ends().get(name, 20.0)
+
+
 def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
     """Yield steps, evaluations and the error of the last state, coarse to fine."""
-    one, end, steps = problem(name), ends()[name], _FIRST
+    one, end, steps = problem(name), end_of(name), _FIRST
     exact = reference_state(one, end)
     while steps <= _MOST:
         found = solve(one, method, h=end / steps, steps=steps, every=steps)
@@ -148,10 +153,18 @@ def _reported(found: Solution) -> float | None:
     return None if found.suspect is None else float(f"{found.suspect:.6g}")
 
 
-def long_run(method: Method | str, name: str, h: float, steps: int) -> dict[str, Any]:
+def step_of(method: Method, name: str) -> tuple[float, int] | None:
+    """Return the step size of the tolerance, and the evaluations for it, start included."""
+    found = needed(method, name)
+    return found and (float(f"{end_of(name) / found[0]:.3g}"), found[1])
+
+
+def long_run(
+    method: Method | str, name: str, h: float, steps: int, renew: int = 0
+) -> dict[str, Any]:
     """Return the largest relative error of the energy over 1,000 samples, and the notice's time."""
     one = problem(name)
-    found = solve(one, method, h=h, steps=steps, every=steps // 1000)
+    found = solve(one, method, h=h, steps=steps, every=steps // 1000, renew=renew)
     energy = energy_error(one, found) if found.completed else math.nan
     return {
         "energy": float(f"{energy:.2g}") if math.isfinite(energy) else None,
@@ -176,9 +189,8 @@ def row(name: str, gauss: Mapping[str, int]) -> dict[str, Any]:
     method, cases = pair.method, []
     for x, best in gauss.items():
         case: dict[str, Any] = {"problem": x, "evaluations": None}
-        if (found := needed(method, x)) is not None:
-            steps, count = found
-            h = float(f"{ends()[x] / steps:.3g}")
+        if (found := step_of(method, x)) is not None:
+            h, count = found
             case |= {"evaluations": count, "over_gauss": three_digits(count / best), "h": h}
             case |= long_run(method, x, h, _LONG)
         cases.append(case)

@@ -277,27 +277,39 @@ def test_the_page_prints_what_is_measured() -> None:
     assert "0.56 and 0.79" in page
 
 
-def test_the_page_prints_the_long_runs() -> None:
-    page = (data_root().parent / "docs/nonseparable/long-runs.md").read_text(encoding="utf-8")
-    table = page.partition("<!-- table: nonseparable-long -->")[2].partition("<!-- end")[0]
-    rows = [[x.strip() for x in line.split("|")[1:-1]] for line in table.strip().splitlines()[2:]]
-    record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
-    found = {(x["problem"], x["method"]): x for x in record}
-    lost = [x for x in record if x["energy"] is None or x["energy"] > 1]
-    assert [x for x in record if x["reported"] is not None] == lost
-    assert len(record) == 3 * len(rows)
-    for name, *cells in rows:
-        for method, cell in zip(GENERAL, cells, strict=True):
-            x = found[name, method]
-            bounded = f"{x['energy']:.1e}" if x not in lost else f"lost, {x['reported']:g}"
-            assert cell == bounded
-    late = sorted(x["growth"] for x in lost if x["growth"] >= 100)
-    assert f"All {len(lost)} lost runs" in page
-    assert f"In {len(lost) - len(late)} of the {len(lost)}" in page
-    assert (len(late), late[0], late[-1]) == (5, 160, 800)
-    assert [sum(x["method"] == m for x in lost) for m in GENERAL] == [8, 8, 12]
-    first = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
-    assert f"All {len(lost)} of {len(record)} runs" in first
+def test_the_pages_say_what_long_runs_lost() -> None:
+    """No run is lost without a notice; a loss is an energy error beyond 1e-3."""
+    docs = data_root().parent / "docs"
+    page, first = (
+        " ".join((docs / x).read_text(encoding="utf-8").split())
+        for x in ("nonseparable/long-runs.md", "nonseparable.md")
+    )
+    whole = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
+    record = [x for x in whole if x["h"] is not None and x["method"] != GENERAL[0]]
+    lost = [x for x in record if x["energy"] is None or x["energy"] > 1e-3]
+    noticed = [x for x in record if x["reported"] is not None]
+    rest = [x for x in noticed if x not in lost]
+    assert all(x in noticed for x in lost)
+    most = max(x["energy"] for x in rest)
+    assert (
+        f"All {len(lost)} lost runs were reported. Of the {len(record) - len(lost)} others "
+        f"{len(rest)} had a notice, with energy errors of at most {most:.1e}."
+    ) in page
+    late = [x["growth"] for x in noticed if x["growth"] >= 100]
+    assert f"in {len(noticed) - len(late)} of the {len(noticed)}" in page
+    assert f"up to {max(late):,.0f} times in the others" in page
+    assert f"All {len(lost)} of {len(record)} long runs" in first
+    counts = {
+        renew: [
+            sum((x["method"], x["renew"]) == ("multistep-general-8", renew) for x in rows)
+            for rows in (record, lost, rest)
+        ]
+        for renew in (0, 1000)
+    }
+    assert counts == {0: [17, 6, 1], 1000: [17, 1, 5]}
+    assert "On seventeen problems" in first
+    assert "was lost on one in a million steps, and had a notice on five more" in first
+    assert "without renewal it was lost on six in ten million" in first
 
 
 def test_ensembles_in_lanes_do_what_single_runs_do() -> None:
@@ -323,8 +335,6 @@ def test_the_page_prints_what_renewal_gives() -> None:
         assert f"{x['energy']:.1e}" in page
         assert x["start_evaluations"] == 24 * (1 + 39_999 // 300)
     assert found["swinging-atwood", "8b", 300, 8]["reported"]
-    again = [k for k, x in found.items() if k[1:] == ("8b", 1000, 8) and x["reported"]]
-    assert len(again) == 3
     ratios = [x["energy"] / found[*k[:3], 8]["energy"] for k, x in found.items() if k[3] == 10]
     median = f"{np.median(ratios):.2f}"
     assert len(ratios) == 16 and f"did not pay (median energy ratio {median})" in page
