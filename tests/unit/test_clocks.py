@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 import glmref
 from glmref import Problem, solve
-from glmref.engine.clocks import solved_form, without_clocks
 from glmref.engine.ensemble import solve_ensemble
 from glmref.measure.longtime import follow
 from glmref.measure.work_precision import measure
@@ -76,16 +75,6 @@ def test_methods_keep_their_order_where_time_occurs(problem, method, order, n):
     coarse, fine = (error(problem, exact, method, k * n) for k in (1, 2))
     assert fine > 1e-14, "the errors must lie above round-off"
     assert math.log2(coarse / fine) == pytest.approx(order, abs=0.45)
-
-
-def test_the_clocks_show_the_time_of_every_step():
-    solved = solved_form(DAMPED, glmref.load("pair-6-8"))
-    whole = solve(solved, "pair-6-8", h=0.125, steps=16, every=1)
-    # h and t0 are dyadic: the clocks differ from t by the rounding of the coefficients only
-    assert whole.y[:, 1] == pytest.approx(whole.t, rel=1e-14)
-    assert whole.y[:, 3] == pytest.approx(whole.t, rel=1e-14)
-    bare = without_clocks(whole, DAMPED)
-    assert bare.y.tolist() == solve(DAMPED, "pair-6-8", h=0.125, steps=16, every=1).y.tolist()
 
 
 @pytest.mark.slow

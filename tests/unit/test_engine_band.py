@@ -83,12 +83,6 @@ def test_where_there_is_no_band_the_cost_decides():
 # --- structure ----------------------------------------------------------------------------------
 
 
-def test_the_structure_of_a_loop():
-    body = "def f(v, params, out):\n    for i in range(1, 3):\n        out[i] = sin(v[i - 1])*params[0] + v[i]"
-    found = loop_structure(body, "f", 4, 4, [2.0], timed=False)
-    assert found == [frozenset(), frozenset({0, 1}), frozenset({1, 2}), frozenset()]
-
-
 @pytest.mark.parametrize(
     "line", ["out[0] = v[0] if v[0] > 0 else v[1]", "out[0:1] = v[0:1]", "out[0] = unknown(v[0])",
              "out[int(v[0])] = 1.0"],
@@ -96,30 +90,6 @@ def test_the_structure_of_a_loop():
 def test_what_depends_on_values_has_no_structure(line):
     body = f"def f(v, params, out):\n    {line}"
     assert loop_structure(body, "f", 2, 2, [], timed=False) is None
-
-
-def test_a_component_that_reads_many_others_is_no_part_of_a_band():
-    # 8 others, or an eighth of a large system
-    for size, most in ((24, 8), (64, 8), (80, 10)):
-        for reach in (most, most + 1):
-            body = f"def f(v, params, out):\n    for j in range({reach}):\n        out[0] += v[j]"
-            found = loop_structure(body, "f", size, size, [], timed=False)
-            if reach == most:
-                assert found == [frozenset(range(most)), *[frozenset()] * (size - 1)]
-            else:
-                assert found is None
-
-
-def test_the_order_is_a_band_of_the_graph():
-    n, rng = 60, np.random.default_rng(3)
-    mixed = rng.permutation(n).tolist()
-    structure = [frozenset()] * n
-    for k, i in enumerate(mixed):
-        structure[i] = frozenset(mixed[max(0, k - 1) : k + 2])
-    band = band_of(structure)
-    assert band is not None and (band.lower, band.upper) == (1, 1)
-    assert sorted(band.order) == list(range(n))
-    assert band_of([frozenset(range(n))] * n) is None
 
 
 def test_a_jacobian_that_leaves_the_band_is_refused():
@@ -178,17 +148,6 @@ def test_elimination_solves_with_pivots(band):
 
 
 # --- stages apart -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "name", ["implicit-midpoint", "gauss-2", "gauss-3", "gauss-5", "radau-iia-3"]
-)
-def test_a_coupling_is_its_eigenvalues_and_vectors(name):
-    A = np.array([[float(x) for x in row] for row in load(name).A])
-    split = newton.split_of(A)
-    assert split is not None and len(split.values) == (len(A) + 1) // 2
-    again = (np.array(split.back).T * split.values) @ np.array(split.into)
-    np.testing.assert_allclose(again.real, A, atol=1e-13)
 
 
 def test_stages_that_cannot_be_separated_are_solved_together(monkeypatch):

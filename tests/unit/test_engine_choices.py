@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from glmref import Problem, load, problem, solve
+from glmref import Problem, load, problem
 from glmref.engine import kept, solver_choice
 from glmref.engine import kernel as kernel_module
 from glmref.engine.compiled import Built
@@ -155,23 +155,6 @@ def test_a_large_system_takes_newton_where_its_matrices_cost_less(method: str, b
     assert solver_choice._newton_pays(form, small, 1e-9)
 
 
-def test_norm_of_a_jacobian_from_differences() -> None:
-    diagonal = Problem(f=("t*y[0]", "-5*y[1]", "2*y[2]"), y0=(1.0, -2.0, 3.0), t_span=(3.0, 4.0))
-    assert solver_choice._norm_estimate(shape_of(diagonal), diagonal) == pytest.approx(5, rel=1e-6)
-    timed = Problem(f=("t*y[0]", "y[1]"), y0=(1.0, 1.0), t_span=(7.0, 8.0))
-    assert solver_choice._norm_estimate(shape_of(timed), timed) == pytest.approx(7, rel=1e-6)
-    pair = Problem(dq=("2*p[0]", "p[1]"), dp=("-3*q[0]", "-7*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
-    assert solver_choice._norm_estimate(shape_of(pair), pair) == pytest.approx(7, rel=1e-6)
-    second = Problem(force=("-3*q[0]", "-4*q[1]"), y0=(1.0, 2.0, 0.5, 0.25))
-    assert solver_choice._norm_estimate(shape_of(second), second) == pytest.approx(4, rel=1e-6)
-    # the row of ones is met by the second vector: its signs are those of the first product
-    rows = ("y[0] + y[1] + y[2]", "0.001*y[0] + y[1]", "0.001*y[0] + y[2]")
-    full = Problem(f=rows, y0=(1.0, 1.0, 1.0))
-    assert solver_choice._norm_estimate(shape_of(full), full) <= 3 * (1 + 1e-6)
-    nowhere = Problem(f=("log(y[0])",), y0=(-1.0,))
-    assert math.isnan(solver_choice._norm_estimate(shape_of(nowhere), nowhere))
-
-
 def test_a_jacobian_that_is_not_given_is_differenced() -> None:
     def f(t: float, y: Any) -> list[float]:
         return [y[0] * y[1], t * y[1]]
@@ -234,16 +217,6 @@ def test_kernels_say_what_they_are() -> None:
     assert "quick" not in words("rk4", arithmetic="quick")
 
 
-def test_seconds_are_those_that_passed(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = itertools.count(1000)
-    monkeypatch.setattr(kernel_module, "time", SimpleNamespace(perf_counter=lambda: next(clock)))
-    made = prepare(load("rk4"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
-    assert 0 < made.seconds < 100
-    assert 0 < kernel_module.with_newton(
-        prepare(load("gauss-2"), Problem(f=("2*y[0]",), y0=(1.0,)), h=0.1, interpreted=True)
-    ).seconds < 100  # fmt: skip
-
-
 # --- chunks of steps ------------------------------------------------------------------------------
 
 
@@ -285,54 +258,6 @@ def advanced(
     return outcome, seconds, state
 
 
-@pytest.mark.parametrize(
-    ("cost", "ends"),
-    [
-        (0.0, [256, 2304, 18688, 149760]), (0.006, [256, 2304, 18688]),
-        (0.00625, [256, 768, 1792, 3840]), (0.049, [256, 768, 1792]), (0.05, [256, 512, 768]),
-    ],
-)  # fmt: skip
-def test_chunks_grow_until_they_last(
-    cost: float, ends: list[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stepping = Stepping(cost)
-    outcome, seconds, state = advanced(stepping, monkeypatch, ends[-1])
-    assert outcome is Outcome.COMPLETED and state.step == ends[-1]
-    firsts = [0, *ends[:-1]]
-    assert stepping.calls == [(a, b, -1) for a, b in zip(firsts, ends, strict=True)]
-    assert seconds == pytest.approx(cost * len(ends))
-
-
-def test_a_run_is_paused_between_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-
-    def pause(step: int) -> bool:
-        asked.append(step)
-        return step >= 24
-
-    stepping = Stepping(1.0)
-    outcome, seconds, state = advanced(stepping, monkeypatch, 100, engine="python", pause=pause)
-    assert (outcome, seconds, state.step, asked) == (Outcome.CANCELLED, 3.0, 24, [8, 16, 24])
-    asked.clear()
-    outcome, _, _ = advanced(Stepping(1.0), monkeypatch, 24, engine="python", pause=pause)
-    assert outcome is Outcome.COMPLETED and asked == [8, 16], "what is done is not cancelled"
-
-
-def test_rows_to_keep_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
-    stepping = Stepping(1.0)
-    advanced(stepping, monkeypatch, 30, engine="python", every=5)
-    assert stepping.calls == [(0, 8, 5), (8, 16, 10), (16, 24, 20), (24, 30, 25)]
-
-
-def test_a_kernel_that_ends_says_how(monkeypatch: pytest.MonkeyPatch) -> None:
-    from glmref.engine.outcome import KERNEL_OUTCOMES
-
-    for code in range(1, len(KERNEL_OUTCOMES)):
-        stepping = Stepping(1.0, code)
-        outcome, seconds, _ = advanced(stepping, monkeypatch, 1000)
-        assert (outcome, seconds, len(stepping.calls)) == (KERNEL_OUTCOMES[code], 1.0, 1)
-
-
 def test_an_exception_leaves_the_last_step_before_it(monkeypatch: pytest.MonkeyPatch) -> None:
     stepping = Stepping(1.0, fails_at=300)
     outcome, seconds, state = advanced(stepping, monkeypatch, 1000, engine="numba", opaque=True)
@@ -351,29 +276,6 @@ def test_an_exception_leaves_the_last_step_before_it(monkeypatch: pytest.MonkeyP
         advanced(Stepping(fails_at=0), monkeypatch, 10, engine="numba")
     with pytest.raises(RuntimeError, match="no value there"):
         advanced(Stepping(fails_at=0), monkeypatch, 10, engine="python", opaque=True)
-
-
-def test_a_second_kernel_goes_on_from_the_state_of_the_first() -> None:
-    of, method = problem("pendulum"), load("g6245")
-    first = prepare(method, of, h=0.1, interpreted=True, solver="fixed-point")
-    second = kernel_module.with_newton(first)
-    assert second.options.solver == "newton"
-    y = np.array(of.y0, dtype=float)
-    values = np.array([y * (0.01**k) for k in range(method.r)])
-    state = first.state(values, np.asarray(of.f(0.0, y)), 0.1)
-    out = np.empty((1, 1, 2))
-    first.advance(state, 3, t0=0.0, h=0.1, every=0, out=out)
-    state.memory[0, 0] = math.nan
-    held, kept = first.values(state), state.memory.copy()
-    other = second.resumed(state)
-    assert other.h == 0.1 and other.step == 3 and other.tally is state.tally
-    np.testing.assert_array_equal(second.values(other), held)
-    np.testing.assert_array_equal(other.memory, np.where(np.isfinite(kept), kept, 0.0))
-    assert len(other.work) == second.source.work_size
-    ends = [solve(of, method, h=0.1, steps=6, solver=x, start=values, every=0).y[-1]
-            for x in ("fixed-point", "newton")]  # fmt: skip
-    second.advance(other, 6, t0=0.0, h=0.1, every=0, out=out)
-    assert np.abs(second.values(other)[0] - ends[1]).max() < 1e-12
 
 
 def test_a_function_that_computes_otherwise_when_compiled_is_told_by_its_value() -> None:
@@ -396,13 +298,3 @@ def test_a_function_that_computes_otherwise_when_compiled_is_told_by_its_value()
         for sign in (1, -1):
             assert bool(said(lambda t, y, x=sign * change: [y[1] + t, -y[0] + x])) == told
     assert "gives another value when it is compiled" in said(lambda t, y: [2.5, -1.0, 0.0][:1])
-
-
-def test_the_norm_of_a_jacobian_is_found_by_the_signs_of_its_products() -> None:
-    # the signs of the first row come from the column beside it: no fixed vector meets them
-    n = 101
-    signs = np.where(np.arange(n) % 2, -1.0, 1.0)
-    J = np.zeros((n, n))
-    J[0], J[:, 0] = signs, signs
-    of = Problem(f=lambda t, y: J @ y, y0=(0.0,) * n)
-    assert solver_choice._norm_estimate(shape_of(of), of) == pytest.approx(n, rel=1e-6)

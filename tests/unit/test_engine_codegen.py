@@ -7,7 +7,6 @@ import pytest
 
 from glmref import GLM, Problem, load, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.kernel import prepare
 from glmref.engine.options import Options
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
@@ -80,12 +79,6 @@ def test_explicit_stages_are_evaluated_once_and_implicit_ones_in_a_loop():
     assert sines == 5, "each stage has its evaluation written once"
 
 
-def test_an_explicit_method_has_no_inner_loop():
-    text = kernel_source(step_form(load("rk4")), shape_of(problem("kepler")), Options()).text
-    assert not [n for n in ast.walk(loop(text)) if isinstance(n, ast.While)][1:]
-    assert "last_change" not in text
-
-
 def test_equal_diagonals_share_one_factorisation():
     shape = shape_of(problem("double-pendulum"))
     equal = kernel_source(step_form(load("sdirk-3")), shape, Options(solver="newton")).text
@@ -138,12 +131,6 @@ def test_large_systems_copy_no_velocity_and_share_loops():
     assert len(loops) == 3 + 2 + 1 + 1
 
 
-def test_integer_powers_are_products():
-    cubic = Problem(f=("-(y[0] + 1)**3",), y0=(1.0,))
-    text = kernel_source(step_form(load("rk4")), shape_of(cubic), Options()).text
-    assert "**" not in text
-
-
 @pytest.mark.parametrize(
     ("exponent", "product"),
     [
@@ -175,14 +162,3 @@ def test_generation_is_deterministic():
     form, shape = step_form(load("g6245-w3")), shape_of(problem("henon-heiles"))
     first, second = (kernel_source(form, shape, Options()).text for _ in range(2))
     assert first == second
-
-
-@pytest.mark.parametrize("name", ["gauss-2", "g6245", "stormer-verlet"])
-def test_parameters_are_arguments_not_constants(name):
-    texts = {
-        prepare(
-            load(name), problem("henon-heiles", cubic=c), h=0.1, solver="fixed-point"
-        ).source.text
-        for c in ("-1/3", "1/5")
-    }
-    assert len(texts) == 1, "problems of one shape share a kernel"

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from glmref import GLM, Problem, UsageError, load, problem, solve
+from glmref import Problem, UsageError, load, problem, solve
 from glmref.engine import arithmetic, kernel, run, solver_choice
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.memory import memory
@@ -210,14 +210,6 @@ def test_a_power_without_a_real_value_ends_the_run_by_name(f, engine):
     for method in ("rk4", "gauss-2"):
         found = solve(given, method, h=0.01, steps=3, engine=engine)
         assert found.outcome is Outcome.NOT_FINITE
-
-
-@pytest.mark.parametrize("engine", ["compiled", "interpreted"])
-def test_a_method_that_adds_nothing_leaves_the_values(engine: str) -> None:
-    still = GLM(A=[[0]], U=[[1]], B=[[0]], V=[[1]])
-    ended = solve("kepler", still, h=0.1, steps=3, engine=engine, arithmetic="naive")
-    assert ended.completed
-    assert (ended.y[-1] == problem("kepler").y0).all()
 
 
 @pytest.mark.parametrize("digits", [None, 1, 30])

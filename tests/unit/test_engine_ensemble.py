@@ -4,7 +4,6 @@ import math
 import time
 from functools import partial
 from math import cos, sin
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -251,21 +250,6 @@ def branching(t, y, params, out):
             out[i] = -2 * y[i]
 
 
-@pytest.mark.parametrize(("steps", "cancel"), [(4, None), (0, None), (4, lambda: True)])
-def test_a_function_is_called_again_at_the_end_of_the_first_trajectory(steps, cancel, monkeypatch):
-    ends = []
-
-    def again(t, y):
-        ends.append((t, y.tolist()))
-        return ["changed"]
-
-    seen = SimpleNamespace(seen=True, afterwards=again)
-    monkeypatch.setattr("glmref.engine.ensemble.inspected", lambda *_: seen)
-    found = solve_ensemble(DRIVEN, "rk4", [[1.0, 2.0]], h=0.5, steps=steps, every=2, cancel=cancel)
-    assert found.notices == ("changed",)
-    assert ends == [(found.t[-1], found.y[-1, 0].tolist())]
-
-
 @pytest.mark.slow
 def test_what_has_no_lanes_goes_one_by_one():
     def width(of, method, h=0.01, **options):
@@ -407,12 +391,3 @@ def test_interpreted_kernels_are_stepped_in_one_thread(monkeypatch):
     assert found.kernel.startswith("python") and found.threads == 1
     factor = sum((-0.1) ** k / math.factorial(k) for k in range(5)) ** 3
     assert found.y[-1].ravel().tolist() == pytest.approx([factor, -2 * factor], rel=1e-14)
-
-
-@pytest.mark.parametrize("method", ["rk4", "lobatto-iiia-2", "implicit-midpoint"])
-def test_the_evaluations_of_a_step_that_fails_are_counted(method):
-    growth = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")
-    y0, options = np.array([[100.0], [0.1]]), {"h": 0.5, "steps": 12, "solver": "fixed-point"}
-    alone, lanes = (solve_ensemble(growth, method, y0, width=w, **options) for w in (1, 8))
-    assert lanes.outcomes[0] is not Outcome.COMPLETED
-    assert lanes.evaluations == alone.evaluations

@@ -5,8 +5,6 @@ import pytest
 
 from glmref import Problem, load, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.ensemble import solve_ensemble
-from glmref.engine.kernel import prepare
 from glmref.engine.options import Options
 from glmref.engine.shape import shape_of
 from glmref.engine.sweep import step_form
@@ -45,24 +43,6 @@ def test_the_weights_lose_nothing_to_rounding(whole):
     # the near miss: without compensation the rounding of h/6 and h/3 shows
     naive = solve(flat, "rk4", h=h, steps=n, arithmetic="naive")
     assert abs(naive.y[-1, -1] - n * h) > 100 * np.spacing(n * h)
-
-
-@pytest.mark.parametrize("method", ["rk4", "stormer-verlet", "gauss-2"])
-def test_short_loops_are_local_variables_with_the_bits_of_the_interpreter(method):
-    eight = problem("figure-eight")
-    kernel = prepare(load(method), eight, h=0.01)
-    assert kernel.source.target == "scalar" and kernel.shape.parts[-1].straight
-    runs = [solve(eight, method, h=0.01, steps=20, engine=x) for x in ("compiled", "interpreted")]
-    np.testing.assert_array_equal(runs[0].values, runs[1].values)
-
-
-def test_loops_in_lanes_have_the_bits_of_a_single_run():
-    eight = problem("figure-eight")
-    y0 = np.array(eight.y0, dtype=float) * (1 + 1e-3 * np.arange(5)[:, None])
-    found = solve_ensemble(eight, "rk4", y0, h=0.01, steps=20, width=8)
-    assert found.width == 8
-    alone = solve_ensemble(eight, "rk4", y0, h=0.01, steps=20, width=1)
-    np.testing.assert_array_equal(found.values, alone.values)
 
 
 # --- loops undone -------------------------------------------------------------------------------

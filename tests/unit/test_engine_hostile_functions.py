@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from glmref import Interrupted, Problem, UsageError, solve
-from glmref.engine import function_checks
 from glmref.engine.outcome import Outcome
-from glmref.problems.user_functions import FunctionFailed, UserFunction
+from glmref.problems.user_functions import FunctionFailed
 from tests.build import in_place, sharing
 
 QUICK = ("reference", "interpreted")
@@ -313,19 +312,6 @@ def test_round_off_that_varies_is_no_reason_to_refuse():
     assert run.completed and any("round-off" in x for x in run.notices)
 
 
-class Model(RuntimeError):
-    pass
-
-
-def later(error):
-    def f(t, y):
-        if t > 0.5:
-            raise error
-        return [y[1], -y[0]]
-
-    return f
-
-
 def raises_later(t, y):
     if t > 0.5:
         raise RuntimeError("the model ends here")
@@ -484,42 +470,6 @@ def test_extended_precision_calls_on_copies_too():
     for f in (in_place, sharing([0, 0])):
         run = solve(oscillator(f), "rk4", h=0.1, steps=5, engine="reference", digits=30)
         assert max(abs(a - b) for a, b in zip(run.y[-1], expected.y[-1], strict=True)) < 1e-28
-
-
-def test_values_differ_by_their_largest_difference():
-    inf, nan = math.inf, math.nan
-    for a, b, apart in [
-        (None, None, None), (None, (1.0,), inf), ((1.0,), None, inf), ((1.0, nan), (1.0, nan), None),
-        ((inf,), (inf,), None), ((inf,), (-inf,), inf), ((1.0,), (nan,), inf), ((nan,), (1.0,), inf),
-        ((0.0, 1.0, 5.0), (0.5, 1.0, 2.0), 3.0), ((2.0,), (2.25,), 0.25),
-    ]:  # fmt: skip
-        assert function_checks._differ(a, b) == apart
-
-
-def test_what_a_type_of_result_costs_is_said():
-    def said(*kinds):
-        function = UserFunction(lambda t, y: y, "f", 1, (1,))
-        return function_checks._lost(function, {np.dtype(x) for x in kinds})
-
-    assert said("f8") == said("c16") == said() == said("O") == []
-    for kinds, digits in (
-        (["f4"], 7),
-        (["c8"], 7),
-        (["f2"], 3),
-        (["f2", "f4"], 3),
-        (["f4", "i8"], 7),
-    ):
-        (found,) = said(*kinds)
-        assert found.startswith("`f` returns ") and found.endswith("; let it return float64")
-        assert f"numbers: the results have about {digits} digits" in found
-    for kind in ("i8", "u1", "?"):
-        (found,) = said(kind)
-        assert found == (
-            f"`f` returns an array of {np.dtype(kind)}: fractions are lost where the values have "
-            f"any; let it return float64"
-        )
-    assert function_checks._few(np.array([1.5, 2.0])) == "(1.5, 2)"
-    assert function_checks._few(np.array([0.1, 2.0, 3.0])) == "(0.10000000000000001, 2, ...)"
 
 
 def test_parts_that_are_not_f_are_refused_by_their_worst_component():

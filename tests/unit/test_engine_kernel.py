@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine.kernel import prepare
 from glmref.engine.shape import shape_of
 from glmref.engine.solver_choice import choose_solver, contraction
 from glmref.engine.sweep import step_form
@@ -15,33 +14,6 @@ from glmref.engine.sweep import step_form
 def rule(method, of, h):
     form, shape = step_form(load(method)), shape_of(of)
     return choose_solver(form, shape, of, h), contraction(form, shape, of, h)
-
-
-def test_contraction_is_h_a_J_and_its_square_on_a_separable_problem():
-    oscillator = problem("harmonic-oscillator", frequency=3)
-    midpoint = step_form(load("implicit-midpoint"))
-    halved = contraction(midpoint, shape_of(oscillator), oscillator, 0.1)
-    assert halved == pytest.approx((0.1 * 3 / 2) ** 2)
-    plain = Problem(f=("3*y[1]", "-3*y[0]"), y0=(1.0, 0.0))
-    assert contraction(midpoint, shape_of(plain), plain, 0.1) == pytest.approx(0.1 * 3 / 2)
-
-
-def test_contraction_is_that_at_the_first_time(tmp_path, monkeypatch):
-    monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))  # where norms are remembered
-    midpoint = step_form(load("implicit-midpoint"))
-    for t0 in (1.0, 4.0):
-        of = Problem(f=("t*y[0]",), y0=(1.0,), t_span=(t0, 9.0))
-        assert contraction(midpoint, shape_of(of), of, 0.1) == pytest.approx(0.1 * t0 / 2)
-
-
-def test_contraction_of_a_block_is_that_of_its_eigenvalues():
-    oscillator = problem("harmonic-oscillator", frequency=3)
-    # the eigenvalues of A of Gauss with two stages are (3 +- i sqrt 3)/12, of modulus 1/sqrt(12)
-    gauss = step_form(load("gauss-2"))
-    assert contraction(gauss, shape_of(oscillator), oscillator, 0.1) == pytest.approx(0.09 / 12)
-    # its largest row sum, 1/2 + sqrt(3)/6, would say seven times as much
-    kepler = problem("kepler", eccentricity="3/5")
-    assert rule("gauss-4", kepler, 2 * math.pi / 60)[0] == "fixed-point"
 
 
 def test_an_explicit_method_has_no_contraction():
@@ -83,30 +55,6 @@ def test_newton_and_the_fixed_point_find_the_same_stages(method, name):
     assert np.abs(ends[0] - ends[1]).max() < 8 * 2.0**-52 * steps * scale
 
 
-def test_newton_works_without_a_jacobian():
-    def f(t, y):
-        return [y[1], -math.sin(y[0])]
-
-    plain = Problem(f=f, y0=(1.2, 0.0), name="plain")
-    run = solve(plain, "gauss-2", h=0.1, steps=5, solver="newton", engine="interpreted")
-    exact = solve(Problem(force=("-sin(q[0])",), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=5)
-    assert run.factorisations >= 1
-    assert np.abs(run.y - exact.y).max() < 1e-15
-
-
-def test_the_head_of_the_work_array_is_the_state():
-    kepler = problem("kepler")
-    kernel = prepare(load("s4-symmetric"), kepler, h=0.1)
-    values = np.arange(12.0).reshape(3, 4)
-    state = kernel.state(values, np.ones(4), 0.1)
-    assert state.y.base is not None
-    assert np.shares_memory(state.y, state.work)
-    assert np.shares_memory(state.memory, state.work)
-    assert np.abs(kernel.values(state) - values).max() < 2e-15
-    weights = [w for _, w in kernel.form.memory]
-    np.testing.assert_allclose(state.memory, 0.1 * np.outer(weights, np.ones(4)))
-
-
 @pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["outer-solar-system", "nonseparable-chain", "arenstorf", "toda"])
@@ -118,11 +66,3 @@ def test_array_kernels_agree_with_the_reference(name):
         scale = np.abs(slow.values).max()
         assert np.abs(fast.values - slow.values).max() < 40 * 2.0**-52 * scale
         assert fast.kernel.startswith("native")
-
-
-def test_an_explicit_method_has_no_solver_to_choose():
-    of = problem("kepler")
-    form, shape = step_form(load("rk4")), shape_of(of)
-    assert choose_solver(form, shape, of, 0.1) == "fixed-point"
-    for solver in ("fixed-point", "newton"):
-        assert choose_solver(form, shape, of, 0.1, solver) == solver

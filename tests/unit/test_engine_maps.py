@@ -27,18 +27,6 @@ def test_rows_are_finished_as_by_the_reference(name):
     np.testing.assert_array_equal(interpreted.y, run.y)
 
 
-def test_the_reference_goes_on_where_the_kernel_of_a_finish_fails(monkeypatch):
-    class Fails:
-        def __call__(self, rows, t0, h, **_):
-            return 0, 0
-
-    expected = solve("pendulum", "s5i2-w3", h=0.1, steps=6, every=2)
-    monkeypatch.setattr("glmref.engine.run.map_of", lambda *_, **__: Fails())
-    run = solve("pendulum", "s5i2-w3", h=0.1, steps=6, every=2, renew=4)
-    assert run.completed and run.renewals == 1
-    assert np.abs(run.y - expected.y).max() < 1e-7
-
-
 def test_many_rows_of_a_finished_method_cost_no_more_than_its_steps():
     solve("kepler", "s5i2-w3", h=0.01, steps=10, every=1)
     begin = time.process_time()
@@ -76,20 +64,3 @@ def test_a_guess_of_zeros_is_not_computed(monkeypatch, tmp_path):
     finish = load("order8-s3-w3-i").finishing
     assert finish is not None and len(finish.stage_blocks()) == 1
     assert Map(finish, shape_of(problem("kepler")), interpreted=False).work_size > 0
-
-
-def test_a_map_is_machine_code_and_counts_its_rows():
-    of = problem("kepler")
-    made, plain = (
-        Map(load("s5i2-w3").finishing, shape_of(of), interpreted=x) for x in (False, True)
-    )
-    assert (made.built.engine, plain.built.engine) == ("native", "python")
-    rows = np.array([of.y0] * 3, dtype=float)[:, None]
-    ends = []
-    for one in (made, plain):
-        mine = rows.copy()
-        assert one(mine, 0.0, 0.01, every=2, last=5) == (3, 3 * one(rows[:1].copy(), 0.0, 0.01)[1])
-        ends.append(mine)
-    np.testing.assert_array_equal(*ends)
-    np.testing.assert_array_equal(ends[0][0], ends[0][2])
-    assert np.abs(ends[0] - rows).max() > 0

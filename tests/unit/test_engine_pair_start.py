@@ -1,19 +1,15 @@
 """The start of a pair in the engine: values, cost, order of the stages, and what is refused."""
 
-import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from glmref import PairStartingMethod, UsageError, load, problem, solve
-from glmref.catalogue.lookup import document
-from glmref.catalogue.reader import load_document
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import starting_values
 from glmref.method import as_matrix, as_vector
-from glmref.method.component import GENERAL
 
 H = 0.1
 
@@ -110,17 +106,6 @@ def test_many_trajectories_start_as_one(of):
     assert np.abs(zero.y - many.y).max() > 0
 
 
-def test_shared_stages_on_a_system_that_is_not_separable():
-    pair, single, of = load("gsymplectic-n-pair"), load("gsymplectic-n"), problem("arenstorf")
-    assert not of.separable
-    y0 = np.array(of.y0)
-    found = starting_values(stepper(pair, of), None, t=0.0, y0=y0, h=1e-3)
-    other = starting_values(stepper(single, of), None, t=0.0, y0=y0, h=1e-3)
-    np.testing.assert_allclose(found.values, other.values, rtol=1e-15, atol=0)
-    assert found.evaluations == other.evaluations == 3  # of the whole right-hand side
-    assert np.abs(found.values[1]).max() > 1e-9
-
-
 def made(A, A_hat, B, B_hat):
     return PairStartingMethod(
         A=as_matrix(A, "A"), A_hat=as_matrix(A_hat, "A_hat"), B=as_matrix(B, "B"),
@@ -146,18 +131,6 @@ def test_an_implicit_start_is_solved_and_not_taken_for_many():
     np.testing.assert_array_equal(own.y, enhanced.y)
 
 
-def test_stages_that_nothing_reads_are_left_out():
-    start = made([["0", "0"]], [["0"], ["1"]], [["0", "0"]] * 2, [["0"], ["0"]])
-    assert start.read_stages() == frozenset()
-    half = made([["0", "0"]], [["0"], ["1"]], [["0", "0"], ["0", "1"]], [["0"], ["0"]])
-    assert half.read_stages() == {0, 2}  # P_2 reads Q_1
-    both = made(
-        [["0", "0"], ["1", "0"]], [["0", "0"]] * 2, [["0", "0"], ["0", "1"]], [["0", "0"]] * 2
-    )
-    assert both.read_stages() == {3}
-    assert both.read_stages(GENERAL) == {0, 1}  # f(P_2) with Q_2, which reads f(P_1)
-
-
 @pytest.mark.parametrize(
     ("name", "start", "message"),
     [
@@ -169,9 +142,3 @@ def test_stages_that_nothing_reads_are_left_out():
 def test_a_start_that_does_not_fit_is_refused(name, start, message):
     with pytest.raises(UsageError, match=message):
         started(name, start)
-
-
-def test_a_pair_without_a_start_keeps_the_enhanced_one():
-    doc = {k: copy.deepcopy(v) for k, v in document("pair-4-4").items() if k != "starting"}
-    assert "enhanced" in started(load_document(doc)).kind
-    assert started("stormer-verlet").kind == "zero"

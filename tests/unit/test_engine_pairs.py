@@ -145,14 +145,6 @@ def test_kicks_of_neighbouring_steps_are_one(name):
     assert run.evaluations == 40 * form.forces
 
 
-def test_a_kick_is_taken_back_without_loss():
-    form, rng = step_form(load("stormer-verlet")), np.random.default_rng(1)
-    p, force = rng.standard_normal((1, 1000)), rng.standard_normal(1000)
-    moved, rest = form.kicked(p, force, 0.1)
-    assert (rest != 0).any()
-    assert np.abs(form.unkicked(moved, rest, force, 0.1) - p).max() <= 2.0**-52
-
-
 @pytest.mark.parametrize("compensated", [True, False])
 @pytest.mark.parametrize("name", ["stormer-verlet", "blanes-moan-rkn-6-11", "multistep-rkn-8"])
 def test_the_state_before_the_first_step_is_kicked_and_keeps_what_rounding_lost(name, compensated):
@@ -168,30 +160,6 @@ def test_the_state_before_the_first_step_is_kicked_and_keeps_what_rounding_lost(
     assert lost.any()
 
 
-def test_only_equal_kicks_at_both_ends_are_put_together():
-    assert not step_form(load("yoshida-verlet-6")).kick  # begins with an update of q
-    assert not step_form(load("pair-6-8")).kick  # two values
-    assert not step_form(load("symplectic-euler-a")).kick
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("of", ["kepler", "outer-solar-system"])
-def test_a_multistep_method_is_a_rotation_and_a_kick(of):
-    form = step_form(load("multistep-rkn-8"))
-    assert form.kick == (0.5, 0.5, 0.0, 0.5, 0.0, 0.5, 0.0) and [
-        len(x.U) for x in form.components
-    ] == [1, 1]
-    assert form.components[1].R == ((1.0,), (1.0,), (0.0,), (1.0,), (0.0,), (1.0,), (0.0,))
-    assert not any(form.components[1].M[0]) and form.kept(1) == (True, *[False] * 6)
-    h = 0.02 if of == "kepler" else 20.0
-    run = solve(of, "multistep-rkn-8", h=h, steps=40, every=7)
-    exact = solve(of, "multistep-rkn-8", h=h, steps=40, every=7, engine="reference", digits=25)
-    scale = np.abs(exact.y.astype(float)).max()
-    assert np.abs(run.y - exact.y.astype(float)).max() < 40 * 2.0**-52 * scale
-    parts = solve(of, "multistep-rkn-8", h=h, times=[7 * h, 40 * h])
-    np.testing.assert_array_equal(parts.y, run.y[[1, -1]])
-
-
 def test_rounding_makes_no_drift_of_energy_with_a_multistep_method():
     # stages P with seven rounded weights and a force lost 5e-20 a step
     slopes = []
@@ -201,12 +169,6 @@ def test_rounding_makes_no_drift_of_energy_with_a_multistep_method():
         energy = (y[:, 2:] ** 2).sum(axis=1) / 2 - 1 / np.hypot(y[:, 0], y[:, 1])
         slopes.append(np.polyfit(1000 * np.arange(len(y)), energy, 1)[0])
     assert abs(np.mean(slopes)) < 1.5e-20, slopes
-
-
-def test_other_multistep_methods_keep_their_form():
-    for name in ("quinlan-8a", "stoermer-9", "multistep-8"):
-        form = step_form(load(name))
-        assert not form.kick and all(form.kept(1))
 
 
 def test_a_pair_without_a_sweep_form_says_which_identity_is_missing():
@@ -243,14 +205,3 @@ def test_values_of_a_multistep_method_go_side_by_side_with_the_same_bits():
         for engine in ("compiled", "interpreted")
     ]
     np.testing.assert_array_equal(runs[0].values, runs[1].values)
-
-
-@pytest.mark.parametrize("name", ["lobatto-iiia-iiib-4", "numerov"])
-def test_quick_rounds_end_earlier_for_two_components_too(name):
-    of = problem("lotka-volterra-logarithmic")
-    strict, quick = (
-        solve(of, name, h=1 / 16, steps=100, arithmetic=x) for x in ("strict", "quick")
-    )
-    # a round or so of each of 100 steps, and what is left undone is below rounding
-    assert strict.evaluations - 150 < quick.evaluations < strict.evaluations - 10
-    assert np.abs(quick.y - strict.y).max() < 100 * 2.0**-48

@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 import glmref
-from glmref import GLM, Problem, UsageError, load, problem
+from glmref import Problem, UsageError, load, problem
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
 from glmref.engine.tableau import lagrange_weights
-from glmref.method.preconsistency import preconsistency_vector, stage_times
 from glmref.method.stage_order import dependency_blocks
 
 METHODS = ["rk4", "gauss-2", "gauss-3", "gsymplectic-n", "g6245", "lobatto-iiia-3", "ab-3", "bdf-2"]
@@ -72,21 +71,6 @@ def test_stages_are_evaluated_at_their_abscissae():
         assert (error < 1e-14) == exact, name
 
 
-def test_a_stiff_stage_is_solved_by_newton():
-    stiff = Problem(f=("-1000000*(y[0] - cos(t)) - sin(t)",), y0=(1.0,))
-    engine = stepper(load("radau-iia-2"), stiff)
-    step = engine.step(0.0, zero_start(engine, engine.problem.y0), 0.5)
-    assert step.converged
-    assert abs(step.values[0, 0] - np.cos(0.5)) < 1e-6
-
-
-def test_a_stage_equation_without_solution_is_reported():
-    # Y = 1 + Y^2 + 10 has no real root
-    hopeless = Problem(f=("y[0]*y[0] + 10",), y0=(1.0,))
-    step = stepper(load("implicit-midpoint"), hopeless).step(0.0, np.array([[1.0]]), 1.0)
-    assert not step.converged
-
-
 def test_the_complex_form_of_a_method_steps_like_its_real_form():
     pendulum = problem("pendulum")
     real, other = stepper(load("g6245-w3"), pendulum), stepper(load("g6245-w3-complex"), pendulum)
@@ -108,36 +92,9 @@ def test_stormer_verlet_is_kick_drift_kick():
     assert (step.evaluations, step.velocity_evaluations) == (2, 1)
 
 
-def test_a_pair_on_a_problem_that_is_not_separable_couples_q_and_p_in_each_stage():
-    # symplectic Euler A on H = p^2 (1 + q^2)/2: p+ = p - h p+^2 q, q+ = q + h p+ (1 + q^2)
-    general = Problem(f=("y[1]*(1 + y[0]*y[0])", "-y[1]*y[1]*y[0]"), y0=(0.5, 0.25))
-    pair = load("gsymplectic-n-pair")
-    step = stepper(pair, general).step(0.0, np.array([[0.5, 0.25], [0.0, 0.0]]), 0.1)
-    assert step.converged
-    one = stepper(load("gsymplectic-n"), general)
-    same = one.step(0.0, np.array([[0.5, 0.25], [0.0, 0.0]]), 0.1)
-    # the pair (N, N) with equal stages is N itself
-    assert np.abs(step.values - same.values).max() < 1e-15
-
-
 def test_a_pair_for_separable_problems_refuses_another():
     with pytest.raises(UsageError, match="separable"):
         stepper(load("stormer-verlet"), problem("double-pendulum"))
-
-
-def test_abscissae_follow_from_consistency():
-    n = load("gsymplectic-n")
-    c = [float(x) for x in stage_times(n)]
-    root = 3**0.5
-    assert c == pytest.approx([(3 - root) / 6, (3 + root) / 6], abs=2e-16)
-    u = preconsistency_vector(n)
-    assert u is not None
-    assert [float(x) for x in u] == [1.0, 0.0]
-
-
-def test_preconsistency_refuses_a_method_that_has_none():
-    broken = GLM(A=[["0"]], U=[["1"]], B=[["1"]], V=[["2"]])
-    assert preconsistency_vector(broken) is None
 
 
 def test_stages_are_ordered_by_what_they_need():

@@ -9,7 +9,6 @@ import pytest
 
 from glmref import Problem, solve
 from glmref.engine.outcome import Outcome, StartFailed, outcome_of
-from glmref.engine.run import _picks
 from glmref.problems.user_functions import FunctionFailed, NoValue
 
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
@@ -138,13 +137,6 @@ def test_rows_stand_at_the_times_asked_for(engine: str) -> None:
     assert wide.kernel.startswith("reference" if engine == "reference" else "python")
 
 
-def test_a_basis_that_picks_values_cannot_overflow() -> None:
-    assert _picks(()) and _picks((0.0, -1.0, 0.0)) and _picks(((0.0, 1.0), (0.5, 0.0)))
-    assert not _picks((0.5, 0.5)), "a sum"
-    assert not _picks((0.0, 1.5)), "larger"
-    assert not _picks(((1.0, 0.0), (0.5, 0.5)))
-
-
 @pytest.mark.parametrize(
     ("error", "outcome", "why"),
     [
@@ -156,12 +148,3 @@ def test_a_basis_that_picks_values_cannot_overflow() -> None:
 )
 def test_an_exception_says_how_a_run_ends(error: Exception, outcome: Outcome, why: str) -> None:
     assert outcome_of(error) == (outcome, why)
-
-
-@ENGINES
-def test_iterations_and_factorisations_are_counted_apart(engine: str) -> None:
-    decay = Problem(f=("-y[0]",), y0=(1.0,), name="decay")
-    fixed = solve(decay, "implicit-midpoint", h=0.1, steps=4, solver="fixed-point", engine=engine)
-    assert fixed.iterations > 0 and fixed.factorisations == 0
-    # every round of the fixed point evaluates once
-    assert fixed.iterations <= fixed.evaluations <= fixed.iterations + 8

@@ -17,27 +17,6 @@ REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 
 
-def test_the_end_alone_by_default_and_rows_where_asked():
-    end = solve("pendulum", "gauss-2", h=0.1, steps=7)
-    assert end.y.shape == (1, 2)
-    assert end.t.tolist() == pytest.approx([0.7])
-    rows = solve("pendulum", "gauss-2", h=0.1, steps=7, every=3)
-    assert rows.t == pytest.approx([0.0, 0.3, 0.6, 0.7])
-    np.testing.assert_array_equal(rows.y[-1], end.y[-1])
-    np.testing.assert_array_equal(rows.y[0], problem("pendulum").y0)
-    chosen = solve("pendulum", "gauss-2", h=0.1, times=[0.2, 0.5, 0.7])
-    assert chosen.t == pytest.approx([0.2, 0.5, 0.7])
-    np.testing.assert_array_equal(chosen.y[-1], end.y[-1])
-
-
-def test_the_reference_engine_keeps_the_same_rows():
-    for options in ({"steps": 7, "every": 3}, {"times": [0.2, 0.5]}, {"t_end": 0.4}):
-        fast = solve("pendulum", "rk4", h=0.1, **options)
-        slow = solve("pendulum", "rk4", h=0.1, engine="reference", **options)
-        np.testing.assert_array_equal(fast.t, slow.t)
-        assert np.abs(fast.y - slow.y).max() < 4e-15
-
-
 @pytest.mark.parametrize("engine", ["interpreted", "reference"])
 @pytest.mark.parametrize("before", [[], [0.25], [0.25, 1.0], [0.5, 1.0, 1.5], [1.25, 1.5]])
 def test_a_run_that_fails_between_times_ends_with_its_last_good_step_once(before, engine):
@@ -53,13 +32,6 @@ def test_slopes_that_are_linear_in_time_are_guessed(method, stages, tmp_path, mo
     of = Problem(f=("t + 0*y[0]",), y0=(1.0,), t_span=(1.0, 2.0))
     found = solve(of, method, h=1 / 128, steps=128, engine="interpreted", solver="fixed-point")
     assert found.completed and stages * 128 <= found.evaluations < 1.3 * stages * 128
-
-
-def test_history_keeps_every_value_carried():
-    run = solve("pendulum", "g6245", h=0.1, steps=4, every=2, history=True)
-    assert run.history.shape == (3, 4, 2)
-    np.testing.assert_array_equal(run.history[-1], run.values)
-    np.testing.assert_array_equal(run.history[:, 0], run.y)
 
 
 def test_time_runs_backwards_with_negative_h():
@@ -110,24 +82,6 @@ def test_a_right_hand_side_that_is_not_a_number_is_named_and_the_good_part_kept(
             assert np.isfinite(run.y).all()
             assert "not finite" in run.message
             assert not run.completed
-
-
-def test_growth_without_bound_ends_in_a_named_outcome():
-    run = solve(GROWTH, "rk4", h=0.1, steps=10_000)
-    assert run.outcome is Outcome.NOT_FINITE
-    assert np.isfinite(run.y).all()
-    assert run.y.shape == (1, 1)
-    assert 10 <= run.steps < 40
-
-
-def test_a_stage_equation_without_solution_is_named():
-    # the implicit midpoint rule beyond t = 1 - h/4 asks for the root of a negative number
-    for engine in ("compiled", "reference", "interpreted"):
-        run = solve(GROWTH, "implicit-midpoint", h=0.25, steps=100, every=1, engine=engine)
-        assert run.outcome is Outcome.STAGE_SOLVE_FAILED, (engine, run.message)
-        assert 2 <= run.steps <= 4
-        assert np.isfinite(run.y).all()
-        assert "smaller h" in run.message
 
 
 def test_a_fixed_point_that_does_not_contract_gives_way_to_newton():
@@ -186,13 +140,6 @@ def test_an_interrupt_ends_the_run_as_cancelled():
     assert run.steps > 0
 
 
-def test_progress_reaches_the_end():
-    seen = []
-    solve("kepler", "rk4", h=0.01, steps=5000, progress=lambda done, of: seen.append((done, of)))
-    assert seen[-1] == (5000, 5000)
-    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-
-
 def test_chunks_do_not_change_a_bit():
     kepler, method, h = problem("kepler"), load("g6245"), 0.02
     for solver in ("fixed-point", "newton"):
@@ -228,36 +175,6 @@ def test_evaluations_are_counted_exactly(name):
     calls[0] = 0
     slow = solve(pendulum, name, h=0.1, steps=25, engine="reference")
     assert calls[0] == slow.total_evaluations + CALLS
-
-
-def test_forces_and_velocities_are_counted_apart():
-    calls = {"dq": 0, "dp": 0}
-
-    def dq(p):
-        calls["dq"] += 1
-        return [math.exp(p[0]) - 2]
-
-    def dp(q):
-        calls["dp"] += 1
-        return [1 - math.exp(q[0])]
-
-    separable = Problem(dq=dq, dp=dp, y0=(0.3, 0.2), name="counted")
-    for method in ("gauss-2", "stormer-verlet", "forest-ruth-4", "lobatto-iiia-iiib-3"):
-        calls.update(dq=0, dp=0)
-        run = solve(separable, method, h=0.05, steps=10, engine="interpreted", solver="fixed-point")
-        # solve evaluates f once before the first step, counted where the kernel keeps it, and looks at it
-        extra = 1 + CALLS
-        assert calls["dp"] == run.evaluations + extra, method
-        assert calls["dq"] == run.velocity_evaluations + extra, method
-
-
-def test_the_last_force_of_a_step_is_the_first_of_the_next():
-    run = solve("henon-heiles", "stormer-verlet", h=0.1, steps=100)
-    assert run.evaluations == 100
-    assert run.start_evaluations == 1
-    reference = solve("henon-heiles", "stormer-verlet", h=0.1, steps=100, engine="reference")
-    assert reference.evaluations == 200
-    assert np.abs(run.y - reference.y).max() < 1e-14
 
 
 def test_memory_does_not_grow_with_the_number_of_steps():
@@ -325,13 +242,6 @@ def test_fused_sums_are_compensated_all_the_same(method, steps):
 
     assert deviation("fused") < walk
     assert deviation("naive") > walk
-
-
-def test_digits_go_with_the_reference_engine():
-    run = solve("pendulum", "gauss-2", h=0.1, steps=3, engine="reference", digits=40)
-    assert run.y.dtype == object
-    double = solve("pendulum", "gauss-2", h=0.1, steps=3)
-    assert np.abs(run.y.astype(float) - double.y).max() < 1e-15
 
 
 @pytest.mark.parametrize(

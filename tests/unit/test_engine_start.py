@@ -10,43 +10,15 @@ from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import (
     RENEWAL,
-    default_passes,
     enhanced_start,
     renewal_of,
     starting_values,
-    zero_start,
 )
 
 
 def started(name, start, h=0.1, of="pendulum"):
     engine = stepper(load(name), problem(of))
     return starting_values(engine, start, t=0.0, y0=np.array(engine.problem.y0), h=h)
-
-
-def test_the_zero_start_is_u_times_the_initial_value():
-    engine = stepper(load("g6245"), problem("pendulum"))
-    values = zero_start(engine, engine.problem.y0)
-    np.testing.assert_array_equal(values[0], engine.problem.y0)
-    assert not values[1:].any()
-    # two past values of a multistep method are both multiples of the solution
-    two = stepper(load("leapfrog"), problem("pendulum"))
-    np.testing.assert_array_equal(zero_start(two, two.problem.y0)[1], two.problem.y0)
-
-
-def test_many_zero_starts_at_once_are_the_single_ones():
-    engine = stepper(load("stormer-verlet"), problem("kepler"))
-    y0 = np.arange(12.0).reshape(3, 4)
-    many = zero_start(engine, y0)
-    for row, values in zip(y0, many, strict=True):
-        np.testing.assert_array_equal(values, zero_start(engine, row))
-
-
-def test_the_method_s_own_starting_method_is_the_default():
-    found = started("thesis-3-8", None)
-    assert found.evaluations == 4
-    assert "enhanced" not in found.kind
-    assert started("rk4", None).kind == "zero"
-    assert "enhanced" in started("g6245", None).kind or load("g6245").starting is not None
 
 
 @pytest.mark.sampled(1, besides=("s4", "g6245"))
@@ -75,30 +47,6 @@ def test_the_cost_of_the_enhanced_start_doubles_with_each_pass():
     steps = [2**k - 1 for k in (1, 2, 3)]
     per_step = [cost / n for cost, n in zip(costs, steps, strict=True)]
     assert max(per_step) < 1.5 * min(per_step)
-
-
-def test_the_enhanced_start_serves_multistep_methods():
-    exact = solve("pendulum", "gauss-5", h=0.01, t_end=1.0).y[-1]
-    errors = [
-        np.abs(solve("pendulum", "ab-3", h=h, t_end=1.0, start="enhanced").y[-1] - exact).max()
-        for h in (0.02, 0.01)
-    ]
-    assert 6.0 < errors[0] / errors[1] < 10.0, "order 3"
-
-
-def test_a_pair_starts_by_the_same_iteration():
-    found = started("gsymplectic-n-pair", "enhanced", of="henon-heiles")
-    single = started("gsymplectic-n", ("enhanced", 4), of="henon-heiles")
-    assert np.abs(found.values - single.values).max() < 1e-15
-
-
-def test_values_functions_and_starting_methods_are_taken_as_given():
-    values = np.array([[1.0, 0.0], [0.01, 0.02]])
-    np.testing.assert_array_equal(started("gsymplectic-n", values).values, values)
-    made = started("gsymplectic-n", lambda problem, h: h * values)
-    np.testing.assert_array_equal(made.values, 0.1 * values)
-    own = load("gsymplectic-n").starting
-    assert started("gsymplectic-n", own).evaluations == own.stages
 
 
 @pytest.mark.parametrize(
@@ -140,14 +88,6 @@ def test_values_are_made_anew_where_parasitic_parts_stay_as_they_are():
         assert renewal_of(load(name)) == RENEWAL == 10_000
     for name in ("rk4", "gauss-2", "stormer-verlet", "ab-3", "bdf-2"):
         assert renewal_of(load(name)) == 0
-
-
-def test_passes_of_the_enhanced_start_follow_the_order():
-    assert [default_passes(load(x)) for x in ("leapfrog", "ab-3", "g6245")] == [2, 3, 6]
-    method = load("g6245")
-    assert default_passes(replace(method, claims={"order": 12})) == 8
-    assert default_passes(replace(method, claims={})) == 4
-    assert default_passes(replace(method, claims={"order": "unknown"})) == 4
 
 
 def test_starts_are_named():

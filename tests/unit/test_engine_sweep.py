@@ -115,8 +115,3 @@ def test_the_standard_form_keeps_what_rounding_lost():
         for i, exact in enumerate(row):
             both = Fraction(form.R[k][i]) + Fraction(form.R_residue[k][i])
             assert abs(exact.as_fraction() - both) < Fraction(1, 2**105)
-
-
-def test_only_multiples_of_the_solution_are_large():
-    assert step_form(load("g6245")).large == (True, False, False, False)
-    assert step_form(load("rk4")).large == (True,)

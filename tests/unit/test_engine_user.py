@@ -16,14 +16,6 @@ def pendulum(t, y):
     return [y[1], -math.sin(y[0])]
 
 
-def velocity(p):
-    return [p[0] * (1 + p[0] * p[0])]
-
-
-def force(q):
-    return [-q[0] - q[0] * q[0] * q[0]]
-
-
 @pytest.mark.parametrize("engine", ALL)
 @pytest.mark.parametrize("method", ["rk4", "gauss-2", "g6245", "bdf-2"])
 def test_a_plain_function_is_stepped_like_its_expressions(method, engine):
@@ -34,22 +26,6 @@ def test_a_plain_function_is_stepped_like_its_expressions(method, engine):
     assert ours.completed
     np.testing.assert_array_equal(ours.y, theirs.y)
     assert ours.evaluations == theirs.evaluations
-
-
-@pytest.mark.parametrize("engine", ALL)
-@pytest.mark.parametrize("method", ["stormer-verlet", "lobatto-iiia-iiib-3", "gauss-2"])
-def test_plain_parts_of_a_separable_problem(method, engine):
-    plain = Problem(dq=velocity, dp=force, y0=(0.5, 0.25), name="plain")
-    same = Problem(
-        dq=("p[0]*(1 + p[0]*p[0])",), dp=("-q[0] - q[0]*q[0]*q[0]",), y0=(0.5, 0.25)
-    )  # fmt: skip
-    options = {"h": 0.1, "steps": 10, "engine": engine}
-    ours, theirs = solve(plain, method, **options), solve(same, method, **options)
-    assert ours.completed
-    np.testing.assert_array_equal(ours.y, theirs.y)
-    assert (ours.evaluations, ours.velocity_evaluations) == (
-        theirs.evaluations, theirs.velocity_evaluations
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize("engine", ALL)
