@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import re
 from pathlib import Path
 
 import pytest
 
-from glmref.catalogue.lookup import document, names, path_of
+from glmref.catalogue.lookup import document, names
 from glmref.errors import DataError, UsageError
 from glmref.views.bibtex import entries, escape, file_entry, source_entry
 
@@ -28,10 +27,6 @@ def balanced(text: str) -> bool:
     return depth == 0
 
 
-def test_the_entry_of_the_file_is_used_as_it_stands() -> None:
-    assert source_entry(document("gauss-2")) == document("gauss-2")["source"]["bibtex"].strip()
-
-
 def test_without_an_entry_one_is_made_of_the_citation() -> None:
     citation = "Nobody, N., 50% of A & B, Journal #1 (1987), 5_6"
     source = {"citation": citation, "where": "eq. (3)", "status": "derived", "doi": "10.1000/a_b"}
@@ -42,14 +37,6 @@ def test_without_an_entry_one_is_made_of_the_citation() -> None:
     )
 
 
-def test_the_data_file_is_identified_by_its_hash() -> None:
-    entry = file_entry("gauss-2")
-    digest = hashlib.sha256(path_of("gauss-2").read_bytes()).hexdigest()
-    assert digest in entry
-    assert "data/methods/rk/gauss-2.json" in entry
-    assert "glmref-gauss-2" in entry
-
-
 def test_an_own_file_is_not_called_a_file_of_the_project(tmp_path: Path) -> None:
     file = tmp_path / "mine_1.json"
     file.write_text(json.dumps(document("rk4")))
@@ -57,11 +44,6 @@ def test_an_own_file_is_not_called_a_file_of_the_project(tmp_path: Path) -> None
     assert r"mine\_1.json" in entry
     assert "The glmref authors" not in entry
     assert str(tmp_path) not in entry
-
-
-def test_a_source_that_several_methods_share_stands_once() -> None:
-    found = keys(entries(["gauss-2", "gauss-3", "gauss-2"]))
-    assert found == ["butcher1964a", "glmref-gauss-2", "glmref-gauss-3"]
 
 
 def test_different_sources_with_one_key_get_two_keys(tmp_path: Path) -> None:

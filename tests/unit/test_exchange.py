@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import dataclasses
 import os
 from fractions import Fraction
 from pathlib import Path
@@ -91,14 +90,6 @@ def test_what_is_left_out_is_named_in_the_comment_and_on_stderr(
     assert err == (said if absent else "")
 
 
-def test_latex_has_the_abscissae_and_the_embedded_rows_of_the_file() -> None:
-    mine = GLM(A=[["0", "0"], ["1", "0"]], U=[["1"], ["1"]], B=[["1/2", "1/2"]], V=[["1"]])
-    mine = dataclasses.replace(mine, abscissae_given=(exact(0), exact(3) / 4))
-    assert r"\frac{3}{4} & 1 & 0" in export(mine, to="latex")
-    rows = export("dormand-prince-5-4", to="latex").split(r"\hline")
-    assert len(rows) == 3 and r"\frac{5179}{57600}" in rows[2]
-
-
 def test_latex_of_a_multistep_method_has_alpha_and_beta() -> None:
     """Of a file, and of a method made by hand; a Runge-Kutta method has none."""
     ab = glmref.from_lmm(alpha=[0, -1, 1], beta=["-1/2", "3/2", 0])
@@ -107,13 +98,6 @@ def test_latex_of_a_multistep_method_has_alpha_and_beta() -> None:
         assert r"  \alpha_m & 0 & -1 & 1 \\" in text
         assert r"  \beta_m & -\frac{1}{2} & \frac{3}{2} & 0 \\" in text
     assert "alpha" not in export("rk4", to="latex")
-
-
-def test_latex_of_an_additive_method_has_each_part_with_its_abscissae() -> None:
-    text = export("ars-2-2-2", to="latex")
-    assert text.count(r"\begin{array}{c|ccc}") == 2
-    assert r"  1 & 0 & \frac{\sqrt{2}}{2} & \frac{2-\sqrt{2}}{2} \\" in text
-    assert export("giraldo-kelly-constantinescu-2", to="latex").count("embedded row") == 2
 
 
 def test_diffrax_gets_the_error_estimate() -> None:
@@ -301,14 +285,6 @@ def test_expressions_in_latex() -> None:
     assert latex("a-(-b)") == r"a-\left(-b\right)"
     assert latex("-(3-sqrt(3))/6") == r"-\frac{3-\sqrt{3}}{6}"
     assert latex("3*(1/x)") == r"3\cdot \frac{1}{x}"
-
-
-def test_latex_of_a_general_linear_method_has_four_blocks() -> None:
-    text = export("gsymplectic-n", to="latex")
-    assert r"\left[\begin{array}{cc|cc}" in text
-    assert text.count(r"\hline") == 1
-    pair = export("gsymplectic-n-pair", to="latex")
-    assert pair.count(r"\begin{array}") == pair.count(r"\end{array}") == 2
 
 
 @pytest.mark.peers

@@ -5,7 +5,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import UsageError
-from glmref.measure.orbit import DIGITS, POINTS, marks, orbit, plane_of
+from glmref.measure.orbit import POINTS, marks, orbit, plane_of
 from glmref.problems import Problem, problem
 
 
@@ -77,15 +77,6 @@ def test_bodies_share_the_points():
             assert np.min(np.linalg.norm(path - start, axis=1)) < 0.2
 
 
-def test_a_run_that_is_lost_is_shown_up_to_there():
-    # Euler's method multiplies this energy by 1 + h^2 a step: twice as large after 70 steps
-    subject = problem("harmonic-oscillator")
-    found = orbit(subject, load("euler"), h=0.1, steps=350)
-    assert found.ended == f"lost after t = {found.t[-1]:.6g}" and 6.7 < found.t[-1] < 7.0
-    good = orbit(subject, load("gauss-2"), h=0.1, steps=350)
-    assert good.ended == "" and good.t[-1] == pytest.approx(35)
-
-
 def test_an_energy_of_zero_has_the_size_of_its_terms():
     # r (H + w) is 0 at the start, but for rounding
     subject = problem("kepler-sundman")
@@ -100,11 +91,3 @@ def test_numbers_that_are_not_finite_are_left_out():
     found = orbit(pair, load("rk4"), h=0.1, steps=20)
     assert found.ended and np.isfinite(found.paths).all()
     assert 1.0 <= found.t[-1] < 2.0
-
-
-def test_the_record_has_short_numbers_and_says_nothing_where_all_is_well():
-    block = orbit(problem("pendulum"), load("rk4"), h=0.1, steps=50).as_json()
-    assert block["axes"] == ["q", "p"] and block["ended"] is None and len(block["paths"]) == 1
-    for row in block["paths"][0]:
-        assert len(row) == 3
-        assert all(x == float(f"{x:.{DIGITS}g}") for x in row)

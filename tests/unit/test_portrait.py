@@ -15,7 +15,6 @@ from glmref.system.shown import DARK
 from glmref.views.portrait import portrait
 
 SVG = "{http://www.w3.org/2000/svg}"
-NAMES = ["rk4", "gauss-2", "g6245-w3", "bdf-3", "pair-4-4", "stormer-verlet", "leapfrog"]
 
 
 def squares(text: str) -> list[str]:
@@ -26,22 +25,6 @@ def squares(text: str) -> list[str]:
         for rect in root.iter(f"{SVG}rect")
         if (fill := rect.get("fill", "")) in ("#0072b2", "#d55e00")
     ]
-
-
-@pytest.mark.sampled(1, besides=("g6245",))
-@pytest.mark.parametrize("name", NAMES)
-def test_it_is_a_document_without_script_that_names_the_method(name: str) -> None:
-    text = portrait(load(name))
-    root = ElementTree.fromstring(text)
-    assert root.get("aria-label") == name
-    assert "<script" not in text and "nan" not in text
-    width, height = float(root.get("width", "0")), float(root.get("height", "0"))
-    labels = list(root.iter(f"{SVG}text"))
-    assert name in [label.text for label in labels]
-    for label in labels:
-        turned = re.match(r"translate\((\S+) (\S+)\)", label.get("transform", ""))
-        x, y = turned.groups() if turned else (label.get("x", "-1"), label.get("y", "-1"))
-        assert 0 <= float(x) <= width and 0 <= float(y) <= height
 
 
 @pytest.mark.slow

@@ -6,12 +6,10 @@ from typing import Any
 
 import pytest
 
-from glmref.catalogue.errata import load_errata
 from glmref.report.asv_results import Cell
-from glmref.report.markup import Site
 from glmref.report.measurements import measurement_pages
-from glmref.report.side_pages import errata_page, history_page, measured_page
-from glmref.report.store import Odd, Results, RunFile
+from glmref.report.side_pages import history_page
+from glmref.report.store import Results
 
 
 def measured(**doc: Any) -> str:
@@ -19,16 +17,6 @@ def measured(**doc: Any) -> str:
         Results(measurements={"it": {"format": "glmref-measurement-1", **doc}})
     )
     return page.body
-
-
-def test_a_document_is_named_by_what_it_says_of_itself() -> None:
-    for key in ("title", "question", "what"):
-        doc = {"format": "glmref-measurement-1", key: "what a start costs", "name": "x"}
-        (page,) = measurement_pages(Results(measurements={"it": doc}))
-        assert page.title == "What a start costs" and page.name == "measured-it"
-        assert "what a start costs" not in page.body
-    (page,) = measurement_pages(Results(measurements={"it": {"format": "glmref-measurement-1"}}))
-    assert page.title == "It" and page.body == ""
 
 
 ROWS = [
@@ -79,12 +67,6 @@ def test_cases_are_opened_and_their_runs_are_rows_under_the_method_they_belong_t
     assert "<td>1e-06: 3" in body  # what belongs to the track and to none of its runs
 
 
-def test_pairs_of_numbers_are_a_curve() -> None:
-    methods = [{"method": "rk4", "curve": [[300, 1.5], [378, 1.25e-3]]}]
-    body = measured(cases=[{"case": "one", "methods": methods}])
-    assert "<tr><td>rk4<td>378<td>0.00125" in body and 'data-x="first" data-y="second"' in body
-
-
 def cell(commit: str, date: str, values: dict[str, float | None]) -> Cell:
     return Cell(
         "bench.Kepler", {"method": "rk4", "steps": "100"}, values, {}, commit, date, "m", "3.11"
@@ -101,25 +83,6 @@ def test_benchmarks_are_a_history_and_error_beside_time() -> None:
     assert "<tr><td>rk4, 100<td>1<td>aaaaaaaa<td>2026-01-01<td>0.0125<td>1e-06" in body
     assert "<td>2<td>bbbbbbbb<td>2026-02-01<td>0.00625<td>–" in body
     assert "No result of asv" in history_page(Results()).body
-
-
-def test_every_erratum_stands_with_its_verdict_and_a_link_to_its_method() -> None:
-    page = errata_page(Site(), frozenset({"gsymplectic-n"}))
-    assert page.body.count("<tr><td>") == len(load_errata())
-    assert 'href="method-gsymplectic-n.html"' in page.body
-    assert all(f'class="{x.verdict}"' in page.body for x in load_errata())
-
-
-def test_machines_are_counted_and_what_is_not_shown_is_named() -> None:
-    where = {"machine": "x86_64", "versions": {"python": "3.11.7"}}
-    task = {"method": "rk4"}
-    run = RunFile(
-        "x", ({"task": task, "where": where}, {"task": task, "where": where}, {"task": task})
-    )
-    body = measured_page(Results(runs=[run], odd=[Odd("x.jsonl, line 4", "not JSON")]), "1.2").body
-    assert "<h3>2 records</h3>" in body and "<h3>1 record</h3>" in body
-    assert "versions<dd>python: 3.11.7" in body and "x.jsonl, line 4: not JSON" in body
-    assert "glmref 1.2" in body
 
 
 @pytest.mark.parametrize("value", [[], {}, [1, {}], {"a": []}, "text", None, 3, [[1, 2], [3]]])

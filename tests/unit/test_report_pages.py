@@ -19,7 +19,6 @@ from glmref.cli import main
 from glmref.compute.records import Records
 from glmref.errors import UsageError
 from glmref.report import build, read
-from glmref.report.line_styles import looks
 from glmref.report.markup import number
 from glmref.report.orbits import MOST
 from glmref.report.runs import COLUMNS, MOST_BARS
@@ -125,21 +124,6 @@ def test_a_quick_run_says_how_far_its_records_go(tmp_path: Path, records) -> Non
     assert "than the scene asks for, here to t = 12.5." in page
     captions = re.findall("<figcaption>(.*?)</figcaption>", page)
     assert len(captions) == 2 and all(x.endswith("Runs go to t = 12.5.") for x in captions)
-
-
-def test_a_method_has_one_look_in_all_pictures() -> None:
-    from glmref.report.line_styles import looks
-
-    methods = {f"m{n}" for n in range(30)}
-    some = [f"m{n}" for n in range(7)]
-    pictures = [some, ["m0, h = 0.1", "m0, h = 0.2", "m9"], ["native, m9", "x, h = 1", "x"]]
-    found = looks(pictures, methods)
-    assert looks([list(reversed(x)) for x in reversed(pictures)], methods) == found
-    assert found["m0"] == found["m0, h = 0.1"] == found["m0, h = 0.2"]
-    assert found["m9"] == found["native, m9"] and found["x"] == found["x, h = 1"]
-    assert len({found[x] % 7 for x in some}) == 7  # the palette is not used up
-    many = looks([sorted(methods)], methods)
-    assert len({(k % 7, k % 8) for k in many.values()}) == 30
 
 
 @pytest.mark.slow
@@ -418,22 +402,6 @@ def test_a_region_of_another_shape_breaks_nothing(record: Any) -> None:
     assert ("<svg" in text) == bool(record and record.get("reach") == 3)
 
 
-def test_menus_hold_every_page_once_and_mark_the_one_that_is_open(tmp_path: Path, records) -> None:
-    site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
-    files = {path.name for path in site.glob("*.html")}
-    for path in site.glob("*.html"):
-        (bar,) = re.findall(r"<nav.*?</nav>", path.read_text(encoding="utf-8"), re.DOTALL)
-        links = re.findall(r'<a href="([^"]+)"( aria-current=page)?>', bar)
-        assert sorted(link for link, _ in links) == sorted(files)
-        assert [link for link, here in links if here] == [path.name]
-        menus = re.findall(r'<details name="menu"><summary>(\w+) <small>(\d+)', bar)
-        assert menus == [("scenes", "1"), ("methods", str(len(METHODS)))]
-    index = (site / "index.html").read_text(encoding="utf-8")
-    kinds = re.findall(r"<p>([^<]+)</p><ul>", index)
-    assert kinds[0] == "error against run time"
-    assert kinds[1:] == ["Runge-Kutta", "general linear", "explicit pairs"]
-
-
 def test_one_file_holds_everything(tmp_path: Path, records) -> None:
     source = stored(tmp_path / "in", "oscillator-quick", records)
     path = tmp_path / "all.html"
@@ -608,13 +576,6 @@ def test_bars_of_many_runs_are_left_out_and_the_caption_says_so(tmp_path: Path, 
         assert ("data-bars=no" in text) != drawn and ("Bars span the quartiles" in text) == drawn
 
 
-def test_lines_of_one_colour_differ_in_their_dashes() -> None:
-    """With more lines than colours, marks alone would tell lines apart."""
-    lines = [f"m{k}" for k in range(21)]
-    found = looks([lines], frozenset(lines))
-    assert len({(k % 7, k % 5) for k in found.values()}) == len(lines)
-
-
 # --- methods of the user ----------------------------------------------------------------------------
 
 MINE = {
@@ -680,13 +641,3 @@ def test_the_overview_shows_orders_of_nystrom_methods(tmp_path: Path) -> None:
     build(read([]), tmp_path / "site", methods=("dormand-prince-rkn-8-6", "blanes-moan-rkn-6-11"))
     rows = {row["method"]: row["order"] for row in table(tmp_path / "site/index.html", "methods")}
     assert rows == {"dormand-prince-rkn-8-6": "8", "blanes-moan-rkn-6-11": "4"}
-
-
-def test_a_place_of_the_errata_is_named_once_on_the_page_of_a_method(tmp_path: Path) -> None:
-    from glmref.report.markup import Site
-    from glmref.report.methods import method_page
-
-    page = str(method_page(Site(), read([tmp_path], METHODS), "gsymplectic-n").body)
-    (line,) = re.findall(r">errata of the thesis</a>: (.*?)</ul>", page)
-    # places are separated by commas, and some contain one: (2.11) stands for a place
-    assert line.count("(3.6)") == 1 and line.count("(2.11)") == 1

@@ -27,14 +27,6 @@ def reading(folder: Path, name: str, text: str) -> Results:
     return read([folder], ["rk4"])
 
 
-def test_records_of_a_run_are_read_in_order(tmp_path: Path) -> None:
-    lines = [json.dumps({**GOOD, "key": f"k{n}", "steps": n}) for n in (1, 2, 3)]
-    found = reading(tmp_path, "kepler-quick.jsonl", "\n".join(lines) + "\n")
-    (run,) = found.runs
-    assert (run.name, run.scene) == ("kepler-quick", "kepler")
-    assert [x["steps"] for x in run.records] == [1, 2, 3] and found.odd == []
-
-
 @pytest.mark.parametrize(
     ("line", "why"),
     [
@@ -56,11 +48,6 @@ def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(
     assert len(found.runs[0].records) == 1
     (odd,) = found.odd
     assert odd.where == "x.jsonl, line 2" and why in odd.why
-
-
-def test_a_record_with_nan_is_a_record(tmp_path: Path) -> None:
-    found = reading(tmp_path, "x.jsonl", json.dumps({**GOOD, "state_error": float("nan")}) + "\n")
-    assert len(found.runs[0].records) == 1 and found.odd == []
 
 
 def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> None:
@@ -139,10 +126,6 @@ def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(
 ) -> None:
     found = reading(tmp_path, "rk4.svg", drawing)
     assert found.portraits == {} and why in found.odd[0].why
-
-
-def test_a_portrait_keeps_its_shapes(tmp_path: Path) -> None:
-    assert reading(tmp_path, "rk4.svg", DRAWING).portraits["rk4"].replace(" />", "/>") == DRAWING
 
 
 def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Path) -> None:

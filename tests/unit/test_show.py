@@ -46,21 +46,6 @@ def test_a_general_linear_method_is_partitioned_into_its_four_blocks() -> None:
     assert lines[0].split("|")[1].split() == ["(3-sqrt(3))/6", "0"]
 
 
-def test_decimals_stand_with_their_points_below_each_other() -> None:
-    lines = body("gsymplectic-n", decimal=5).splitlines()
-    assert lines[0] == "  0.21132 │ 0.21132   0       │ 1   0.15470"
-    assert lines[1] == "  0.78868 │ 0.57735   0.21132 │ 1  -0.15470"
-    assert lines[3] == "          │ 0.5       0.5     │ 1   0"
-
-
-def test_long_roots_are_named_and_written_out_below() -> None:
-    text = show(load("g6245"), style=Style(width=90))
-    assert "beta1  = sqrt((65274*sqrt(330)-347009)/1265902)" in text
-    tableau_lines = text.split("\n\n")[1].splitlines()
-    assert not [line for line in tableau_lines if "sqrt" in line]
-    assert max(map(len, tableau_lines)) <= 110
-
-
 def test_names_of_long_entries_never_clash_with_constants() -> None:
     long = "1+sqrt(2)+sqrt(3)+sqrt(5)+sqrt(7)+sqrt(11)"
     document = {
@@ -92,43 +77,12 @@ def test_a_pair_shows_both_methods() -> None:
     assert "D_Q =" in text
 
 
-def test_a_splitting_shows_its_weights_in_turn() -> None:
-    text = show(load("stormer-verlet"), style=Style())
-    assert "updates in turn, p first" in text
-    assert "  a |   1\n  b | 1/2  1/2" in text
-
-
-def test_a_multistep_method_shows_alpha_and_beta() -> None:
-    text = show(load("ab-2"), style=Style())
-    assert re.search(r"alpha \| +0 +-1 +1\n +beta \| -1/2 +3/2 +0", text)
-
-
-def test_the_starting_method_stands_below_with_its_order() -> None:
-    text = show(load("gsymplectic-n"))
-    assert re.search(r"starting method .*order 3:  Y = h A f\(Y\) \+ y0", text)
-
-
-def test_title_source_status_and_misprint_are_shown() -> None:
-    text = show(load("thesis-3-8"))
-    assert text.startswith("thesis-3-8  ")
-    assert "(corrected)" in text
-    wrong = show(load("rk4-a44-one"))
-    assert "Wrong on purpose: " in wrong
-
-
 def test_published_digits_are_shown_in_place_and_said_to_be_rounded() -> None:
     text = show(load("s5t-w3"))
     assert "0.1077081816" in text
     assert "Decimals are rounded to 10 digits; --decimal N shows more." in text
     more = show(load("s5t-w3"), decimal=30)
     assert re.search(r"0\.10770818161718\d{16}\b", more)
-
-
-def test_a_computed_method_without_a_file_is_shown_too() -> None:
-    method = GLM(A=[["0"]], U=[["1", "1/2"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", "0"]])
-    text = show(method)
-    assert text.startswith("(unnamed)\nclass glm: 1 stage, 2 values, explicit")
-    assert "1  1/2" in text
 
 
 @pytest.mark.slow
@@ -151,11 +105,6 @@ def test_every_exact_entry_shown_stands_for_the_entry_itself() -> None:
     for row, shown in zip(method.A, rows, strict=True):
         cells = shown.split("│")[1].split()
         assert [parse(x) for x in cells] == list(row)
-
-
-def test_colour_marks_rules_only_where_it_is_wanted() -> None:
-    assert "\x1b[2m" in show(load("rk4"), style=Style(color=True))
-    assert "\x1b" not in show(load("rk4"), style=Style())
 
 
 @pytest.mark.parametrize(
@@ -201,8 +150,3 @@ def test_a_hundred_columns_are_drawn_in_parts_at_once() -> None:
     lines = tableau([[block]], Style(width=80))
     assert len(lines) > 600 and lines[0] == "  columns 1 to 13 of 100:"
     assert time.thread_time() - begun < 2  # it took 16 s
-
-
-def test_blocks_of_strings_are_drawn_in_ascii_too() -> None:
-    lines = tableau([[[["c"]], [["a", "-1"]]], [[[""]], [["bb", "0"]]]], Style())
-    assert lines == ["  c |  a  -1", " ---+-------", "    | bb   0"]

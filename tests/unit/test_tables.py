@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import dataclasses
 import io
 import json
 from xml.etree import ElementTree
@@ -16,14 +15,12 @@ from glmref.views.tables import (
     columns,
     csv_text,
     findings_csv,
-    findings_json,
     findings_junit,
     findings_table,
     json_text,
     one_line,
     plain,
     shown_value,
-    tally,
 )
 
 GOOD = Finding("m", "order", 4, Verdict.HOLDS, 4)
@@ -59,15 +56,6 @@ def test_colour_is_for_terminals_and_never_against_no_color() -> None:
     assert Style().paint("x", "red") == "x"
 
 
-@pytest.mark.parametrize(
-    ("encoding", "able"), [("utf-8", True), ("ascii", False), ("latin-1", False), ("cp437", True)]
-)
-def test_line_drawing_is_for_encodings_that_have_it(encoding: str, able: bool) -> None:
-    style = Style.of(Stream(encoding, terminal=False), {})
-    assert style.unicode is able
-    "".join(style.rules).encode(encoding)
-
-
 def test_columns_are_aligned_and_the_last_is_free() -> None:
     text = columns([["a", "1", "x y"], ["bbb", "22", ""]], style=Style(), head=["h", "n", "t"])
     assert text.splitlines() == ["h    n   t", "---  --  ---", "a    1   x y", "bbb  22"]
@@ -92,34 +80,11 @@ def test_any_text_becomes_one_printable_line(text: object, line: str) -> None:
     assert one_line(text).isprintable()
 
 
-def test_long_lines_are_cut() -> None:
-    assert len(one_line("x" * 5000)) == 700
-    assert one_line("x" * 5000, limit=10) == "x" * 7 + "..."
-
-
 def test_json_is_strict_and_ascii() -> None:
     text = json_text({"a": [float("nan"), float("inf"), 1.5], "b": ("ü",), 3: Verdict.HOLDS})
     assert json.loads(text) == {"a": [None, None, 1.5], "b": ["ü"], "3": "holds"}
     assert text.isascii()
     assert plain((1, "a", None, True)) == [1, "a", None, True]
-
-
-def test_values_are_shown_as_one_writes_them() -> None:
-    shown = [shown_value(x) for x in (True, False, None, 4, ["1/2", "0"], [["1"]], "a\nb")]
-    assert shown == ["yes", "no", "not decided", "4", "[1/2, 0]", "[[1]]", "a b"]
-
-
-def test_findings_document_has_exactly_the_keys_of_its_format() -> None:
-    document = json.loads(findings_json(ALL))
-    assert list(document) == ["format", "findings", "summary"]
-    assert document["format"] == "glmref-findings-1"
-    assert document["summary"] == {"holds": 2, "fails": 1, "open": 1}
-    keys = ["method", "claim", "declared", "verdict", "value", "proof", "residual", "witness"]
-    assert all(list(row) == keys for row in document["findings"])
-    assert document["findings"][1]["verdict"] == "fails"
-    assert document["findings"][1]["proof"] == "enclosed"
-    assert document["findings"][2]["residual"] is None  # infinite, which JSON cannot say
-    assert json.loads(findings_json([]))["findings"] == []
 
 
 def test_csv_reads_back_row_by_row() -> None:
@@ -166,24 +131,6 @@ def test_table_with_a_line_for_each_method_shows_what_does_not_hold() -> None:
     assert good == "  holds  exact     m  2 claims"
     one = findings_table([REFUTED], style=Style(), every=False)
     assert one == ("  holds  exact     b  refutes order: declared 5, found 1; tree [o] of order 2")
-
-
-def test_what_was_found_is_said_once() -> None:
-    bad = dataclasses.replace(BAD, claim="stage-order", declared=3, value=0, witness="found 0")
-    line = findings_table([bad], style=Style()).splitlines()[1]
-    assert line.endswith("declared 3, found 0")
-
-
-def test_a_method_is_called_by_its_worst_verdict_and_weakest_proof() -> None:
-    head = findings_table([GOOD, OPEN], style=Style(), every=False).splitlines()[0]
-    assert head.split() == ["OPEN", "measured", "m", "2", "claims"]
-
-
-def test_the_last_line_counts_verdicts_and_proofs() -> None:
-    assert tally(ALL, 3) == (
-        "4 claims of 3 files: 2 hold, 1 fail, 1 open (2 exact, 1 enclosed, 1 measured)"
-    )
-    assert tally([GOOD], 1).startswith("1 claim of 1 file: 1 hold,")
 
 
 def test_orders_by_name_are_written_out() -> None:
