@@ -59,12 +59,6 @@ def test_what_is_missing_or_not_finite_is_none(tmp_path: Path) -> None:
     assert cells[4].parameters == {} and cells[4].values == {"alone": 7.0}
 
 
-def test_a_benchmark_that_failed_as_a_whole_has_no_numbers(tmp_path: Path) -> None:
-    failed = {"b.Work.time_run": [None, PARAMS, "1", 0, 1.0]}
-    cells = read_results(store(tmp_path / "results", results=failed))
-    assert [c.values for c in cells] == [{"time_run": None}] * 4
-
-
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -15,7 +15,6 @@ import pytest
 from glmref.catalogue.files import data_root
 from glmref.cli import main
 from glmref.compute import Records
-from glmref.compute.child import attempt
 from glmref.compute.records import key_of
 from glmref.errors import DataError, UsageError
 from glmref.report.campaigns import campaign_page, write_parquet
@@ -174,11 +173,6 @@ def test_a_long_value_is_cut_in_the_sentence_about_it(tmp_path: Path) -> None:
     assert len(str(caught.value)) < 200  # it had 3650 characters
 
 
-def test_a_file_that_is_not_there_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["campaign", "nothing.toml"]) == 2
-    assert 'the file "nothing.toml" does not exist' in capsys.readouterr().err
-
-
 def test_a_campaign_is_carried_out_once_and_shown(
     write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -262,15 +256,6 @@ def test_times_of_two_kinds_of_machine_are_told_on_the_page(write: Write, tmp_pa
     assert "not of one kind of machine" in page.read_text(encoding="utf-8")
     campaign_page(campaign, rows[:1], page)
     assert "not of one kind of machine" not in page.read_text(encoding="utf-8")
-
-
-def test_a_resonance_task_sees_parasitic_values_grow() -> None:
-    """Of the leapfrog, whose parasitic root of -1 grows on a nonlinear problem, and not of S4."""
-    task = {"method": "gsymplectic-p", "file": None, "coupling": 0.1, "steps": 2000}
-    found = attempt(resonance, {**task, "h": 0.1, "frequency": 2.0}).value
-    calm = attempt(resonance, {**task, "h": 0.01, "frequency": 2.0}).value
-    assert found["outcome"] in ("completed", "lost")
-    assert found["largest"] > calm["largest"] > 0
 
 
 def test_a_resonance_task_may_renew_the_values() -> None:

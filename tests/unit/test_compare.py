@@ -12,7 +12,7 @@ from glmref.catalogue.lookup import data_root, document
 from glmref.cli import main
 from glmref.problems import problem
 from glmref.scenes import comparing
-from glmref.scenes.comparing import Candidate, Comparison, compare, kind_of
+from glmref.scenes.comparing import Candidate, compare, kind_of
 
 
 @pytest.fixture(scope="module")
@@ -95,19 +95,6 @@ def test_first_choices_stayed_bounded_in_the_records_of_long_runs():
                 if run["verdict"] in ("grows", "lost") and not run["renew"]
             ]
             assert bool(bad) == one.limited(name), name
-
-
-def test_the_words_of_the_table_are_explained():
-    fast = Candidate("fast", 6, "grows", h=0.1, steps=10, error=1e-10, seconds=0.5, evaluations=9)
-    kept = replace(fast, method="kept", long_runs="recorded as bounded", renew=10_000)
-    table = Comparison(
-        "p", "k", 1.0, 1e-9, "state", "exact", (fast, kept), "kept", "it does"
-    ).table()  # fmt: skip
-    assert (
-        "grows: the energy error grows" in table and "recorded as bounded: not symplectic" in table
-    )
-    assert "renew=10000: the values carried are computed from the solution again" in table
-    assert "lost:" not in table
 
 
 @pytest.mark.parametrize(

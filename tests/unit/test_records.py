@@ -54,24 +54,6 @@ def test_nan_and_infinities_become_none():
     assert [finite(x) for x in (1.5, math.nan, math.inf, -math.inf, None)] == [1.5] + [None] * 4
 
 
-def test_what_was_appended_is_read_back_and_not_missing(tmp_path):
-    path = tmp_path / "folder" / "records.sqlite"
-    store = Records(path)
-    for task in TASKS[:2]:
-        store.append(task, DONE)
-    again = Records(path)
-    assert [r["task"] for r in again] == TASKS[:2] and len(again) == 2
-    assert list(again.missing(TASKS)) == TASKS[2:]
-    assert again.find(TASKS[0])["outcome"] == "completed"
-    assert again.find(TASKS[2]) is None
-
-
-def test_without_a_path_records_stay_in_memory():
-    store = Records(None)
-    store.append(TASKS[0], DONE)
-    assert store.find(TASKS[0]) is not None and len(store) == 1
-
-
 def test_a_record_that_json_cannot_hold_is_refused_and_not_written(tmp_path):
     store = Records(tmp_path / "records.sqlite")
     with pytest.raises(ValueError):

@@ -1,7 +1,6 @@
 """Scenes: read strictly with line numbers, planned before they run, answered from their records."""
 
 import json
-import re
 import tomllib
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from glmref.catalogue.lookup import data_root, load, path_of
 from glmref.cli import main
 from glmref.compute.records import Records
 from glmref.errors import DataError, GlmrefError, UsageError
-from glmref.scenes import answer, charts, load_scene, names, orbits, plan, reading, rows, run
+from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
 from glmref.scenes.answers import duration, seconds_at
 from glmref.scenes.reading import MAX_NAME, MAX_TEXT, MOST_ENTRIES, MOST_STEPS
 from tests.build import scene_text
@@ -64,16 +63,6 @@ def line_of(text, start):
 # --- reading --------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(12)
-@pytest.mark.parametrize("name", names())
-def test_every_shipped_scene_is_read_in_both_forms(name):
-    full, quick = load_scene(name), load_scene(name, quick=True)
-    assert full.name == quick.name == name
-    assert full.question.endswith("?")
-    longest = max(n for _, n in full.grid)
-    assert quick == full or max(n for _, n in quick.grid) <= longest
-
-
 def test_a_scene_may_renew_the_values(tmp_path):
     text = SMALL.replace('methods = ["rk4", "heun-2"]', 'methods = ["g4123", "rk4"]')
     never = load_scene(write(tmp_path, text))
@@ -119,34 +108,6 @@ def test_scenes_and_methods_may_name_their_schema_for_editors(tmp_path):
         load_scene(write(tmp_path, '"$schema" = 1\n' + SMALL))
 
 
-def test_there_are_at_least_15_scenes_of_every_kind():
-    kinds = {load_scene(name).answer.kind for name in names()}
-    assert len(names()) >= 15
-    assert {"fastest", "conserved", "lost", "ended", "accurate", "order", "law"} == kinds
-
-
-#: How a title tells how far a scene goes: a number of periods or steps, or a time.
-HORIZON = re.compile(r"[\w,]+ (?:million )?(?:periods|steps|days)|t = [\d.]+")
-
-
-@pytest.mark.sampled(10)
-@pytest.mark.parametrize("name", names())
-def test_a_quick_run_is_titled_with_its_own_horizon(name):
-    full, quick = load_scene(name), load_scene(name, quick=True)
-    if quick == full:
-        return
-    assert quick.title.endswith(")") and " (quick run" in quick.title
-    shorter = quick.t_end < full.t_end
-    told = HORIZON.findall(full.title)
-    if shorter and told:
-        assert not set(told) & set(HORIZON.findall(quick.title))
-        assert not set(HORIZON.findall(full.question)) & set(HORIZON.findall(quick.question))
-    elif shorter:
-        assert f"to t = {quick.t_end:g}" in quick.title
-    for number in re.findall(r"([\d,]+) steps", quick.title):
-        assert int(number.replace(",", "")) == max(n for _, n in quick.grid)
-
-
 @pytest.mark.slow
 def test_the_quick_title_is_that_of_table_picture_and_report(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -172,15 +133,6 @@ def test_a_key_that_is_missing_is_named(tmp_path, key):
     path = write(tmp_path, "".join(lines[:first] + lines[first + 1 :]))
     with pytest.raises(DataError, match=f"line 1: the key `{key}` is missing$"):
         load_scene(path)
-
-
-def test_a_file_is_read_with_expressions_and_quick_overrides(tmp_path):
-    path = write(tmp_path)
-    scene = load_scene(path)
-    assert scene.t_end == pytest.approx(6.283185307179586, abs=1e-15)
-    assert scene.grid[0] == (scene.t_end / 20, 20)
-    assert load_scene(path, quick=True).steps == (10,)
-    assert scene.parameters == {"frequency": "1"}
 
 
 @pytest.mark.parametrize(
@@ -296,38 +248,13 @@ def test_classes_and_properties_name_methods(tmp_path):
     assert "g6245" in loaded(tmp_path, given, 'classes = ["parasitism-free"]').methods
 
 
-def test_a_method_file_may_lie_beside_the_scene(tmp_path):
-    shipped = data_root() / "methods" / "rk" / "rk4.json"
-    (tmp_path / "mine.json").write_text(
-        shipped.read_text("utf-8").replace('"rk4"', '"mine"'), encoding="utf-8"
-    )
-    scene = load_scene(write(tmp_path, SMALL.replace('"heun-2"', '"mine.json"')))
-    assert scene.methods[1].endswith("mine.json")
-    records = run(scene)
-    assert [r["outcome"] for r in records] == ["completed"] * 4
-    # the same tableau under another name does the same to the last bit
-    assert records[0]["state_error"] == records[2]["state_error"]
-
-
 # --- plans ----------------------------------------------------------------------------------------
-
-
-def test_a_plan_counts_evaluations_of_explicit_methods_exactly(tmp_path):
-    todo = plan(loaded(tmp_path))
-    assert todo.evaluations == (4 + 2) * (20 + 40)
-    assert len(todo.tasks) == 4
 
 
 def test_the_estimate_for_implicit_methods_is_right_to_a_factor_of_three(tmp_path):
     scene = loaded(tmp_path, BOTH, '["gauss-2", "gsymplectic-n"]')
     spent = sum(record["evaluations"] for record in run(scene))
     assert spent / 3 < plan(scene).evaluations < 3 * spent
-
-
-def test_a_plan_names_what_is_recorded_and_nothing_else(tmp_path):
-    assert any("last state" in text for text in plan(loaded(tmp_path)).recorded)
-    less = plan(loaded(tmp_path, ASKED, '"state"')).recorded
-    assert not any("Hamiltonian" in text for text in less)
 
 
 def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
@@ -342,11 +269,6 @@ def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
 
 def test_a_picture_changes_no_task(tmp_path):
     assert plan(loaded(tmp_path)).tasks == plan(loaded(tmp_path, ', "picture"', "")).tasks
-
-
-def test_a_plan_is_plain_json(tmp_path):
-    document = json.loads(json.dumps(plan(loaded(tmp_path)).as_json(), allow_nan=False))
-    assert document["format"] == "glmref-plan-1"
 
 
 # --- running --------------------------------------------------------------------------------------
@@ -429,36 +351,9 @@ def test_only_an_answer_about_time_repeats_a_run(tmp_path):
     assert todo.evaluations == (4 + 2) * (20 + 40)
 
 
-@pytest.mark.parametrize(
-    ("problem", "t_end", "source"),
-    [("harmonic-oscillator", 2, "closed form"), ("henon-heiles", 10, "stored"),
-     ("henon-heiles", 3, "computed: gauss-5, halving h until two runs agree, for each end time")],
-)  # fmt: skip
-def test_a_plan_says_where_the_right_state_comes_from(tmp_path, problem, t_end, source):
-    changes = (OSCILLATOR, f'"{problem}"', '"2*pi"', str(t_end))
-    todo = plan(loaded(tmp_path, *changes))
-    assert todo.reference == source
-    assert ("mpmath" in todo.modules) == (source == "closed form")
-    other = ('"state", ', "", "at = 1e-2", 'at = 1e-2\nerror = "energy"')
-    assert plan(loaded(tmp_path, *changes, *other)).reference == ""
-
-
 # --- orbits ---------------------------------------------------------------------------------------
 
 ORBIT = SMALL.replace('"state", "energy", "picture"', '"state", "orbit", "picture"')
-
-
-def test_an_orbit_is_kept_where_it_is_asked_for(tmp_path):
-    scene = loaded(tmp_path, text=ORBIT)
-    records = run(scene)
-    assert [len(r["orbit"]["paths"][0]) for r in records] == [21, 41, 21, 41]
-    block = records[0]["orbit"]
-    assert block["axes"] == ["q", "p"] and block["ended"] is None
-    (path,) = block["paths"]
-    assert len(path) == 21 and path[0] == [0.0, 1.0, 0.0]
-    assert path[-1][0] == pytest.approx(scene.t_end, abs=1e-6)
-    # on a unit circle: rk4 with h = 2 pi/20 loses 3e-4 of the energy in a revolution
-    assert all(x * x + y * y == pytest.approx(1, abs=1e-3) for _, x, y in path)
 
 
 def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
@@ -471,20 +366,6 @@ def test_a_scene_that_does_not_ask_takes_no_points(tmp_path, monkeypatch):
     # and where it is asked, that is what runs
     assert "internal error" in {r["outcome"] for r in run(loaded(tmp_path, text=ORBIT))}
     assert [k["steps"] for k in asked] == [20, 40, 20, 40]
-
-
-def test_an_orbit_changes_no_other_number(tmp_path):
-    less = plan(load_scene(write(tmp_path, ORBIT.replace('"orbit", ', ""))))
-    more = plan(loaded(tmp_path, text=ORBIT))
-    assert more.evaluations - less.evaluations == (20 + 40) * (4 + 2)
-    assert set(more.recorded) - set(less.recorded) == {"at most 400 points of the path in a plane"}
-    for a, b in zip(run(less), run(more), strict=True):
-        assert (a["state_error"], a["evaluations"]) == (b["state_error"], b["evaluations"])
-
-
-def test_a_peer_keeps_no_orbit(tmp_path):
-    tasks = plan(loaded(tmp_path, *PEER, text=ORBIT)).tasks
-    assert {t["kind"]: "orbit" in t["ask"] for t in tasks} == {"method": True, "peer": False}
 
 
 def test_an_orbit_of_a_run_that_fails_is_its_good_part(tmp_path):
@@ -693,15 +574,6 @@ def test_durations_have_their_unit():
     assert [duration(x) for x in (2.5, 1.5e-3, 7e-6, 3e-8)] == ["2.5 s", "1.5 ms", "7 us", "30 ns"]
 
 
-def test_tables_have_a_row_for_each_record_and_only_asked_columns(tmp_path):
-    scene = loaded(tmp_path)
-    table = rows(scene, run(scene))
-    assert len(table) == 4
-    assert "state error" in table[0] and "lost at" not in table[0]
-    raw = rows(scene, run(scene), raw=True)
-    assert isinstance(raw[0]["state error"], float)
-
-
 def test_charts_show_error_against_time_and_against_evaluations(tmp_path):
     scene = loaded(tmp_path)
     time, evaluations = charts(scene, run(scene))
@@ -760,73 +632,6 @@ def test_a_line_of_many_points_is_no_long_key(tmp_path):
     sizes = ", ".join(f"'2.0*pi/{n}'" for n in range(1, 150))
     scene = load_scene(write(tmp_path, SMALL.replace("steps = [20, 40]", f"h = [{sizes}]")))
     assert len(scene.grid) == 149
-
-
-def test_keys_are_found_on_their_lines():
-    text = """\
-a = 1
-b.c.d = [ # the list begins here
-  "x = 1 [", { y = 2 },
-]
- "q r" = 3
-'s' = 4
-t = '''
-u = 5
-[no]
-'''
-v = "'''[" # [
-[ w.x ] # a table
-y = 6
-z.a=7
-[w.x]
-y = 8
-not a key
-m = [ # rows that look like tables
-[1]
-]
-n = 9
-"""
-    found = {
-        ("a",): 1, ("b",): 2, ("b", "c"): 2, ("b", "c", "d"): 2, ("q r",): 5, ("s",): 6,
-        ("t",): 7, ("v",): 11, ("w", "x"): 12, ("w", "x", "y"): 13, ("w", "x", "z"): 14,
-        ("w", "x", "z", "a"): 14, ("w", "x", "m"): 18, ("w", "x", "n"): 21,
-    }  # fmt: skip
-    assert reading._lines(text) == found
-    assert reading._lines(f"k = '{'x' * (reading._LONGEST_LINE - 6)}'") == {("k",): 1}
-    assert reading._lines(f"k = '{'x' * (reading._LONGEST_LINE - 5)}'") == {}
-
-
-def test_numbers_and_expressions_are_read_and_others_refused(tmp_path):
-    reader = reading.Reader(write(tmp_path))
-    for value, number in ((3, 3.0), (1e-3, 1e-3), ("20*pi", 62.83185307179586), ("sqrt(2)", 2**0.5),
-                          ("+".join(["1"] * 50), 50.0)):  # fmt: skip
-        assert reader.number(("h",), value) == pytest.approx(number, rel=1e-15)
-    for value in (0, -1, True, "", "x", "1/0", "+".join(["1"] * 51), 10**400, float("nan"),
-                  float("inf"), None, [1]):  # fmt: skip
-        with pytest.raises(DataError, match="line 6: `steps` must be a positive number or an"):
-            reader.number(("steps",), value)
-    for value, number in ((-1, -1.0), (0, 0.0), ("0-pi", -3.141592653589793)):
-        assert reader.number(("h",), value, positive=False) == number
-    with pytest.raises(DataError, match="must be a number or an expression such as"):
-        reader.number(("h",), "x", positive=False)
-    for value in (1, 7):
-        assert reader.whole(("h",), value, 7) == value
-    for value in (0, 8, True, 1.0, "1"):
-        with pytest.raises(DataError, match="must be a whole number from 1 to 7, got"):
-            reader.whole(("h",), value, 7)
-
-
-def test_words_that_are_offered_are_listed_up_to_a_number(tmp_path):
-    reader, words = reading.Reader(write(tmp_path)), [f"w{k}" for k in range(1, 42)]
-    assert reader.choice(("ask",), "w41", words) == "w41"
-    with pytest.raises(DataError, match=r"'w39', 'w40', \.\.\., got \"w0\"; did you mean"):
-        reader.choice(("ask",), "w0", words)
-    with pytest.raises(DataError, match=r"'w39', 'w40', got \"w41\""):
-        reader.choice(("ask",), "w41", words[:40])
-    for value, said in (("?!", "one of 'a', 'b', got \"?!\""), (3, "got 3"), (["a"], 'got ["a"]')):
-        with pytest.raises(DataError) as error:
-            reader.choice(("nowhere",), value, ("a", "b"))
-        assert str(error.value).endswith(said) and "line 1: `nowhere` must be" in str(error.value)
 
 
 def test_what_a_scene_leaves_out_is_what_the_page_says(tmp_path):
