@@ -2,13 +2,12 @@
 
 import copy
 import json
-from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import glmref
-from glmref import GLM, AdditiveGLM, PartitionedGLM, UsageError
+from glmref import AdditiveGLM, PartitionedGLM, UsageError
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -37,14 +36,6 @@ EULER = {
 
 def verdicts(method):
     return {x.claim: x.verdict for x in glmref.verify(method)}
-
-
-def test_what_a_file_claims_is_proved():
-    method = load_document(EULER)
-    assert (method.k, method.s, method.r) == (2, 2, 1)
-    assert set(verdicts(method).values()) == {Verdict.HOLDS}
-    wrong = load_document({**EULER, "claims": {"order": 2, "explicit": True}})
-    assert set(verdicts(wrong).values()) == {Verdict.FAILS}
 
 
 def test_parts_of_order_two_need_not_make_a_method_of_order_two():
@@ -101,16 +92,6 @@ def test_a_run_has_the_order_that_is_proved():
     assert abs(float(far[0]) - imex(1 / 32, 32, method)[0]) < 1e-13
 
 
-@pytest.mark.parametrize("first", [0, 1])
-def test_every_part_of_a_coupled_stage_is_settled(first):
-    # y' = 3/2 + (1 - 2 y), one part constant: y+ = (y + h (3/2 + 1))/(1 + 2 h) by Euler's implicit rule
-    terms = [("3/2",), ("1 - 2*y[0]",)]
-    problem = glmref.Problem(terms=terms if not first else terms[::-1], y0=(2.0,))
-    implicit = AdditiveGLM([[["1"]]] * 2, [[["1"]]] * 2)
-    end = glmref.solve(problem, implicit, h=0.25, steps=1).y[-1, 0]
-    assert end == pytest.approx((2 + 0.25 * 2.5) / 1.5, abs=4e-16)
-
-
 def test_callables_are_summed_too():
     problem = glmref.Problem(terms=[lambda t, y: -y, lambda t, y: 0 * y + t], y0=(1.0,))
     assert problem.f(2.0, np.array([3.0])) == pytest.approx(-1.0)
@@ -136,12 +117,6 @@ def test_what_does_not_fit_is_refused(change, message):
 def test_a_problem_without_terms_is_refused():
     with pytest.raises(UsageError, match="`terms`"):
         glmref.solve("pendulum", load_document(EULER), h=0.1, steps=1)
-
-
-def test_the_part_alone_is_a_method():
-    part = load_document(EULER).part(2)
-    assert isinstance(part, GLM) and part.B[0][1] == Fraction(1)
-    assert glmref.analyze(part).order == 1
 
 
 @pytest.mark.sampled(1)

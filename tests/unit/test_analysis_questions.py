@@ -74,30 +74,6 @@ def test_an_analysis_says_why_a_property_is_open() -> None:
     assert "undecided" not in analyze(glmref.load("rk4")).as_json()
 
 
-@pytest.mark.parametrize(
-    ("name", "explicit", "implicit"),
-    [("lobatto-iiia-iiib-3", False, [1, 2, 3]), ("stormer-verlet", True, []), ("rk4", True, []),
-     ("gauss-2", False, [1, 2])],
-)  # fmt: skip
-def test_implicit_stages_are_listed_where_a_method_is_not_explicit(
-    name: str, explicit: bool, implicit: list[int]
-) -> None:
-    found = analyze(name)
-    assert (found.explicit, found.implicit_stages) == (explicit, implicit)
-    assert ("none" in dict(analysis_rows(found.as_json()))["implicit stages"]) is explicit
-
-
-@pytest.mark.parametrize(
-    ("name", "stages", "values"),
-    [("rk4", 4, 1), ("gsymplectic-n", 2, 2), ("lobatto-iiia-iiib-3", [3, 3], [1, 1])],
-)
-def test_sizes_are_numbers_of_one_method_and_lists_of_a_pair(
-    name: str, stages: int | list[int], values: int | list[int]
-) -> None:
-    found = analyze(name)
-    assert (found.stages, found.values) == (stages, values)
-
-
 def test_whether_digits_make_a_method_implicit_is_not_decided(tmp_path: Path) -> None:
     """An entry within one unit of its last place of zero."""
     doc = {
@@ -139,8 +115,3 @@ def test_a_rosenbrock_method_in_decimals_may_be_inconsistent() -> None:
         )
     )
     assert (found.consistent, found.preconsistent) == (False, True)
-
-
-def test_a_rounded_method_may_be_consistent_as_it_stands() -> None:
-    assert analyze("ssp3-4-3-3-printed").consistent is True
-    assert analyze("ros3-printed").consistent is None

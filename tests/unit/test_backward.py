@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import glmref
-from glmref import GLM, Tree, from_rk, load, modified
+from glmref import GLM, Tree, load, modified
 from glmref.catalogue.claims import (
     CONJUGATE_SYMPLECTIC,
     ENERGY_ORDER,
@@ -60,7 +60,6 @@ from glmref.theory.series import (
     inverse,
     lie_derivative,
     modified_equation,
-    substitute,
 )
 from glmref.theory.symplectic import g_symplectic
 from glmref.theory.trees import edge_cuts, free_trees, trees, trees_up_to
@@ -107,11 +106,6 @@ def test_the_field_of_the_flow_is_that_of_the_problem():
     assert exponential(f, other) == compose(flow(6), other)
 
 
-def test_cutting_edges_agrees_with_contracting_them():
-    heun = Series.of(from_rk([[0, 0], [1, 0]], [F(1, 2), F(1, 2)]), 6)
-    assert substitute(modified_equation(heun), flow(6)) == heun
-
-
 def test_numbers_of_trees_cuts_and_free_trees():
     # numbers of free trees: Cayley; HLW (2006), table IX.9.1 counts those that are not superfluous
     colours = tuple(ROOTED.items())
@@ -124,14 +118,6 @@ def test_numbers_of_trees_cuts_and_free_trees():
 
 
 # -- the underlying one-step method
-
-
-@pytest.mark.parametrize("name", ["rk4", "gauss-2", "stormer-verlet"])
-def test_a_one_step_method_is_its_own_underlying_method(name):
-    found = UnderlyingMethod.of_method(load(name)).through(6)
-    assert found.map == Series.of(load(name), 6)
-    assert found.field == modified_equation(found.map)
-    assert not found.eta
 
 
 @pytest.mark.parametrize("name", ["gsymplectic-n", "ab-2", "bdf-2", "gsymplectic-n-pair"])
@@ -469,15 +455,6 @@ def test_energies_of_the_oscillator_in_closed_form():
             ]
             assert errors[-1] < h**8
             assert all(later < h * earlier for earlier, later in pairwise(errors))
-
-
-def test_energy_in_doubles_and_with_digits_agree():
-    problem = glmref.problem("henon-heiles")
-    found = modified("gsymplectic-n", 6)
-    y = [0.1, 0.2, 0.3, -0.1]
-    few = found.energy_at(problem, y, 0.125)
-    assert float(found.energy_at(problem, y, 0.125, digits=30)) == pytest.approx(few, rel=1e-14)
-    assert found.energy_at(problem, y, 0.125, order=1) == problem.hamiltonian(np.array(y))
 
 
 def test_problems_that_have_no_modified_energy_are_refused():

@@ -17,7 +17,6 @@ from glmref.catalogue.lookup import data_root
 from glmref.catalogue.reader import load_document
 from glmref.cli.certifying import certify, write_certificates
 from glmref.findings import Verdict
-from glmref.prove.field import Tower, radicals_of
 from glmref.prove.verifier import facts_for
 from glmref.theory.symplectic import GSymplecticity
 from tests.adversary.deceive import shipped
@@ -58,19 +57,6 @@ def test_order_10_is_refuted_above_by_one_tree(tmp_path: Path) -> None:
     """Beyond order 10 the trees of the next order are not listed."""
     at_most = certificates("gauss-5", tmp_path)["order"]["parts"][1]["witness"]
     assert (at_most["order"], at_most["tree"]) == (10, f"[{'o' * 10}]")
-
-
-def test_dependent_radicals_share_generators() -> None:
-    tower = Tower(radicals_of("sqrt(12)+sqrt(27)*sqrt(1/3)+i*sqrt(3)"))
-    assert len(tower.generators) == 2
-    assert tower.radicals["sqrt(12)"] == "2*g1"
-    assert tower.radicals["sqrt(27)"] == "3*g1"
-
-
-def test_nested_radicals_and_roots_of_unity() -> None:
-    tower = Tower(radicals_of("sqrt(3/7+2/7*sqrt(6/5))+exp(2*pi*i/5)"))
-    assert [len(x["polynomial"]) for x in tower.generators] == [2, 2, 4]
-    assert "conjugate" in tower.generators[-1]
 
 
 def contrary(value: Any) -> Any:
@@ -252,13 +238,6 @@ def test_a_form_that_ignores_the_solution_is_refuted() -> None:
     assert [x["rule"] for x in found["parts"]] == ["preconsistent", "given-form-fails"]
     d["G"][0][0] = "1"
     assert [x["rule"] for x in certified(d, "g-symplectic")["parts"]] == ["given-form-fails"]
-
-
-def test_growth_that_is_found_is_shown() -> None:
-    facts = facts_for(load_document({**growing_pair("1/2"), "claims": {}}))
-    found = facts.judge("growth", ["4", "9"])
-    assert (found.verdict, found.value) == (Verdict.OPEN, ["4", "9"])
-    assert facts.judge("growth", ["0", "0"]).value == ["4", "9"]
 
 
 @pytest.mark.parametrize(("zeta", "mu"), [("1", "2"), ("1", "-1/3"), ("-1", "2"), ("-1", "0")])

@@ -17,8 +17,7 @@ from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
-from glmref.prove.enclosure import members_of
-from glmref.prove.field import Tower, equation_numbers
+from glmref.prove.field import equation_numbers
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import shipped
 from tests.build import SOURCE
@@ -333,36 +332,6 @@ def test_orders_at_below_and_above_those_of_a_file_are_certified(name: str) -> N
                 assert proved(shipped(name), claim, declared)[0] == (more == 0), (claim, more)
 
 
-def test_the_base_of_a_composition_has_its_radicals_in_the_field() -> None:
-    """The steps are rational, and the method that is composed is not."""
-    d = {"class": "composition", "base": "gauss-2", "gamma": ["1/3", "2/3"]}
-    for claim, declared, expected in (("order", 4, True), ("symmetric", True, False)):
-        assert proved(d, claim, declared)[0] == expected
-        found = written(d, claim, declared)
-        assert list(found["field"]["radicals"]) == ["sqrt(3)"]
-
-
-def test_fields_as_they_are_written() -> None:
-    root = {"name": "g1", "polynomial": ["-2", "0"]}
-    for text, conjugates, more in (("sqrt(2)", True, {}), ("i", True, {"conjugate": "-1*g1"}),
-                                   ("i", False, {}), ("root(2,3)", True, {})):  # fmt: skip
-        (found,) = Tower([text], conjugates=conjugates).as_json()["generators"]
-        low, high = (tuple(map(Fraction, found.pop(x))) for x in ("real", "imag"))
-        assert low[0] <= low[1] and high[0] <= high[1]
-        polynomial = {"i": ["1", "0"], "root(2,3)": ["-(2)", "0", "0"]}.get(text, ["-2", "0"])
-        assert found == {**root, "polynomial": polynomial, **more}
-
-
-def test_what_stands_in_a_certificate_for_readers() -> None:
-    doubled = {"class": "glm", "A": [["0"]], "U": [["1"]], "B": [["2"]], "V": [["1"]]}
-    found = written(doubled, "order", 0)
-    assert found["identities"] == ["u and v of consistency do not exist"]
-    found = written({**doubled, "B": [["1"]]}, "order", 1)
-    assert found["identities"] == [
-        "B xiD(t) + V eta(t) = (E eta)(t), 1 trees", "the condition of [o] is not zero, order 2",
-    ]  # fmt: skip
-
-
 def test_the_field_of_a_growth_equation_holds_its_eigenvalue() -> None:
     """Numbers that stand in the names of equations alone are in the field of the certificate."""
     texts = ["order [oo]", "growth i", "growth q sqrt(3)/2+i/2", "growth p -1", "abscissa 1 = 2/3"]
@@ -455,9 +424,3 @@ def test_orders_of_pairs_on_all_systems_and_on_those_of_second_order(name: str) 
     for claim in ("order", "nystrom-order", "order-identity"):
         for declared in range(claims[claim] - 1, claims[claim] + 2):
             assert proved(d, claim, declared)[0] == (declared == claims[claim]), claim
-
-
-def test_the_trees_of_free_principal_parts_are_listed_by_order() -> None:
-    """That which the file names comes first among those of its own order."""
-    free = members_of(shipped("s5t-w3"))["free"]
-    assert free == {"4": ["[ooo]"], "6": ["[ooooo]", "[ooo[o]]", "[o[o][o]]", "[[o][oo]]"]}

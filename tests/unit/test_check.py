@@ -318,16 +318,6 @@ def test_a_sentence_quotes_little_of_what_it_refuses() -> None:
     assert len(str(caught.value)) <= 1500
 
 
-def test_the_command_gives_findings_as_json(tmp_path: Any, capsys: Any) -> None:
-    path = tmp_path / "heun.json"
-    path.write_text('{"A": [[0,0],[1,0]], "b": ["1/2","1/2"]}')
-    assert main(["check", str(path), "--order", "2", "--format", "json"]) == 0
-    record = json.loads(capsys.readouterr().out)
-    (row,) = record["findings"]
-    assert record["format"] == "glmref-findings-1" and record["summary"]["holds"] == 1
-    assert row["verdict"] == "holds" and row["claim"] == "order"
-
-
 def test_decimals_in_strings_with_digits() -> None:
     findings = glmref.check(A=[["0", "0"], ["1.00", "0"]], b=["0.500", "0.5"], order=2, digits=3)
     assert "within the 3 digits" in str(findings[0].witness)

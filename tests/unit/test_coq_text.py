@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from glmref import GLM, PartitionedGLM, UsageError, load
+from glmref import GLM, PartitionedGLM, load
 from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse, to_text
 from glmref.method import Method
@@ -333,12 +333,6 @@ def test_a_folder_gets_one_file_for_each_name(
     assert capsys.readouterr().out == to_coq("euler")
 
 
-def test_the_title_of_a_file_stands_first() -> None:
-    document = load("rk4").document
-    assert to_coq("rk4").startswith(f"(* {document['title']}\n")
-    assert to_coq(replace(SMALL["no order"], name="x")).startswith("(* x\n")
-
-
 def test_a_title_cannot_end_its_comment() -> None:
     method = load("euler")
     document = {**(method.document or {}), "title": 'x *) Axiom a : False. (* "y"'}
@@ -346,15 +340,3 @@ def test_a_title_cannot_end_its_comment() -> None:
     head = to_coq(method).split("From Coq")[0]
     assert head.count("*)") == head.count("(*") == 1
     assert '"' not in head
-
-
-def test_refusals_are_usage_errors() -> None:
-    with pytest.raises(UsageError):
-        to_coq("ars-2-2-2")
-
-
-def test_a_pair_is_proved_over_the_trees_of_its_right_hand_side() -> None:
-    for name, palette in (("stormer-verlet", "separable"), ("lobatto-iiia-iiib-3", "general")):
-        text = to_coq(load(name))
-        other = {"separable": "general", "general": "separable"}[palette]
-        assert f"{palette} -> glm" in text and f"{other} -> glm" not in text

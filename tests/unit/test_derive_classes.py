@@ -16,7 +16,7 @@ from glmref.judge.classes import conditions_follow, cut_classes, pairs_of, plan,
 from glmref.judge.refusals import Refused
 from glmref.judge.trees import attach, read_tree
 from glmref.prove.enclosure import conditions_of
-from glmref.prove.equations import classes, free_trees, representatives
+from glmref.prove.equations import free_trees, representatives
 from glmref.theory.trees import Tree, free_tree, halves, tree, trees
 
 
@@ -81,11 +81,6 @@ def test_at_stage_order_3_one_tree_of_order_7_is_enough() -> None:
 )
 def test_classes_and_factors(text: str, q: int, below: str, factor: Fraction) -> None:
     assert reduced(read_tree(text), q) == (read_tree(below), factor)
-
-
-def test_every_tree_is_its_own_class_at_stage_order_1() -> None:
-    for n in range(1, 7):
-        assert classes(n, 1) == tuple(map(str, trees(n)))
 
 
 def test_a_principal_part_that_follows_cannot_be_given() -> None:

@@ -48,16 +48,6 @@ def test_help_after_a_recipe_is_that_of_the_recipe(
     assert ":mod:" not in text
 
 
-def test_help_of_a_recipe_without_options_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["derive", "thesis-printed", "--help"]) == 0
-    assert "no options of its own" in capsys.readouterr().out
-
-
-def test_help_without_a_recipe_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["derive", "--help"]) == 0
-    assert "--output" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -106,18 +105,6 @@ def test_cosines_of_no_such_method_are_refused(q: Sequence[str], p: Sequence[str
         multistep_document("none", [Fraction(x) for x in q], [Fraction(x) for x in p])
 
 
-@pytest.mark.parametrize(
-    ("made", "forces"),
-    [(lambda: document(SECOND), 1), (lambda: document(SEPARABLE), 1), (lambda: two_kicks(), 2)],
-)
-def test_so_many_forces_are_evaluated_a_step(made: Callable[[], Any], forces: int) -> None:
-    method, target = load_document(made()), problem("henon-heiles")
-    run = solve(target, method, h=0.05, steps=100)
-    assert run.evaluations == 100 * forces
-    slow = solve(target, method, h=0.05, steps=100, engine="reference")
-    assert np.allclose(run.y[-1], slow.y[-1], rtol=0, atol=1e-13)
-
-
 def test_rows_of_the_half_that_carries_fewer_values_are_zero() -> None:
     # they were whatever the memory held
     run = solve(
@@ -126,18 +113,6 @@ def test_rows_of_the_half_that_carries_fewer_values_are_zero() -> None:
     )  # fmt: skip
     history = np.asarray(run.history)
     assert not history[1:, 1:, :2].any()
-
-
-@pytest.mark.parametrize("cosines", [SECOND, SEPARABLE])
-def test_the_order_is_seen_in_runs(cosines: Cosines) -> None:
-    method, target = load_document(document(cosines)), problem("kepler", eccentricity="1/5")
-    exact = target.solution
-    assert exact is not None
-    errors = []
-    for steps in (200, 400):
-        end = solve(target, method, h=2 * math.pi / steps, steps=steps).y[-1]
-        errors.append(float(np.abs(np.asarray(end) - np.asarray(target.y0)).max()))
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(6, abs=0.5)
 
 
 @pytest.mark.sampled(1, besides=("8", "10"))
@@ -177,15 +152,6 @@ def test_two_steps_with_one_kick_are_one_with_two() -> None:
     a = solve(target, one, h=0.05, steps=100).y[-1]
     b = solve(target, two, h=0.1, steps=50).y[-1]
     assert np.allclose(a, b, rtol=0, atol=1e-10)  # round-off of the weights of the start
-
-
-def test_the_order_of_two_kicks_is_seen_in_runs_there_and_back() -> None:
-    method, target = load_document(two_kicks()), problem("kepler", eccentricity="1/5")
-    errors = []
-    for steps in (100, 200):
-        end = solve(target, method, h=2 * math.pi / steps, steps=steps).y[-1]
-        errors.append(float(np.abs(np.asarray(end) - np.asarray(target.y0)).max()))
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(6, abs=0.5)
 
 
 @pytest.mark.parametrize(

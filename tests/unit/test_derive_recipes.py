@@ -247,12 +247,6 @@ def test_unknown_recipes_options_and_names_are_refused() -> None:
         recipes.run("order4", {"family": "x"})
 
 
-def test_each_recipe_has_a_line_of_description() -> None:
-    for name in recipes.names():
-        assert recipes.describe(name).endswith(".")
-        assert isinstance(recipes.options_of(name), dict)
-
-
 @pytest.mark.slow
 def test_progress_is_reported() -> None:
     seen: list[tuple[str, int, int]] = []

@@ -11,7 +11,7 @@ import pytest
 
 from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import document, load
-from glmref.derive.linear_start import collocation, linear_start, tableau
+from glmref.derive.linear_start import linear_start, tableau
 from glmref.derive.parity_start import finishing_block, starting_block
 from glmref.derive.recipes.solved import rough_starts
 from glmref.errors import DataError, ExactnessError
@@ -27,7 +27,6 @@ from glmref.prove.starting import (
     conditions_of,
     has_unknowns,
     inverse_block,
-    needed_stages,
     proposed,
     prove_blocks,
 )
@@ -157,14 +156,6 @@ def test_every_conjugation_method_has_a_start_and_a_finish() -> None:
         assert method.finishing.stages == 2 * record["finish"]["pairs"] + 1 <= 15
 
 
-def test_collocation_integrates_polynomials() -> None:
-    nodes = [Fraction(0), Fraction(1, 2), Fraction(1)]
-    rows = collocation(nodes)
-    for k in range(3):
-        for row, c in zip(rows, nodes, strict=True):
-            assert sum(a * x**k for a, x in zip(row, nodes, strict=True)) == c ** (k + 1) / (k + 1)
-
-
 @pytest.mark.parametrize("moments", [2, 3])
 def test_rational_tableaux_have_parity_and_their_stage_order(moments: int) -> None:
     rows = tableau([{"c": "3/5", "3": "1/4"}, {"c": "-1/3", "7": "1/2", "4": "2"}], moments=moments)
@@ -249,15 +240,3 @@ def test_a_finish_block_has_the_form_it_needs() -> None:
     assert block["A"] == [["0", "0", "0"], ["1/2", "0", "0"], ["-1/2", "0", "0"]]
     assert block["b"] == ["0", "1/3", "-1/3"]
     assert not has_unknowns(block)
-
-
-def test_enclosure_records_name_the_start() -> None:
-    record = prove(document(NAME))
-    assert {"starting-order", "finishing-order"} <= set(record.blocks.orders)
-
-
-def test_the_stages_that_a_row_needs_are_those_it_reads_and_those_they_read():
-    A = [["0", "0", "0", "0"], ["1", "0", "0", "0"], ["1", "1", "0", "0"], ["0", "1", "0", "0"]]
-    assert needed_stages(A, ["0", "0", "0", "1/2"]) == [0, 1, 3]
-    assert needed_stages(A, ["1", "0", "0", "0"]) == [0]
-    assert needed_stages(A, ["0"] * 4) == []

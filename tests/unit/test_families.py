@@ -15,7 +15,6 @@ from glmref.method.families import (
     runge_kutta,
     splitting,
 )
-from tests.shipped import one_leg_twin, tableau
 
 LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
 
@@ -74,14 +73,6 @@ def test_multistep_glm_reproduces_the_recursion(alpha, beta):
         assert values[0] == y[k + n]
 
 
-@pytest.mark.parametrize(
-    ("alpha", "beta", "r"), [(*CASES[0], 2), (*CASES[1], 3), (*CASES[2], 2), (*CASES[4], 2)]
-)
-def test_multistep_glm_carries_no_more_than_it_needs(alpha, beta, r):
-    m = linear_multistep(alpha, beta)
-    assert (m.s, m.r) == (1, r)
-
-
 @pytest.mark.parametrize(("alpha", "beta"), CASES[:5])
 def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
     a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
@@ -95,12 +86,6 @@ def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
         assert values[0] == y[k + n]
 
 
-def test_one_leg_twin_has_weights_of_sum_one():
-    alpha, beta = one_leg_twin(["-1", "0", "1"], ["1/3", "4/3", "1/3"])
-    assert sum(beta, Exact(0)) == 1
-    assert alpha[-1] == Fraction(1, 2)
-
-
 def test_splitting_is_the_step_it_says():
     pair = splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
     assert (pair.n_P, pair.n_Q, pair.separable) == (2, 1, True)
@@ -109,12 +94,6 @@ def test_splitting_is_the_step_it_says():
     other = splitting(["1"], ["1/2", "1/2"], first="p")  # velocity Verlet
     assert other.A == ((0,), (1,))
     assert other.A_hat == ((Fraction(1, 2), 0),)
-
-
-def test_composition_of_two_midpoint_steps():
-    m = composition(runge_kutta(*tableau("gauss-1")), ["1/3", "2/3"])
-    assert m.A == ((Fraction(1, 6), 0), (Fraction(1, 3), Fraction(1, 3)))
-    assert m.B == ((Fraction(1, 3), Fraction(2, 3)),)
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,6 @@ from glmref.derive.general_multistep import (
 )
 from glmref.derive.halves import GeneralHalf, integrals
 from glmref.derive.recipes.general_multistep import SHIPPED
-from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.findings import Verdict
@@ -232,22 +231,6 @@ def test_the_error_converges_with_the_order(name: str) -> None:
     assert errors[1] < max(errors[0] / 2 ** (facts_of(m).kernel.range("order").value - 1), 1e-11)
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("name", ["point-vortices", "double-pendulum", "nonseparable-chain"])
-def test_kernels_do_what_the_reference_does(name: str) -> None:
-    given = problem(name)
-    found = [
-        solve(given, "multistep-general-8", h=1 / 128, steps=64, every=16, engine=engine)
-        for engine in ("reference", "compiled", "interpreted")
-    ]
-    assert {x.evaluations for x in found} == {64}  # of both functions, once a step
-    assert {x.velocity_evaluations for x in found} == {0}
-    size = np.abs(found[0].y).max()
-    for x in found[1:]:  # 64 steps of a sum of 9 terms, each rounded once
-        assert np.abs(x.y - found[0].y).max() < 64 * 9 * 2.0**-52 * size
-    assert np.array_equal(found[1].y, found[2].y)
-
-
 def test_implicit_pairs_on_systems_that_are_not_separable_are_refused_in_a_sentence() -> None:
     with pytest.raises(UsageError, match="use engine='reference'"):
         solve("double-pendulum", "lobatto-iiia-iiib-3", h=1 / 64, steps=2)
@@ -310,17 +293,6 @@ def test_the_pages_say_what_long_runs_lost() -> None:
     assert "On seventeen problems" in first
     assert "was lost on one in a million steps, and had a notice on five more" in first
     assert "without renewal it was lost on six in ten million" in first
-
-
-def test_ensembles_in_lanes_do_what_single_runs_do() -> None:
-    given = problem("double-pendulum", q1="1/2", q2="3/10")
-    single = solve(given, "multistep-general-8", h=1 / 64, steps=64)
-    start = np.array(given.y0, dtype=float)
-    initial = np.stack([start, start + np.eye(4)[0] / 10, start])
-    found = solve_ensemble(given, "multistep-general-8", initial, h=1 / 64, steps=64)
-    assert found.evaluations == 3 * (single.evaluations + single.start_evaluations)
-    assert np.array_equal(found.y[-1][[0, 2]], [single.y[-1]] * 2)  # to the last bit
-    assert np.abs(found.y[-1][1] - single.y[-1]).max() > 1e-3
 
 
 def test_the_page_prints_what_renewal_gives() -> None:

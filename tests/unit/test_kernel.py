@@ -17,49 +17,10 @@ from glmref.prove.kernel import Kernel, Reach
 from tests.build import SOURCE, method_document
 
 
-def searched(method):
-    """The kernel of a method, and the series of the search for its order."""
-    kernel = Kernel(load(method) if isinstance(method, str) else method)
-    kernel.order_range(free=not kernel.one_step)
-    return kernel, kernel.series[not kernel.one_step, False]
-
-
-def test_the_tree_with_leaves_alone_refutes_an_order_and_proves_none():
-    kernel, series = searched("gauss-3")
-    assert kernel._beyond(series, 3, 5, [0.0]) is None
-    found = kernel._beyond(series, 6, 7, [0.0])
-    assert (found.lower, found.upper, found.tree, found.exact) == (6, 6, "[oooooo]", True)
-    assert found.residual == pytest.approx(1 / 2800)
-
-
-@pytest.mark.parametrize("name", ["gsymplectic-n", "pair-4-4"])
-def test_that_tree_says_nothing_of_several_values(name):
-    kernel, series = searched(name)
-    assert kernel._bush(series, 7) is None
-    assert kernel._beyond(series, 3, 7, [0.0]) is None
-
-
-def test_of_a_separable_pair_with_one_value_each_colour_has_such_a_tree():
-    kernel, series = searched("stormer-verlet")
-    assert kernel._bush(series, 7) is None  # what is nearly reached is told of one method only
-    found = kernel._beyond(series, 2, 3, [0.0])
-    # f[kk]: b (A^ 1)^2 = 1/4, half a step in the middle, misses 1/3 by 1/12
-    assert found is not None and (found.lower, found.upper, found.tree) == (2, 2, "f[kk]")
-    assert found.residual == pytest.approx(1 / 12)
-    assert kernel._beyond(series, 1, 2, [0.0]) is None  # order 2 holds
-
-
 def runge_kutta(A, b, **more):
     """A Runge-Kutta method from its entries as texts."""
     doc = {"format": "glmref-method-1", "name": "one", "title": "t", "source": SOURCE}
     return load_document({**doc, "class": "rk", "A": A, "b": b, "claims": {"order": 1}, **more})
-
-
-def test_the_tree_decides_over_balls_what_it_excludes_and_is_enclosed():
-    kernel, series = searched(runge_kutta([["0.50"]], ["1"], digits=2))
-    assert kernel._beyond(series, 0, 2, [0.0]) is None  # a ball around zero
-    found = kernel._beyond(series, 0, 3, [0.0])
-    assert (found.upper, found.exact) == (2, False)
 
 
 @pytest.mark.parametrize(("b", "truth"), [("1", False), ("2", True), ("1+i", None)])
@@ -244,22 +205,6 @@ def test_what_an_enclosure_implies_only_raises_a_lower_bound():
     assert kernel._with_implied("order-identity", Range(2, 2)) == Range(2, 2)
 
 
-@pytest.mark.parametrize(
-    ("name", "most", "nystrom", "measured"),
-    [("rk4", 14, 14, 14), ("gsymplectic-n", 12, 12, 10), ("stormer-verlet", 9, 13, 6),
-     ("multistep-10", 9, 9, 6), ("lobatto-iiia-iiia-3", 8, 8, 6)],
-)  # fmt: skip
-def test_the_largest_order_that_is_looked_at_is_that_of_the_kind(name, most, nystrom, measured):
-    kernel = Kernel(load(name))
-    assert (kernel._most(), kernel._most(nystrom=True)) == (most, nystrom)
-    assert kernel._most_measured == measured
-
-
-def test_a_pair_of_shared_stages_has_no_tree_with_leaves_alone():
-    kernel, series = searched("lobatto-iiia-iiia-3")
-    assert kernel._bushes(series, 3) == {}
-
-
 def test_a_form_is_found_by_elimination_where_none_is_given():
     i = Exact(-1).sqrt()
     zero, one = Exact(0), Exact(1)
@@ -345,20 +290,6 @@ def test_beyond_order_10_a_residual_counts_as_rounding_to_9_digits_only():
     assert len(found) == 11 and 1e-9 < found[9] < 1e-3 < 1e3 * found[10]
 
 
-def test_an_order_with_a_size_is_the_last_that_is_no_larger():
-    found = Reach(0, (0.0, 0.5, 0.25), ("", "t", "s"), None, exact=True)
-    assert (found.to(0.5), found.to(0.4), found.to(0.0), found.size(1), found.size(3)) == (
-        3, 1, 1, 0.0, 0.5
-    )  # fmt: skip
-
-
-def test_of_second_order_systems_the_tree_with_leaves_alone_has_the_root_k():
-    kernel, series = searched("stormer-verlet")
-    assert set(kernel._bushes(series, 2, nystrom=True)) == {"f[k]", "k[f]"}
-    assert set(kernel._bushes(series, 3, nystrom=True)) == {"k[ff]"}
-    assert set(kernel._bushes(series, 3)) == {"f[kk]", "k[ff]"}
-
-
 def test_a_stage_is_the_solution_as_far_as_every_path_says_so():
     # c = 6: the path of order 2 misses c^2 / 2, that of order 3 is c^3 / 6 again
     series = Series.of_tables({"f": ([[Fraction(6)]], [[]]), "k": ([[Fraction(1)]], [[]])})
@@ -381,9 +312,3 @@ def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them()
         Kernel(two).range("dense-order")
     with pytest.raises(ExactnessError, match="a Rosenbrock method is needed"):
         Kernel(load("rk4")).range("w-order")
-
-
-def judged(claim: str, value: Any, **document: Any) -> Verdict:
-    """The verdict about a claim of a file."""
-    d = {"format": "glmref-method-2", "name": "judged", "source": SOURCE, **document}
-    return facts_of(load_document({**d, "claims": {claim: value}})).judge(claim, value).verdict

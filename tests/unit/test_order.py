@@ -258,31 +258,12 @@ def test_a_multiple_eigenvalue_with_more_freedom_is_reported_as_undecided():
     assert not order_of(twice).decided
 
 
-def test_the_search_ends_at_max_order():
-    result = order_of(load("gauss-4"), max_order=5)
-    assert (result.order, result.at_least, result.failing_tree) == (5, True, None)
-    assert dict(result.residuals) == {}
-    assert "no tree of order 5 or less" in result.witness
-
-
 @pytest.mark.parametrize(
     "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 15}, {"max_order": 2.5}]
 )
 def test_wrong_arguments_are_refused(arguments):
     with pytest.raises(UsageError):
         order_of(load("rk4"), **arguments)
-
-
-def test_residuals_for_solvers_go_on_past_what_fails():
-    euler = GLM(A=[[0]], U=[[1]], B=[[1]], V=[[1]])
-    residuals = order_residuals(euler, 3)
-    assert {str(t): x.as_fraction() for t, x in residuals.items()} == {
-        "o": 0,
-        "[o]": F(-1, 2),
-        "[oo]": F(-1, 3),
-        "[[o]]": F(-1, 6),
-    }
-    assert [str(t) for t in order_residuals(euler, 3, free=True)] == ["o", "[o]", "[[o]]"]
 
 
 def test_conditions_take_numbers_that_carry_a_gradient():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import json
 import random
 from fractions import Fraction
@@ -12,7 +11,7 @@ from typing import Any
 import pytest
 
 from glmref import judge as plain_judge
-from glmref.catalogue.claims import ORDER_TO_DIGITS, stated_orders
+from glmref.catalogue.claims import ORDER_TO_DIGITS
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -98,16 +97,6 @@ def test_order_and_size_are_decided(claimed: Any, expected: Verdict, reason: str
     assert verdict(certified(doc))[0]
 
 
-def test_largest_residual_is_named_as_it_is() -> None:
-    doc = without_rows(1, "6.0e-11")
-    doc["b"] = ["1/4", "0", "3/4 + 1/20000000000"]
-    assert judged(doc).reason == "the residuals through order 1 are at most 5.0e-11"
-    doc["b"] = ["1/4", "0", "3/4 + 1/20000000001"]
-    assert judged(doc).reason == "the residuals through order 1 are at most 5.0e-11"
-    doc["b"] = ["1/4", "0", "3/4 + 1/19999999999"]
-    assert judged(doc).reason == "the residuals through order 1 are at most 5.1e-11"
-
-
 @pytest.mark.parametrize(
     ("claimed", "witness", "others"),
     [
@@ -127,16 +116,6 @@ def test_what_refutes_is_checked(claimed: Any, witness: Any, others: Any) -> Non
         bad["statement"]["verdict"] = "fails"
         bad["parts"] = [{"rule": "not-to-digits", "witness": {"row": "b", **other}}]
         assert not verdict(bad)[0], other
-
-
-def test_the_size_is_that_of_the_fractions() -> None:
-    third, two = Fraction(3333, 10000), Fraction(6667, 10000)
-    residuals = (
-        Fraction(3, 4) * two - Fraction(1, 2),
-        Fraction(3, 4) * two**2 - Fraction(1, 3),
-        Fraction(3, 4) * two * third - Fraction(1, 6),
-    )
-    assert rounded_up(max(map(abs, residuals))) == "3.4e-5"
 
 
 def test_every_row_is_named() -> None:
@@ -268,25 +247,6 @@ def test_splittings_are_judged_on_all_trees() -> None:
     bad["parts"][0]["witness"]["rows"]["b"] = {"largest": "k[ff]", "beyond": "f[k[fff]]"}
     accepts, why = verdict(bad)
     assert not accepts and why.startswith("to-digits needs at tree f[kkk]: No residual through")
-
-
-def test_a_method_without_a_file_is_judged_too() -> None:
-    doc = without_rows(3, "3.4e-5")
-    method: Any = load_document(doc)
-    method = dataclasses.replace(method, document=None)
-    assert facts_for(method).judge(KEY, doc["claims"][KEY]).verdict is Verdict.HOLDS
-
-
-def test_sizes_have_two_digits() -> None:
-    assert rounded_up(Fraction(271, 100000)) == "2.8e-3"
-    assert step_below("2.7e-83") == Fraction(26, 10**84)
-    assert step_below("1.0e-83") == Fraction(99, 10**85)
-
-
-def test_orders_that_are_stated() -> None:
-    assert stated_orders(ROUNDED["claims"]) == {"b": 3, "low": 1}
-    assert stated_orders({"order": 4, "embedded-order": {"low": 3}}) == {"b": 4, "low": 3}
-    assert stated_orders({"symmetric": True}) == {}
 
 
 def slopes(A: list[list[Fraction]], t: Tree) -> list[Fraction]:
@@ -425,18 +385,6 @@ def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(
     b = 1 + Fraction(1, 10**4)
     found = kernel_of([[1 / (2 * b)]], [b]).sizes_to_digits["b"]
     assert [rounded_up(x) for x in found] == ["0", "1.0e-4", "1.0e-4"]
-
-
-def test_a_next_order_that_is_exact_keeps_the_residual_of_the_second(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Of order 2 alone the condition is off; those of orders 1 and 3 hold."""
-    monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: 2)
-    off = Fraction(1, 2) + Fraction(1, 10**4)
-    weight, c = 3 * off**2, Fraction(1, 3) / off
-    A = [[Fraction(0), Fraction(0)], [c - 1 / (6 * off), 1 / (6 * off)]]
-    found = kernel_of(A, [1 - weight, weight]).sizes_to_digits["b"]
-    assert [rounded_up(x) for x in found] == ["0", "0", "1.0e-4", "1.0e-4"]
 
 
 @pytest.mark.parametrize("place", [60, 70, 90, 300])

@@ -4,12 +4,11 @@ import copy
 
 import pytest
 
-from campaigns.partitioned.start_search import fixed_start, general_start, search_start
+from campaigns.partitioned.start_search import fixed_start, search_start
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
-from glmref.derive.parity_start import complete, expanded, with_partitioned_start
-from glmref.derive.recipes.pairs import rough_pair_starts
-from glmref.errors import DataError, ExactnessError, UsageError
+from glmref.derive.parity_start import complete, expanded
+from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact
 from glmref.exact.judging import fast_judge
 from glmref.findings import Proof, Verdict
@@ -17,7 +16,7 @@ from glmref.judge.refusals import Refused
 from glmref.method.component import SEPARABLE
 from glmref.prove.enclosure import prove
 from glmref.prove.kernel import Kernel
-from glmref.prove.starting import DECIMAL, Target, prove_blocks
+from glmref.prove.starting import Target, prove_blocks
 from glmref.prove.verifier import verify
 from glmref.theory.trees import trees
 from tests.bseries import values_series
@@ -77,16 +76,6 @@ def test_a_start_has_the_order_of_its_pair_few_stages_and_small_coefficients(nam
     )
 
 
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize(
-    "name", [pytest.param(x, marks=() if x in QUICK else pytest.mark.slow) for x in STARTED]
-)
-def test_the_claims_of_a_start_are_enclosed(name):
-    found = verify(load(name), only=["starting-order", "nystrom-starting-order"])
-    assert len(found) == 1 + ("nystrom-order" in document(name)["claims"])
-    assert {(x.verdict, x.proof) for x in found} == {(Verdict.HOLDS, Proof.ENCLOSED)}
-
-
 @pytest.mark.sampled(2, besides=("pair-6",))
 @pytest.mark.parametrize(
     ("name", "count"), [("pair-4-4", 5 + 5), ("pair-6-8", 25 + 25), ("pair-rkn-6-7b", 9 + 14 + 3)]
@@ -128,15 +117,6 @@ def test_the_series_of_a_start_with_parity_is_even():
     odd = [x for n in (1, 3, 5) for t in trees(n, SEPARABLE) for x in series[t]]
     assert all((Exact(0) + x).is_zero() for x in odd)
     assert any(not (Exact(0) + series[t][1]).is_zero() for t in trees(4, SEPARABLE))
-
-
-def test_the_shipped_start_is_that_of_the_record():
-    doc = document("pair-4-5")
-    bare = {k: v for k, v in doc.items() if k != "starting"}
-    bare["claims"] = {**doc["claims"], "starting-order": 1}
-    again = with_partitioned_start(bare, prove(bare), rough_pair_starts()["pair-4-5"])
-    assert again["starting"] == doc["starting"]
-    assert again["claims"] == doc["claims"]
 
 
 def digit(rows):
@@ -234,11 +214,3 @@ def test_a_start_is_found_from_random_coefficients_and_proved():
     assert len(proved(target, block).proofs["starting"]["centre"]) == 10
     doc = {**document("pair-4-6"), "starting": block}
     assert {x.verdict for x in verify(load_document(doc))} == {Verdict.HOLDS}
-
-
-def test_the_count_of_coefficients():
-    for pairs in (1, 2, 7):
-        block = expanded(general_start(pairs))
-        assert len(set(DECIMAL.findall(str(block)))) == 2 * pairs**2 + 4 * pairs
-    with pytest.raises(UsageError, match="`pairs` must lie between 1 and 20"):
-        general_start(0)

@@ -12,9 +12,7 @@ from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import exact, linalg
 from glmref.method import as_matrix, as_vector
-from glmref.method.families import splitting
 from glmref.method.sweep import build_partitioned as build
-from glmref.method.sweep import columns, stage_word
 from glmref.theory.parasitism import growth
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import g_symplectic_residual
@@ -75,13 +73,6 @@ def test_palindromic_numbers_give_a_symmetric_pair(b, w, c, v):
     assert symmetry(p).holds is True
 
 
-def test_couplings_that_are_not_palindromic_are_not_symmetric():
-    good = pair([1, -1, 1], [1, 0, -1], ["1/2", "1/2"], [2, -2])
-    assert symmetry(good).holds is True
-    bad = pair([1, -1, 1], [1, 0, -1], ["1/2", "1/2"], [2, -1])
-    assert symmetry(bad).holds is False
-
-
 def test_growth_parameters_are_the_weighted_squares_of_the_couplings():
     p = pair([1, -1, 1], [1, 2, 3], ["1/2", "1/2"], ["1/3", 1], G=as_matrix(
         [["1", "0"], ["0", "-1"]], "G"
@@ -89,20 +80,6 @@ def test_growth_parameters_are_the_weighted_squares_of_the_couplings():
     (found,) = growth(p).growths
     assert found.mu_q[0][0] == -(1 - 4 + 9)
     assert found.mu_p[0][0] == -(Fraction(1, 18) + Fraction(1, 2))
-
-
-def test_one_value_is_a_splitting_method():
-    one = linalg.identity(1)
-    a, b = as_vector(["1/4", "3/4"], "a"), as_vector([1], "b")
-    built = build(a, b, V=one, V_hat=one, G=one, stages="PQP")
-    split = splitting(["1/4", "3/4"], [1], first="q")
-    for name in ("A", "U", "B", "V", "A_hat", "U_hat", "B_hat", "V_hat"):
-        assert getattr(built, name) == getattr(split, name), name
-
-
-def test_columns_put_ones_on_top():
-    assert columns([as_vector([2, 3], "w")], 2) == as_matrix([[1, 1], [2, 3]], "X")
-    assert stage_word("PQP", 2, 1) == (("f", 0), ("k", 0), ("f", 1))
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import glmref
 from glmref import load, predict, problem
@@ -249,18 +247,6 @@ def test_the_words_for_few_steps():
     assert told(BOUNDED, 1.01) == "bounded for about 1 step"
 
 
-@given(rate=st.floats(1e-7, 1e-2), angle=st.floats(0.1, 3.0), start=st.floats(1e-15, 1e-3))
-@settings(max_examples=20, deadline=None)
-def test_the_step_of_loss_is_that_of_the_exponential(rate, angle, start):
-    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-    still = np.array([np.eye(2)] * 9)
-    part = prediction._Growing(still, still, np.array([start, 0.0]), 1e-16, None)
-    done, total = part._repeated(math.exp(rate) * turn, 0.3)
-    known = math.log(0.3 / start) / rate
-    assert done == pytest.approx(known, abs=1.5) or done == pytest.approx(known, rel=1e-9)
-    assert part.size(total) < 0.3
-
-
 def test_the_period_of_an_orbit_is_found():
     t = np.arange(300) * 0.05
     orbit = np.stack([np.cos(t), np.sin(2 * t)], axis=1)
@@ -280,13 +266,6 @@ def test_the_period_of_an_orbit_is_found():
 )
 def test_steps_that_are_too_large_for_the_orbit_are_no_error(name, h):
     assert predict("gsymplectic-n", name, h).verdict in (LOST, OPEN)
-
-
-def test_the_part_of_a_step_is_integrated():
-    edges = np.sin(np.arange(6) * 0.1)
-    cells = np.diff(edges).reshape(5, 1, 1)
-    found = prediction._inside(cells, 0.3)[0, 0]
-    assert found == pytest.approx(math.sin(0.23) - math.sin(0.2), abs=1e-8)
 
 
 @pytest.mark.slow

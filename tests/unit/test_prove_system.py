@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from glmref import DataError
-from glmref.catalogue.lookup import load
 from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, ball
 from glmref.exact.expression import parse
@@ -28,7 +27,6 @@ from glmref.prove.enclosure import (
     members_of,
     radius_of,
 )
-from glmref.prove.kernel import Kernel
 from glmref.prove.ranges import Range
 from glmref.theory.starting_series import NotPreconsistent, component
 from tests.adversary.deceive import shipped
@@ -155,15 +153,6 @@ def test_the_proof_of_a_method_names_what_is_free() -> None:
     assert free["4"] == ["[ooo]"] and free.keys() == {"4", "6"}
     assert "free" not in proof("mclachlan-ss5-4")
     assert proof("mclachlan-ss5-4")["trees"] == "all"
-
-
-def test_what_is_proved_of_no_dense_output_is_nothing() -> None:
-    kernel = Kernel(load("rk4"))
-    found = kernel._dense_order
-    assert (found.lower, found.upper, found.reason) == (0, 0, "the file gives no dense output")
-    assert kernel._dense_end().truth is False
-    found = Kernel(load("euler"))._dense_order
-    assert found.upper == 0
 
 
 def test_a_range_says_what_decides_it() -> None:

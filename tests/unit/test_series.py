@@ -80,30 +80,12 @@ def test_vector_valued_series_compose_from_the_left():
     assert after[single()] == (2, 0)
 
 
-def test_a_start_without_stages_has_zero_weights():
-    start = elementary_weights([], [[], []], 3, u=(1, F(1, 2)))
-    assert start[parse_tree("[oo]")] == (0, 0)
-    assert start.support() == {}
-
-
-def test_linear_combination():
-    a = combine([(2, flow(3)), (F(-1, 2), identity(4))])
-    assert a.order == 3
-    assert a.empty() == F(3, 2)
-    assert a[single()] == 2
-
-
 def test_stages_on_which_no_weight_depends_change_nothing():
     A, b = [[0, 0, 0], [F(1, 2), 0, 0], [7, 7, 7]], [0, 1, 0]
     assert elementary_weights(A, b, 6) == elementary_weights([[0, 0], [F(1, 2), 0]], [0, 1], 6)
     assert elementary_weights(A, [0, 1, F(1, 99)], 6) != elementary_weights(A, b, 6)
     coupled = [A[0], [F(1, 2), 0, F(1, 99)], A[2]]
     assert elementary_weights(coupled, b, 6) != elementary_weights(A, b, 6)
-
-
-def test_map_and_truncate():
-    assert flow(5).truncate(3) == flow(3)
-    assert flow(3).map(lambda x: 2 * x) == combine([(2, flow(3))])
 
 
 def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
@@ -171,10 +153,6 @@ def test_the_modified_equation_of_euler_and_of_the_implicit_midpoint_rule():
     ]  # fmt: skip
     midpoint = modified_equation(Series.of(load("implicit-midpoint"), 3))
     assert [midpoint[Tree(t)] for t in ("[o]", "[oo]", "[[o]]")] == [0, F(-1, 12), F(1, 12)]
-
-
-def test_the_field_scaled_is_the_time_scaled():
-    assert substitute(Series({single(): 3}, 0, 5), flow(5)) == flow(5, 3)
 
 
 def test_series_of_methods_are_their_weights_and_several_values_are_refused():

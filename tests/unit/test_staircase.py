@@ -160,8 +160,3 @@ def test_residuals_beyond_the_range_of_doubles_are_analyzed() -> None:
         "claims": {}, "source": SOURCE,
     }  # fmt: skip
     assert analyze(load_document(content)).order == 1
-
-
-def test_an_analysis_is_shown_by_name_order_and_proof() -> None:
-    found = analyze(load_document(shipped("rk4")))
-    assert repr(found) == f"<Analysis rk4: order 4, {found.proof}>"

@@ -67,12 +67,6 @@ def test_listing_is_sorted_and_has_no_tree_twice(palette):
         assert len(set(level)) == len(level)
 
 
-def test_children_in_any_order_make_one_tree():
-    a, b = parse_tree("[oo]"), parse_tree("[[o]]")
-    assert tree([a, single(), b]) is tree([b, a, single()])
-    assert str(tree([b, a, single()])) == "[o[oo][[o]]]"
-
-
 def test_alternating_colours():
     assert {str(t) for t in trees(3, SEPARABLE)} == {"f[kk]", "f[k[f]]", "k[ff]", "k[f[k]]"}
 
