@@ -1,13 +1,12 @@
 """The canonical layout: equal documents are equal bytes, and the lists of hashes are exact."""
 
-import hashlib
 import json
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.catalogue.canonical import IN_ORDER, canonical, checksums, datapackage, refresh
+from glmref.catalogue.canonical import IN_ORDER, canonical, refresh
 
 DOCUMENT = {
     "source": {"where": "here", "citation": "Nyström", "errata": ["one", "two"]},
@@ -100,22 +99,6 @@ def folder(tmp_path):
     (tmp_path / ".hidden").write_text("no\n", encoding="utf-8")
     (tmp_path / "datapackage.json").write_text('{"name": "data"}', encoding="utf-8")
     return tmp_path
-
-
-def test_checksums_are_the_hashes_of_all_files_but_hidden_ones(folder):
-    rows = [line.partition("  ") for line in checksums(folder).splitlines()]
-    lines = {path: digest for digest, _, path in rows}
-    assert list(lines) == ["README.md", "datapackage.json", "methods/rk/m.json"]
-    assert lines["README.md"] == hashlib.sha256(b"text\n").hexdigest()
-
-
-def test_the_datapackage_lists_each_file_with_size_and_hash(folder):
-    package = datapackage(folder, {"name": "data", "resources": ["old"]})
-    paths = {x["path"]: x for x in package["resources"]}
-    assert sorted(paths) == ["README.md", "methods/rk/m.json"]
-    assert paths["README.md"]["bytes"] == 5
-    digest = hashlib.sha256(b"text\n").hexdigest()
-    assert paths["README.md"]["hash"] == f"sha256:{digest}"
 
 
 def test_refresh_writes_what_differs_and_then_nothing(folder):

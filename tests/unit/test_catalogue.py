@@ -9,33 +9,11 @@ from pathlib import Path
 import pytest
 
 import glmref
-from glmref.catalogue.lookup import data_root, document, load, names, path_of
+from glmref.catalogue.lookup import document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
 from glmref.cli import main
 from glmref.engine.ensemble import solve_ensemble
 from glmref.errors import DataError, UsageError
-
-
-def test_names_are_the_stems_of_the_files_and_the_two_folders_share_none() -> None:
-    stems = {p.stem for p in data_root().glob("methods/*/*.json")}
-    assert set(names("methods")) == stems
-    assert set(names("all")) == set(names("methods")) | set(names("broken"))
-    assert not set(names("methods")) & set(names("broken"))
-    assert names("all") == sorted(names("all"))
-    for name in names("all"):
-        assert document(name)["name"] == name == path_of(name).stem
-
-
-def test_broken_files_say_what_must_fail_and_why_and_the_others_do_not() -> None:
-    for name in names("broken"):
-        assert {"claim", "why", "flag", "found"} == document(name)["broken"].keys(), name
-    assert not [name for name in names("methods") if "broken" in document(name)]
-
-
-def test_a_path_is_read_like_a_name(tmp_path: Path) -> None:
-    file = tmp_path / "mine.json"
-    file.write_text(json.dumps(document("rk4")))
-    assert load(file).name == load(str(file)).name == "rk4"
 
 
 def test_a_shipped_name_wins_over_a_file_of_that_name(

@@ -7,14 +7,12 @@ import io
 import json
 import re
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 from click.shell_completion import ShellComplete
 
 from glmref import __version__
-from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
 from glmref.cli import EXAMPLES, HIDDEN, group, main
 from glmref.findings import Finding, Verdict
@@ -141,23 +139,6 @@ def test_no_command_is_a_usage_error_that_shows_the_help(run: Run) -> None:
     assert "Usage: glmref" in err
 
 
-def test_verify_shows_each_claim_of_a_named_method_with_its_proof(run: Run) -> None:
-    code, out, err = run("verify", "gsymplectic-n")
-    assert (code, err) == (0, "")
-    claims = document("gsymplectic-n")["claims"]
-    for claim in claims:
-        assert f"  holds  exact     {claim} " in out
-    count = len(claims) + ("starting-order" not in claims)
-    last = f"{count} hold, 0 fail, 0 open ({count} exact, 0 enclosed, 0 measured)"
-    assert out.splitlines()[-1].endswith(last)
-
-
-def test_verify_refutes_a_broken_file_and_says_by_what(run: Run) -> None:
-    code, out, _ = run("verify", "rkf45-3554")
-    assert code == 0
-    assert "refutes order  declared 5, found 1; tree [o] of order 2" in out
-
-
 @pytest.mark.slow
 def test_verify_fails_with_exit_1_where_a_claim_fails(run: Run, overclaimed: str) -> None:
     code, out, err = run("verify", overclaimed)
@@ -205,11 +186,6 @@ def test_only_restricts_what_is_checked(run: Run, overclaimed: str) -> None:
     assert [f["claim"] for f in json.loads(out)["findings"]] == ["refutes order", "order"]
 
 
-def test_a_name_given_twice_is_checked_once(run: Run) -> None:
-    _, once, _ = run("verify", "euler")
-    assert run("verify", "euler", "euler")[1] == once
-
-
 def found(verdict: Verdict) -> Finding:
     return Finding("it", "order", 4, verdict, None, witness="no matter")
 
@@ -242,25 +218,6 @@ def test_bad_input_beside_a_failure_is_exit_2_and_keeps_the_failure(
     code, out, _ = run("verify", "no-such-method", "euler", "--format", "junit")
     assert code == 2
     assert len(list(ElementTree.fromstring(out).iter("error"))) == 1
-
-
-def test_analyze_json_has_the_keys_of_its_format(run: Run) -> None:
-    code, out, err = run("analyze", "g4123", "--format", "json")
-    assert (code, err) == (0, "")
-    record: dict[str, Any] = json.loads(out)
-    expected = {
-        *("format", "method", "stages", "values", "preconsistent", "consistent", "zero_stable"),
-        *("order", "principal", "stage_order", "order_witness", "g_symplectic", "symmetric"),
-        *("growth", "parasitism_free", "proof"),
-    }
-    assert expected <= record.keys()
-    assert record["format"] == "glmref-analysis-1"
-    assert (record["order"], record["principal"]) == (4, "free")
-    assert record["order_identity"] == 2
-    assert record["g_symplectic"].keys() >= {"holds", "G", "D"}
-    assert record["symmetric"].keys() >= {"holds", "L", "P"}
-    assert all(g.keys() == {"eigenvalue", "mu"} for g in record["growth"])
-    assert record["proof"] == "exact"
 
 
 def test_analyze_table_and_csv_say_the_same(run: Run) -> None:
@@ -339,21 +296,6 @@ def test_list_broken_names_the_claim_that_fails(run: Run) -> None:
     assert [line.split()[0] for line in out.splitlines()[2:]] == names("broken")
     (line,) = (x for x in out.splitlines() if x.startswith("rkf45-3554 "))
     assert line.split()[1:4] == ["rk", "order", "DigitsSwapped"]
-
-
-def test_show_writes_expressions_or_decimals(run: Run) -> None:
-    assert "1/4-sqrt(3)/6" in run("show", "gauss-2")[1]
-    code, out, _ = run("show", "gauss-2", "--decimal", "12")
-    assert code == 0
-    assert "-0.0386751345948" in out
-    assert "sqrt" not in out.split("\n\n")[1]
-
-
-def test_cite_writes_source_and_file_of_each(run: Run) -> None:
-    code, out, _ = run("cite", "gauss-2", "gauss-3")
-    assert code == 0
-    assert out.count("@article{butcher1964a,") == 1
-    assert out.count("SHA-256") == 2
 
 
 def test_errata_by_id_by_text_and_by_verdict(run: Run) -> None:
@@ -441,14 +383,6 @@ def test_what_does_not_apply_to_an_imex_method_is_not_listed(run: Run) -> None:
     code, out, _ = run("analyze", "ars-2-3-2", "--format", "json")
     record = json.loads(out)
     assert record["stability_parts"]["2"]["L"] is True and "symmetric" not in record
-
-
-def test_check_of_a_method_file_is_what_verify_finds(run: Run) -> None:
-    path = str(data_root() / "methods" / "glm" / "dimsim-2-type-1.json")
-    code, out, _ = run("check", path, "--format", "json")
-    assert (code, json.loads(run("verify", path, "--format", "json")[1])) == (0, json.loads(out))
-    code, _, err = run("check", path, "--order", "2")
-    assert code == 2 and err.startswith("glmref: --order is for a plain tableau")
 
 
 def test_a_refused_export_names_the_formats_that_hold_the_method(run: Run) -> None:

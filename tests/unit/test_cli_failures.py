@@ -362,15 +362,6 @@ def test_a_terminal_gets_colour_and_progress_and_no_color_is_respected() -> None
     assert b"/9 [" in text  # the bar
 
 
-def test_check_turns_every_outcome_into_a_record() -> None:
-    good, bad = check("euler"), check("no-such-method")
-    assert not good.error
-    assert good.findings
-    assert bad.error.startswith("there is no method named")
-    assert not bad.findings
-    assert not bad.internal
-
-
 @pytest.mark.slow
 def test_results_come_in_order_whether_in_one_process_or_in_several(
     monkeypatch: pytest.MonkeyPatch,

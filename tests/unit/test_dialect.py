@@ -320,23 +320,10 @@ def test_analyze_and_show_read_it_and_verify_and_cite_say_what_is_missing(
     assert out == "" and "has no source to cite; add `source`" in err
 
 
-def test_it_is_solved_with(tmp_path: Path) -> None:
-    found = glmref.solve("kepler", str(write(tmp_path, HEUN)), h=0.01, steps=10)
-    assert found.y == pytest.approx(glmref.solve("kepler", "heun-2", h=0.01, steps=10).y, abs=1e-15)
-
-
 def test_a_name_made_of_a_long_file_name_is_cut_at_a_hundred_characters(tmp_path: Path) -> None:
     path = tmp_path / ("Long Name " + "x" * 150 + ".json")
     path.write_text(json.dumps({"A": [["0"]], "b": ["1"]}))
     assert glmref.load(path).name == "long-name-" + "x" * 90
-
-
-def test_a_starting_method_may_have_one_stage(tmp_path: Path) -> None:
-    path = tmp_path / "x.json"
-    start = {"A": [["0"]], "B": [["0"], ["1"]], "u": ["1", "0"], "order": 1}
-    path.write_text(json.dumps({"A": [["0"]], "U": [["1", "0"]], "B": [["1"], ["1"]],
-                                "V": [["1", "0"], ["0", "0"]], "starting": start}))  # fmt: skip
-    assert len(glmref.load(path).starting.A) == 1
 
 
 @pytest.mark.parametrize("name", ["ros34pw2", "nystrom-5", "ars-2-3-2", "rk4", "gauss-2"])

@@ -250,10 +250,6 @@ def test_zeros_of_any_length_are_exact(places, signed) -> None:
     assert parse("-" * signed + text, digits=8) == 0
 
 
-def test_the_imaginary_unit_is_a_root_of_degree_2() -> None:
-    assert weigh("i", {}).roots == weigh("1+i*i", {}).roots == {("i", 2)}
-
-
 def test_a_number_is_shown_exactly_where_it_has_a_text_and_in_decimals_elsewhere() -> None:
     seventh = root_of_unity(1, 7)
     assert shown_number(parse("sqrt(2)/2")) == "sqrt(2)/2"
@@ -282,13 +278,6 @@ def test_decimals_need_no_digit_on_one_side_of_the_point(
     found = parse(text, digits=digits)
     assert isinstance(found, Ball) and float(found) == value
     assert found.radius() == pytest.approx(10.0**-digits)
-
-
-@pytest.mark.parametrize("text", ["exp(2*pi*i/7)", "exp(2*pi*i/5)", "exp(4*pi*i/9)"])
-def test_conjugates_of_roots_of_unity_are_written(text: str) -> None:
-    z = parse(text)
-    for x in (z.conjugate(), 2 * z.conjugate() + z):
-        assert parse(to_text(x)) == x
 
 
 @pytest.mark.parametrize("length", [1, 57, 59, 60, 61, 62, 400])

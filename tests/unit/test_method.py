@@ -11,7 +11,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import DataError, ExactnessError
-from glmref.exact import exact, linalg
+from glmref.exact import linalg
 from glmref.method import GLM, PartitionedGLM, as_matrix, as_vector
 
 HALF: dict[str, Any] = {"A": [["1/2"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]}
@@ -19,12 +19,6 @@ HALF: dict[str, Any] = {"A": [["1/2"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]
 
 def midpoint(**changes: Any) -> GLM:
     return GLM(**{**HALF, **changes})
-
-
-def test_entries_may_be_strings_integers_fractions_or_numbers() -> None:
-    method = GLM(A=[[Fraction(1, 2)]], U=[[1]], B=[[exact(1)]], V=[["1"]])
-    assert method.A[0][0] == Fraction(1, 2)
-    assert (method.s, method.r) == (1, 1)
 
 
 @pytest.mark.parametrize("entry", [None, True, float("nan"), ["1"], b"1"])
@@ -137,13 +131,6 @@ def test_complex_methods_round_to_complex_arrays() -> None:
 def pair(**changes: Any) -> PartitionedGLM:
     hats = {f"{key}_hat": value for key, value in HALF.items()}
     return PartitionedGLM(**{**HALF, **hats, **changes})
-
-
-def test_a_pair_counts_its_stages_and_values() -> None:
-    verlet = load("stormer-verlet")
-    assert (verlet.n_Q, verlet.n_P, verlet.r, verlet.r_hat) == (2, 1, 1, 1)
-    assert verlet.separable
-    assert verlet.is_exact
 
 
 @pytest.mark.parametrize(

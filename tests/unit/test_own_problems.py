@@ -8,25 +8,15 @@ import pytest
 import glmref
 from glmref import Problem, UsageError, solve
 from glmref.errors import DataError, GlmrefError
-from glmref.problems import from_path, problem
+from glmref.problems import problem
 from glmref.problems.table import from_table
-from glmref.scenes import load_scene, plan, run
+from glmref.scenes import load_scene, plan
 
 DOUBLE = "(p1**2 + 2*p2**2 - 2*p1*p2*cos(q1 - q2))/(2 + 2*sin(q1 - q2)**2) - 2*cos(q1) - cos(q2)"
 
 
 def random_states(d, count=5):
     return np.random.default_rng(4).uniform(-1, 1, (count, d))
-
-
-def test_the_pendulum_from_h_is_second_order_and_the_shipped_one():
-    own = Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": "5/2", "p": 0})
-    assert own.second_order and own.force.outputs == ("-sin(q[0])",)
-    shipped = problem("pendulum")
-    options = {"h": 0.1, "steps": 50}
-    for method in ("stormer-verlet", "gauss-2", "pair-rkn-6-8b"):
-        ours, theirs = solve(own, method, **options), solve(shipped, method, **options)
-        np.testing.assert_array_equal(ours.y, theirs.y)
 
 
 def test_the_double_pendulum_from_h_alone_is_not_separable_and_has_the_right_field():
@@ -77,18 +67,6 @@ def test_names_are_the_user_s_and_may_be_listed():
     np.testing.assert_allclose(ends.y[-1], own.y0, atol=1e-6)
     invariant = own.invariants["L"]
     assert invariant(ends.y[-1]) == pytest.approx(invariant(own.y0), abs=1e-14)
-
-
-def test_equations_by_name_and_by_index():
-    by_name = Problem.from_equations(
-        {"x": "v", "v": "-k*sin(x) + eps*cos(t)"}, {"v": 0, "x": 1},
-        parameters={"k": 1, "eps": "1/10"},
-    )  # fmt: skip
-    by_index = Problem.from_equations(["y[1]", "-sin(y[0]) + cos(t)/10"], [1, 0])
-    options = {"h": 0.1, "steps": 20}
-    np.testing.assert_allclose(
-        solve(by_name, "rk4", **options).y, solve(by_index, "rk4", **options).y, rtol=1e-14
-    )
 
 
 def chain(n, **options):
@@ -161,20 +139,6 @@ def test_double_sums_masses_and_wrapped_indices():
     options = {"h": 0.01, "steps": 20, "solver": "fixed-point"}
     ours = solve(own, "gauss-2", **options)
     np.testing.assert_array_equal(ours.y, solve(own, "gauss-2", engine="interpreted", **options).y)
-
-
-def test_decimals_mean_decimals_at_every_precision():
-    own = Problem.from_hamiltonian(
-        "sum(p[i]**2/2 + 0.1*q[i]**4/3 for i in range(n))", {"q": [1, 2], "p": [0, 0]}
-    )
-    run = solve(own, "rk4", h=1, steps=0, engine="reference", digits=30)
-    import mpmath
-
-    context = mpmath.MPContext()
-    context.dps = 30
-    exact = own.on(context)
-    assert exact.dp(exact.y0[:2])[0] == pytest.approx(-context.mpf(4) / 30, abs=1e-28)
-    assert run.completed
 
 
 @pytest.mark.parametrize(
@@ -272,21 +236,6 @@ answer = {{ kind = "accurate", error = "state", at = 1e-6 }}
 {problem}
 """
 PENDULUM = 'H = "p**2/2 - cos(q)"\ny0 = { q = 1, p = 0 }'
-
-
-def test_a_scene_takes_an_own_problem_and_finds_its_reference(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(SCENE.format(problem=PENDULUM))
-    scene = load_scene(path)
-    records = run(plan(scene))
-    assert {r["outcome"] for r in records} == {"completed"}
-    assert {r["reference"] for r in records} == {"computed"}
-    assert max(r["reference_error"] for r in records) < 1e-12
-    exact = problem("pendulum", q0=1).solution(5.0)
-    ours = solve(scene.subject, "gauss-4", h=0.05, t_end=5).y[-1]
-    truth = np.linalg.norm(ours - exact) / np.linalg.norm(exact)
-    assert records[-1]["state_error"] == pytest.approx(truth, rel=0.2, abs=1e-14)
-    assert from_path(path).second_order
 
 
 def test_a_scene_executes_a_file_beside_it_only(tmp_path):

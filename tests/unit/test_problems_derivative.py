@@ -67,24 +67,6 @@ def test_every_rule_of_differentiation(text, slope):
     assert derivative(1.5, [0.7])[0, 0] == pytest.approx(slope(0.7), rel=1e-14)
 
 
-def test_common_subexpressions_that_no_entry_needs_are_dropped():
-    f = Formula(("a + y[0]",), common=(("a", "3*t"),))
-    assert differentiated(f, 1).common == () and differentiated(f, 1).outputs == ("1",)
-
-
-def test_chain_rule_runs_through_common_subexpressions():
-    f = Formula(("b",), common=(("a", "y[0]*y[1]"), ("b", "sin(a)*a")))
-    x, y = 0.3, 0.8
-    a = x * y
-    outer = np.cos(a) * a + np.sin(a)
-    assert differentiated(f, 2)(0.0, [x, y])[0] == pytest.approx([outer * y, outer * x], rel=1e-14)
-
-
-def test_scalar_formula_gives_its_gradient():
-    gradient = differentiated(Formula(("y[0]*y[1]",), variables=("y",), shape=()), 2)
-    assert gradient([3.0, 4.0]).tolist() == [4.0, 3.0]
-
-
 def test_a_wrong_derivative_is_noticed():
     # near miss: the comparison of the first test at work on a Jacobian off by 1e-12
     context = mpmath.MPContext()

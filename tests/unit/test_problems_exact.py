@@ -1,7 +1,5 @@
 """Closed forms: they start at y0, solve the equation, and are a flow."""
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
@@ -78,13 +76,6 @@ def test_exact_solution_in_double_is_rounded_once():
     mine = p.exact(1000.0, p.y0)
     fine = p.on(context).exact(context.mpf(1000), [context.mpf(float(x)) for x in p.y0])
     assert mine.tolist() == [float(x) for x in fine]
-
-
-def test_exact_solution_takes_fractions_of_time():
-    context = high(DIGITS)
-    p = problem("kepler").on(context)
-    third = p.solution(Fraction(1, 3))
-    assert size(third - p.solution(context.mpf(1) / 3)) < 1e-58
 
 
 @pytest.mark.parametrize("parameters", [{"q0": 0, "p0": 3}, {"q0": 8, "p0": "1/2"}, {}])

@@ -8,48 +8,6 @@ from glmref.problems import Problem, problem
 from tests.build import high
 
 
-def test_f_and_y0_suffice():
-    p = Problem(f=lambda t, y: -y, y0=[1, 2])
-    assert p.f(0.0, p.y0).tolist() == [-1, -2]
-    assert p.dimension == 2 and not p.separable and not p.second_order
-    assert p.expressions is None and p.jacobian is None
-
-
-def test_expressions_bring_a_jacobian_and_every_precision():
-    p = Problem(f=("y[1]", "-k*y[0]"), y0=("1/3", 0), parameters={"k": "2/5"})
-    assert p.jacobian(0.0, p.y0).tolist() == [[0, 1], [-0.4, 0]]
-    assert p.jacobian.formula.outputs == ("0", "1", "-k", "0")
-    exact = p.on(high())
-    assert abs(3 * exact.y0[0] - 1) < 1e-39 and abs(15 * exact.f(0, exact.y0)[1] + 2) < 1e-38
-
-
-def test_force_gives_f_and_the_separable_parts():
-    p = Problem(force=("-sin(q[0])",), y0=(1, 2))
-    assert p.second_order and p.separable
-    assert p.expressions == ("y[1]", "-sin(y[0])")
-    assert p.dq.outputs == ("p[0]",) and p.dp.outputs == p.force.outputs
-    assert p.f(0.0, p.y0) == pytest.approx([2, -np.sin(1)])
-
-
-def test_parts_give_f():
-    p = Problem(dq=("p[0] + p[1]", "p[1]"), dp=("-q[0]", "-q[1]**3"), y0=(1, 2, 3, 4))
-    assert p.expressions == ("y[2] + y[3]", "y[3]", "-y[0]", "-y[1] ** 3")
-    assert p.f(0.0, p.y0).tolist() == [7, 4, -1, -8]
-
-
-def test_plain_functions_serve_as_parts_and_force():
-    p = Problem(dq=lambda p: 2 * p, dp=lambda q: -q, y0=(1, 2, 3, 4))
-    assert p.f(0.0, p.y0).tolist() == [6, 8, -1, -2]
-    q = Problem(force=lambda q: -q, y0=(1, 2, 3, 4))
-    assert q.f(0.0, q.y0).tolist() == [3, 4, -1, -2]
-    assert q.dq(q.y0[2:]).tolist() == [3, 4] and q.second_order
-
-
-def test_plain_functions_work_in_a_context_when_their_code_does():
-    p = Problem(f=lambda t, y: -y * y, y0=("1/3",)).on(high())
-    assert abs(9 * p.f(0, p.y0)[0] + 1) < 1e-39
-
-
 def test_plain_functions_of_doubles_say_so_in_a_context():
     p = Problem(f=lambda t, y: np.sin(y), y0=(1,)).on(high())
     with pytest.raises(UsageError, match="double precision only"):
@@ -67,13 +25,6 @@ def test_conserved_functions_come_in_every_form():
     assert p.hamiltonian(p.y0) == 12.5
     assert p.quadratic["norm"](p.y0) == 25 == p.invariants["plain"](p.y0)
     assert np.asarray(p.quadratic["norm"]).tolist() == [[1, 0], [0, 1]]
-
-
-def test_hamiltonian_takes_a_whole_trajectory_in_columns():
-    p = problem("kepler")
-    trajectory = np.array([p.y0, p.solution(1.0), p.solution(2.0)])
-    # H = -1/2 at each, a dozen roundings of terms up to 2.5
-    assert p.hamiltonian(trajectory.T) == pytest.approx([-0.5] * 3, abs=5e-15)
 
 
 def test_repr_is_one_line():

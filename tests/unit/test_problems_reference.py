@@ -25,14 +25,6 @@ def written(tmp_path, document, name="pendulum"):
     return path
 
 
-def test_a_file_is_read(tmp_path):
-    ((parameters, reference),) = read_references(
-        written(tmp_path, solution_document("pendulum", [GOOD]))
-    )
-    assert parameters == {"q0": 2.5, "p0": 0.0}
-    assert reference.rounded().tolist() == [0.25, -0.001] and float(reference.t) == 0.5
-
-
 @pytest.mark.parametrize(
     ("document", "says"),
     [

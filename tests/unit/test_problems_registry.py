@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import glmref
 from glmref.errors import UsageError
 from glmref.problems import names, problem
 
@@ -23,10 +22,6 @@ def test_every_problem_is_built_and_evaluates(name):
 def test_defaults_written_out_give_the_same_problem(name):
     same = problem(name, **problem(name).parameters)
     assert (same.y0 == problem(name).y0).all()
-
-
-def test_public_face_resolves_problem():
-    assert glmref.problem("kepler", eccentricity=0.6).y0.tolist() == [0.4, 0, 0, 2]
 
 
 @pytest.mark.parametrize(

@@ -199,10 +199,3 @@ def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
         field.Tower([f"sqrt({p})" for p in (*primes, 17)])
     with pytest.raises(ExactnessError, match="conjugation"):
         field.Tower(["i", "sqrt(1+i)"])
-
-
-def test_constants_stand_in_parentheses_for_what_they_are() -> None:
-    constants = {"w": "1/(2 - root(2, 3))", "z": "1-2*w"}
-    assert field.written_out("w *z", constants) == "(1/(2-root(2,3)))*(1-2*(1/(2-root(2,3))))"
-    assert field.radicals_of("2*sqrt(1+sqrt(2))-sqrt(2)+i") == ["sqrt(2)", "sqrt(1+sqrt(2))", "i"]
-    assert field.radicals_of("exp(2*pi*i/5)*pi") == ["exp(2*pi*i/5)"]

@@ -11,11 +11,8 @@ import pytest
 from glmref.catalogue.claims import CLAIMS
 from glmref.catalogue.entries import Entries
 from glmref.catalogue.keys import (
-    BLOCKS,
     MAX_SIZE,
     PAIRS,
-    SOURCE,
-    class_of_keys,
     fault_of_texts,
     needed_keys,
     without_meaning,
@@ -41,31 +38,6 @@ def glm(**members: Any) -> GLM:
     return method
 
 
-def equal(a: Any, b: Any) -> bool:
-    return all(x == y for p, q in zip(a, b, strict=True) for x, y in zip(p, q, strict=True))
-
-
-def test_runge_kutta_becomes_a_method_with_one_value() -> None:
-    method = glm(kind="rk", A=[["0", "0"], ["1/2", "0"]], b=["0", "1"])
-    assert (method.s, method.r) == (2, 1)
-    assert equal(method.B, ((0, 1),))
-    assert equal(method.U, ((1,), (1,)))
-
-
-def test_composition_is_that_of_its_base() -> None:
-    method = glm(kind="composition", base="gauss-1", gamma=["1/3", "2/3"])
-    by_hand = glm(kind="rk", A=[["1/6", "0"], ["1/3", "1/3"]], b=["1/3", "2/3"])
-    assert equal(method.A, by_hand.A)
-    assert equal(method.B, by_hand.B)
-
-
-def test_every_class_is_read_and_every_class_occurs_in_the_catalogue() -> None:
-    seen = {document(name)["class"] for name in names("all")}
-    assert seen <= BLOCKS.keys()
-    assert {"glm", "rk", "lmm", "one-leg", "composition", "splitting"} <= seen
-    assert {"partitioned-rk", "partitioned"} <= seen
-
-
 @pytest.mark.slow
 def test_every_shipped_file_loads_as_what_its_class_says() -> None:
     for name in names("all"):
@@ -85,14 +57,6 @@ def test_constants_may_use_those_above_them() -> None:
     assert method.B[0][0] == 1
     with pytest.raises(DataError, match="the name 'b' is not known"):
         glm(kind="rk", constants={"a": "b", "b": "1"}, A=[["a"]], b=["1"])
-
-
-def test_g_may_be_given_by_its_diagonal() -> None:
-    blocks = {x: document("gsymplectic-n")[x] for x in "AUBV"}
-    method = glm(kind="glm", **blocks, G=["1", "-1/2"], D=["1/2", "1/2"])
-    assert equal(method.G, ((1, 0), (0, method.G[1][1])))
-    assert method.D is not None
-    assert [x * 2 for x in method.D] == [1, 1]
 
 
 def test_claimed_expressions_keep_text_and_value() -> None:
@@ -141,12 +105,6 @@ def test_a_real_tableau_with_a_complex_entry_must_say_so() -> None:
     assert glm(kind="rk", A=[["i*i"]], b=["1"]).is_real
 
 
-def test_a_starting_method_is_read_with_its_order() -> None:
-    method = load("gsymplectic-n")
-    assert method.starting.claims["order"] == document("gsymplectic-n")["starting"]["order"]
-    assert method.starting.stages == len(document("gsymplectic-n")["starting"]["A"])
-
-
 def test_documents_of_python_values_are_checked_like_files() -> None:
     for value in ({}, [], "x", None, 3):
         with pytest.raises(DataError, match="document: "):
@@ -155,24 +113,11 @@ def test_documents_of_python_values_are_checked_like_files() -> None:
         glm(kind="rk", A=[[0.5]], b=["1"])
 
 
-def test_every_key_of_every_source_is_one_the_format_has() -> None:
-    for name in names("all"):
-        assert document(name)["source"].keys() <= SOURCE.keys()
-
-
 def test_a_constant_that_stands_nowhere_is_refused() -> None:
     members = {**document("gauss-2"), "constants": {"g": "sqrt(3)"}}
     with pytest.raises(DataError, match="the constant 'g' is never used"):
         load_document(members)
     assert load_document({**members, "b": ["g/g/2", "1/2"]}).r == 1
-
-
-def test_the_start_of_a_pair_is_read() -> None:
-    method = load("pair-4-4")
-    assert method.starting.stages == (5, 5)
-    assert (len(method.starting.B), len(method.starting.B_hat)) == (2, 2)
-    assert method.starting.claims["order"] == method.claims["starting-order"] == 4
-    assert load("stormer-verlet").starting is None
 
 
 def test_a_method_of_one_value_has_no_start_to_read() -> None:
@@ -324,19 +269,6 @@ def test_unknowns_and_constants_have_one_table_of_names() -> None:
     ):
         with pytest.raises(DataError, match=fault):
             Entries(wrong, "it.json").read_constants()
-
-
-def test_the_class_that_uses_most_keys_is_told_from_them() -> None:
-    for kind in BLOCKS:
-        told = class_of_keys(dict.fromkeys(needed_keys(kind)))
-        assert told == ("lmm" if kind == "one-leg" else kind)
-    for keys, kind in (
-        ("A b", "rk"), ("A b c", "rk"), ("A U B V G", "glm"), ("alpha beta", "lmm"),
-        ("alpha beta G", "one-leg"), ("A b A_hat b_hat", "partitioned-rk"), ("A", ""), ("a b", ""),
-        ("A b b_prime c", "nystrom"), ("alpha gamma b", "rosenbrock"), ("D X V G", "sweep"),
-        ("q p", "partitioned"), ("base gamma", "composition"), ("a b first", "splitting"),
-    ):  # fmt: skip
-        assert class_of_keys(dict.fromkeys([*keys.split(), "title"])) == kind
 
 
 def test_a_complex_entry_of_a_vector_is_named_by_its_place() -> None:

@@ -35,12 +35,6 @@ def test_a_renewal_is_a_new_run_from_the_solution(method: str, engine: str) -> N
     assert not np.array_equal(other.y[-1], whole.y[-1])
 
 
-def test_one_value_has_nothing_to_renew() -> None:
-    with_, without = (solve(KEPLER, "rk4", h=0.05, steps=50, renew=n) for n in (10, 0))
-    assert with_.renewals == 0
-    assert np.array_equal(with_.y, without.y)
-
-
 @pytest.mark.parametrize("wrong", [-1, 2.5, True, "often"])
 def test_what_is_no_number_of_steps_is_refused(wrong: object) -> None:
     with pytest.raises(UsageError, match="`renew` must be a whole number"):

@@ -8,7 +8,7 @@ import pytest
 
 from glmref.errors import ExactnessError
 from glmref.exact import Exact, root_of_unity
-from glmref.exact.expression import parse, shown_number, to_text
+from glmref.exact.expression import parse, to_text
 from glmref.exact.roots import Roots
 
 ATOMS = (
@@ -109,14 +109,6 @@ def test_the_text_of_such_a_number(text: str, printed: str) -> None:
     value = number(text)
     assert to_text(value) == printed
     assert number(printed) == value
-
-
-def test_square_roots_are_written_where_a_number_is_made_of_them() -> None:
-    z = number("exp(2*pi*i/5)")
-    assert to_text((z + z.conjugate()) * 2 + 1) == "sqrt(5)"
-    assert shown_number((z + z.conjugate()) * 2 + 1) == "sqrt(5)"
-    w = number("exp(2*pi*i/7)")
-    assert to_text(w + w * w + w**4) == "-1/2+sqrt(7)*i/2"
 
 
 def test_many_digits_of_a_small_difference() -> None:
