@@ -71,7 +71,7 @@ def test_work_on_matrices_and_polynomials_looks_at_the_budget() -> None:
         lambda: linalg.matmul(a, b),
         lambda: linalg.sub(a, a),
         lambda: polynomials.mul(a[0], a[1]),
-        lambda: polynomials.divide(a[0], a[1]),
+        lambda: polynomials.divide((root, exact(1)), a[0]),
         lambda: root * root,
         root.is_zero,
         lambda: to_text(exact(2)),
