@@ -38,7 +38,7 @@ def doubles(matrix: Any) -> np.ndarray:
     return np.array([[float(x) for x in row] for row in matrix])
 
 
-@pytest.mark.sampled(1, besides=("gauss", "gsym", "g6245", "verner"))
+@pytest.mark.sampled(1, besides=("gauss", "gsym", "g6245", "verner", "lobatto"))
 @pytest.mark.parametrize(
     ("name", "values"),
     [("rk4", 1), ("gauss-2", 1), ("gsymplectic-n", 2), ("g6245-w3", 4), ("g6245", 4), ("bdf-3", 3),
