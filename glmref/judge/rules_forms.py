@@ -13,10 +13,10 @@ from .document import Method
 from .linalg import (
     apply,
     combine,
-    diagonal,
     dot,
     entries,
     minus,
+    placewise,
     solve,
     star,
     times,
@@ -53,19 +53,20 @@ def form_defects(
     One method is a pair of itself.
     """
     parts = list(method.parts.values())
-    (q, p), (D_P, D_Q), both = (
-        (parts[0], parts[-1]),
-        map(diagonal, (D[0], D[-1])),
-        [[*D[0], *D[-1]]],
-    )
+    q, p, both = parts[0], parts[-1], [[*D[0], *D[-1]]]
+
+    def rows_times(d: list, M: list) -> list:
+        return transpose([placewise(len(d), [d, column]) for column in transpose(M)])
+
+    inside = [placewise(len(row), [row, D[-1]]) for row in star_(q.A)]  # A^* D
     alike = [] if method.separable else [minus([D[0]], [D[-1]])]
     return Defects(
-        [minus(times(star_(q.V), G, p.V), G)],
+        [minus(G, times(star_(q.V), G, p.V))],
         [
-            minus(times(D_P, p.U), times(star_(q.B), G, p.V)),
-            minus(times(D_Q, q.U), times(star_(p.B), star_(G), q.V)),
+            minus(rows_times(D[0], p.U), times(star_(q.B), G, p.V)),
+            minus(rows_times(D[-1], q.U), times(star_(p.B), star_(G), q.V)),
         ][: len(parts)],
-        [minus(combine(times(D_P, p.A), times(star_(q.A), D_Q)), times(star_(q.B), G, p.B))],
+        [minus(combine(rows_times(D[0], p.A), inside), times(star_(q.B), G, p.B))],
         [minus(both, star_(transpose(both)))],
         alike if method.pair else [minus(G, star_(G))],
     )

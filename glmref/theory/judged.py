@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 from ..exact.judging import as_numbers, fast_judge
@@ -14,6 +15,7 @@ def judged_component(c: Block) -> Any:
     return fast_judge().document.Component(*map(as_numbers, (c.A, c.U, c.B, c.V)))
 
 
+@lru_cache(maxsize=8)
 def judged_parts(m: Method) -> Any:
     """Return a method of the judge that has these components, and no document."""
     found = object.__new__(fast_judge().document.Method)

@@ -34,10 +34,12 @@ from dataclasses import dataclass, replace
 
 from ..errors import ExactnessError, UsageError
 from ..exact import Exact, Scalar, linalg
+from ..exact.judging import consulted, inward, outward
 from ..exact.linalg import Matrix, Vector
 from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
 from .forms import Form, FormSpace, choose_form, is_nondegenerate, solved, unit_matrices
+from .judged import judged_parts
 from .residuals import verdict_of
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -82,10 +84,21 @@ def _ends(m: Method) -> tuple[Component, Component]:
     return m.components[0], m.components[-1]
 
 
-def g_symplectic_residual(
-    m: Method, G: Matrix, *diagonals: Sequence[Scalar]
-) -> list[tuple[str, Matrix]]:
-    """Return the identities of the module docstring, left minus right, with their names.
+#: Names of what :func:`form_identities` returns, of one method and of a pair.
+_OF_ONE = (
+    *("G - G*", "the imaginary part of D"),
+    *("G - V* G V", "D U - B* G V", "D A + A* D - B* G B"),
+)
+_OF_A_PAIR = (
+    *("the imaginary part of D_P and D_Q", "G - V* G V^", "D_P U^ - B* G V^"),
+    *("D_Q U - B^* G* V", "D_P A^ + A* D_Q - B* G B^", "D_P - D_Q"),
+)
+
+
+def form_identities(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> list[tuple[str, Matrix]]:
+    """Return what a form satisfies, left minus right, with names: D real, G Hermitian, and more.
+
+    Of a partitioned method with shared stages D_P = D_Q comes last, instead of a Hermitian G.
 
     Parameters
     ----------
@@ -94,39 +107,16 @@ def g_symplectic_residual(
     diagonals : Sequence[Scalar]
         D, or D_P (n_P,) and D_Q (n_Q,).
 
-    Returns
-    -------
-    list[tuple[str, Matrix]]
-        ``G - V^* G V^`` (r, r^), then (n_P, r^), for a partitioned method (n_Q, r), and (n_P, n_Q).
-
     References: Butcher and Hewitt, Numer. Algorithms 51 (2009) 33; Khan (2018), Theorem 3.0.6, with
     conjugate transposes for complex methods. For r = 1, Sun, J. Comput. Math. 11 (1993) 365 and
     Hairer, Lubich and Wanner, "Geometric Numerical Integration" (2006), Theorem VI.4.6.
     """
-    f, k = _ends(m)
-    D_P, D_Q = diagonals[0], diagonals[-1]
-    star = linalg.conjugate_transpose
-    B_star, G_V = star(f.B), linalg.matmul(G, k.V)
-    mixed = linalg.add(rows_scaled(D_P, k.A), star(rows_scaled(D_Q, f.A)))
-    first = linalg.sub(G, linalg.matmul(star(f.V), G_V))
-    second = linalg.sub(rows_scaled(D_P, k.U), linalg.matmul(B_star, G_V))
-    last = linalg.sub(mixed, linalg.matmul(B_star, G, k.B))
-    if f is k:
-        return [("G - V* G V", first), ("D U - B* G V", second), ("D A + A* D - B* G B", last)]
-    third = linalg.sub(rows_scaled(D_Q, f.U), linalg.matmul(star(k.B), star(G), f.V))
-    return [
-        ("G - V* G V^", first),
-        ("D_P U^ - B* G V^", second),
-        ("D_Q U - B^* G* V", third),
-        ("D_P A^ + A* D_Q - B* G B^", last),
-    ]
-
-
-def rows_scaled(D: Sequence[Scalar], a: Matrix) -> Matrix:
-    """Return the product of the diagonal matrix D and a matrix."""
-    return tuple(
-        tuple(x if x.is_zero() is True else d * x for x in row) for d, row in zip(D, a, strict=True)
-    )
+    single = len({id(c) for c in _ends(m)}) == 1
+    with consulted() as judge:
+        x = judge.rules_forms.form_defects(judged_parts(m), *inward([G, diagonals]))
+        found = [*x.real, *x.kept, *x.outside, *x.inside]
+        matrices = outward([*x.alike, *found] if single else [*found, *x.alike])
+    return list(zip(_OF_ONE if single else _OF_A_PAIR, matrices, strict=False))
 
 
 def quadratic_value(G: Matrix, u: Vector, v: Vector | None = None) -> Scalar:
@@ -185,41 +175,13 @@ def find_forms(m: Method) -> FormSpace:
     u, u_hat = _principal_vectors(m)
 
     def identities(form: Form) -> list[tuple[str, Matrix]]:
-        found = g_symplectic_residual(m, form.G, *form.D)
-        if len(m.components) > 1:
-            return found + _shared_stages(m, form.D)
-        name, square = found[-1]
-        upper = tuple(  # it is Hermitian: its lower part says nothing new
-            tuple(x if j >= i else _ZERO for j, x in enumerate(row)) for i, row in enumerate(square)
-        )
-        return [*found[:-1], (name, upper)]
+        return form_identities(m, form.G, *form.D)
 
     def principal(form: Form) -> Scalar:
         return quadratic_value(form.G, u or (), u_hat).real
 
     has_u = u is not None and u_hat is not None
     return solved(_start_forms(m, u, u_hat), identities, principal if has_u else None)
-
-
-def _shared_stages(m: Method, diagonals: Sequence[Sequence[Scalar]]) -> list[tuple[str, Matrix]]:
-    """Ask for one diagonal where f and k are evaluated at the same stages."""
-    if len(diagonals) == 1 or not m.shared:
-        return []
-    return [("D_P - D_Q", (tuple(x - y for x, y in zip(*diagonals, strict=True)),))]
-
-
-def form_identities(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> list[tuple[str, Matrix]]:
-    """Return all that a form satisfies: :func:`g_symplectic_residual`, D real, G Hermitian.
-
-    Of a partitioned method with shared stages D_P = D_Q instead of the last.
-    """
-    imaginary: Matrix = (tuple(x.imag for d in diagonals for x in d),)
-    if len(diagonals) == 1:
-        residuals = [("G - G*", linalg.sub(G, linalg.conjugate_transpose(G)))]
-        residuals += [("the imaginary part of D", imaginary)]
-    else:
-        residuals = [("the imaginary part of D_P and D_Q", imaginary)]
-    return residuals + g_symplectic_residual(m, G, *diagonals) + _shared_stages(m, diagonals)
 
 
 def check_g_symplectic(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> GSymplecticity:

@@ -15,7 +15,7 @@ from glmref.method import as_matrix, as_vector
 from glmref.method.sweep import build_partitioned as build
 from glmref.theory.parasitism import growth
 from glmref.theory.symmetry import symmetry
-from glmref.theory.symplectic import g_symplectic_residual
+from glmref.theory.symplectic import form_identities
 
 SIGNS = as_matrix([["1", "0"], ["0", "-1"]], "V")
 FORM = as_matrix([["1", "0"], ["0", "1"]], "G")
@@ -34,7 +34,7 @@ def pair(b, w, c, v, stages="PQPQP", V=SIGNS, V_hat=SIGNS, G=FORM):
 
 
 def defects(p):
-    residuals = g_symplectic_residual(p, p.G, p.D_P, p.D_Q)
+    residuals = form_identities(p, p.G, p.D_P, p.D_Q)
     return [x for _, m in residuals for _, _, x in linalg.entries(m) if not x.is_zero()]
 
 
