@@ -696,7 +696,7 @@ class Folder:
             return _rooted(given[0])
         if low == "cbrt" and len(given) == 1:
             return power(given[0], Number(Exact(Fraction(1, 3))))
-        if low.endswith("pow") and len(given) == 2:
+        if low.endswith(("pow", "power", "powerr")) and len(given) == 2:
             return power(given[0], given[1])
         if low in ("sqr", "petscsqr", "square") and len(given) == 1:
             return power(given[0], Number(Exact(2)))

@@ -39,7 +39,7 @@ _STEPS = re.compile(
 _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
 _ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
 #: Names of the first and second steps of a splitting.
-_FLOWS = (("a", "b"), ("c", "d"), ("drift", "kick"), ("drifts", "kicks"))
+_FLOWS = (("a", "b"), ("c", "d"), ("a", "ahat"), ("drift", "kick"), ("drifts", "kicks"))
 #: Names of states: steps only where both sum to 1, or the name says that these are coefficients.
 _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.

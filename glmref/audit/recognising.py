@@ -1167,11 +1167,9 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
     while at is not None:
         if above and at.user is not None and (order := _own_order(at.user)) is not None:
             return order
-        both = [x for x in at.items if x.name in ("q", "p") and isinstance(x.value, Number)]
-        if at.kind == "record" and {x.name for x in both} == {"q", "p"}:  # and the embedded one
-            q = next(x.value for x in both if x.name == "q").value.as_fraction()
-            if q in range(1, 15):
-                return int(q)
+        own = {x.name: whole_number(x.value) for x in at.items if x.name in ("q", "p", "stages")}
+        if at.kind == "record" and len(own) > 1 and own.get("q") in range(1, 15):
+            return own["q"]  # p is that of the embedded weights
         found: set[int] = set()
         said = 0
         inner = [x for x in at.blocks if x.kind == "record" and x is not block]

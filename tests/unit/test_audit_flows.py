@@ -296,3 +296,35 @@ def test_letters_after_small_ones_are_those_of_two_flows() -> None:
     text = "\n".join(f"s{'CD'[k % 2]}{k // 2 + 1} = {x};" for k, x in enumerate(FOREST))
     (table,) = read(text, "matlab")
     assert judge(table)["found"] == 4
+
+
+SPRK = """static Table ruth(void)
+{
+  Table table = Table_Alloc(3);
+  table->q = 3;
+  table->stages = 3;
+  table->a[0] = 2.0/3.0;
+  table->a[1] = -2.0/3.0;
+  table->a[2] = 1.0;
+  table->ahat[0] = 7.0/24.0;
+  table->ahat[1] = 3.0/4.0;
+  table->ahat[2] = -1.0/24.0;
+  return table;
+}"""
+
+
+def test_a_and_a_hat_are_steps_of_two_flows_and_q_beside_the_stages_is_the_order() -> None:
+    (table,) = read(SPRK, "c")
+    assert (judge(table)["declared"], judge(table)["status"]) == (3, "right")
+    (table,) = read(SPRK.replace("3.0/4.0", "3.0/5.0"), "c")
+    assert judge(table)["status"] != "right"
+    (table,) = read(SPRK.replace("  table->stages = 3;\n", ""), "c")
+    assert table.order is None
+
+
+def test_adding_to_any_vector_is_no_flow() -> None:
+    rows = ["strang!(u, 0.25*dt)", "axpy!(u, g, 0.3*dt)", "strang!(g, 0.5*dt)",
+            "axpy!(v, g, 0.7*dt)", "strang!(v, 0.25*dt)"]  # fmt: skip
+    text = "function step!(u, v, g, dt)\n    " + "\n    ".join(rows) + "\nend\n"
+    assert all(x.unread for x in read(text, "julia"))
+    assert any(not x.unread for x in read(text.replace("axpy!", "kick!"), "julia"))
