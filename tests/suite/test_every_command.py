@@ -53,16 +53,13 @@ def code_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> int:
 @pytest.fixture
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw from few points: what a method breaks, it breaks there, too."""
-    for name, points in (
-        ("locus", {"turns": 24}),
-        ("interval", {"samples": 64}),
-        ("region", {"coarse": 5, "depth": 2}),
-    ):
+    for name, points in (("locus", {"turns": 24}), ("interval", {"samples": 64})):
         whole = getattr(stability, name)
         monkeypatch.setattr(
             portrait, name, lambda *a, f=whole, few=points, **k: f(*a, **{**k, **few})
         )
     monkeypatch.setattr(stability, "_SAMPLES", 48)
+    monkeypatch.setattr(stability, "GRID", 12)
 
 
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))

@@ -16,9 +16,7 @@ from glmref.exact import Ball, Exact, ball
 from glmref.exact.expression import parse
 from glmref.exact.judging import fast_judge
 from glmref.judge.trees import read_tree, show, size
-from glmref.method import as_matrix
 from glmref.prove import implications, starting
-from glmref.prove.certificate import _Writer
 from glmref.prove.enclosure import (
     WIDTH,
     _checked_width,
@@ -169,22 +167,6 @@ def test_a_range_says_what_decides_it() -> None:
     )
     assert Range(0, 3, "[oo]", 0.25).sentence == upper.sentence
     assert Range(2, 2, value=2).sentence == ""
-
-
-def test_another_u_than_the_stages_read_refutes_order_1() -> None:
-    def other(U: Any, B: Any, V: Any) -> bool:
-        return _Writer._other_u(as_matrix(U, "U"), as_matrix(B, "B"), as_matrix(V, "V"))
-
-    one = [["1"]]
-    assert not other(one, one, one)
-    assert other([["2"]], one, one) and other(one, [["1/2"]], one)
-    assert other(one, one, [["1/2"]]), "V has no eigenvalue 1"
-    # of a Jordan block nothing is said
-    assert not other([["1", "0"]], [["1"], ["0"]], [["1", "1"], ["0", "1"]])
-    # u = (1, 1/2): W u = W B 1 for the left vector (1, 1) of the eigenvalue 1
-    V = [["1/2", "1"], ["1/2", "0"]]
-    assert not other([["1", "0"]], [["1"], ["1/2"]], V)
-    assert other([["0", "1"]], [["1"], ["1/2"]], V)
 
 
 def test_the_first_stage_begins_at_0_where_it_is_explicit_and_starts_at_order_two() -> None:
