@@ -33,6 +33,7 @@ from .products import sum_of_products
 PRECISION = 512  # bits of a ball
 
 Fraction = flint.fmpq
+tick = spend
 #: The types of rational numbers.
 RATIONAL = (flint.fmpq, int, flint.fmpz)
 

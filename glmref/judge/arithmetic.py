@@ -23,6 +23,10 @@ PLACES = 448  # binary places of an interval
 Number: TypeAlias = "Fraction | int | Ring"
 
 
+def tick() -> None:
+    """Do nothing; another arithmetic may end here what takes too long."""
+
+
 class Ring:
     """What follows from sums and products, which a subclass defines."""
 

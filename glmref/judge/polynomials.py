@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
-from .arithmetic import Fraction, Number, Ring
+from .arithmetic import Fraction, Number, Ring, tick
 from .linalg import at_matrix, characteristic, times
 from .numbers import conj, inverse, is_enclosure, is_nil, live, sign, squared, vanishes
 from .refusals import T, require
@@ -36,6 +36,7 @@ def multiply(p: list, q: list) -> list:
     """Return p q."""
     out = [Fraction(0)] * (len(p) + len(q) - 1) if p and q else []
     for i, a in enumerate(p):
+        tick()
         for j, b in enumerate(q):
             if not (is_nil(a) or is_nil(b)):
                 out[i + j] = out[i + j] + a * b
@@ -54,6 +55,7 @@ def divide(p: list, q: list) -> tuple[list, list]:
     p, q, unit, out = trim(p), trim(q), inverse(trim(q)[-1]), []
     out = [Fraction(0)] * max(len(p) - len(q) + 1, 0)
     while len(p) >= len(q):
+        tick()
         shift, factor = len(p) - len(q), p[-1] * unit
         out[shift] = factor
         p = trim([x - factor * q[i - shift] if i >= shift else x for i, x in enumerate(p)][:-1])
@@ -73,9 +75,12 @@ def mirror(p: list) -> list:
     return [conj(x) for x in reversed(p)]
 
 
-def margins(p: Iterable) -> Iterator:
-    """Yield |p_n|^2 - |p_0|^2 along the steps of Schur and Cohn, None where Cohn's step fails."""
-    p = trim(p)
+def margins(p: Iterable, lower: Callable[[list, Number], list] | None = None) -> Iterator:
+    """Yield |p_n|^2 - |p_0|^2 along the steps of Schur and Cohn, None where Cohn's step fails.
+
+    `lower` may take a factor out of all coefficients, given the leading one of the step before.
+    """
+    p, last = trim(p), None
     require(p, "a polynomial is 0")
     while len(p) > 1:
         a, b = conj(p[-1]), p[0]
@@ -85,9 +90,10 @@ def margins(p: Iterable) -> Iterator:
         margin = squared(a) - squared(b)
         yield margin
         if margin:
-            p = [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
+            head, p = p[-1], [a * x - b * y for x, y in zip(p, mirror(p), strict=True)][1:]
+            p, last = p if last is None or lower is None else lower(p, last), head
         elif vanishes([conj(a) * x - conj(b) * y for x, y in zip(mirror(p), p, strict=True)]):
-            p = derivative(p)
+            p, last = derivative(p), None
         else:
             yield None
             return
@@ -169,11 +175,12 @@ class OnAxis(Ring):
 
 
 def sturm_chain(p: list) -> list:
-    """Return the chain of Sturm of p and p'."""
+    """Return the chain of Sturm of p and p', with leading coefficients 1 or -1 after the first."""
     chain, rest = [trim(p)], trim(derivative(trim(p)))
     while rest:
-        chain.append(rest)
-        rest = [-x for x in divide(chain[-2], rest)[1]]
+        unit = inverse(rest[-1])
+        chain.append([sign(unit) * unit * x for x in rest])
+        rest = [-x for x in divide(chain[-2], chain[-1])[1]]
     return chain
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -123,12 +124,12 @@ def never_meet(P: list) -> bool:
     return no_root_but_zero(gcd(even, odd) if even and odd else even or odd)
 
 
-def differences(P: list) -> list[list | None]:
+def differences(P: list, lower: Callable[[list, Number], list] | None = None) -> list[list | None]:
     """Return the differences of Schur and Cohn of P(w, i y), None for a step of Cohn that fails.
 
     They are polynomials in y, of real methods even: a difference is its own conjugate.
     """
-    found = margins(map(OnAxis, P))
+    found = margins(map(OnAxis, P), lower)
     return [x if x is None else [c * (-1) ** (k // 2) for k, c in enumerate(x.p)] for x in found]
 
 

@@ -16,10 +16,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from ..errors import ExactnessError
 from ..exact import Exact
-from ..exact.judging import asked
+from ..exact.judging import asked, fast_judge
 from ..judge.polynomials import sign_changes
 from ..method import GLM
 from ..system.budget import spend
@@ -80,7 +81,7 @@ def _end(P: Bivariate, *, real: bool) -> Interval:
     if real:  # at z = i y, P(w, z^2) is P(w, -y^2), and the differences are polynomials in y^2
         P = tuple(sum(((c, _ZERO) for c in p), ()) for p in P)
     ends: list[Fraction] = []
-    for difference in _differences(P):
+    for difference in _differences(P, _lowered):
         end = Fraction(0) if difference is None else None
         if difference:
             end = _turns_negative(difference[::2] if real else difference)
@@ -91,6 +92,15 @@ def _end(P: Bivariate, *, real: bool) -> Interval:
     if not ends:
         return Interval(float("inf"), "no eigenvalue leaves the closed unit disc")
     return Interval(float(min(ends)), "an eigenvalue leaves the closed unit disc")
+
+
+def _lowered(p: list[Any], factor: Any) -> list[Any]:
+    """Divide polynomials of the judge by one where it divides all: it keeps the degrees down."""
+    judge = fast_judge().polynomials
+    if len(factor.p) < 2:
+        return p
+    parts = [judge.divide(x.p, factor.p) for x in p]
+    return p if any(rest for _, rest in parts) else [judge.OnAxis(x) for x, _ in parts]
 
 
 def _turns_negative(p: Polynomial) -> Fraction | None:
