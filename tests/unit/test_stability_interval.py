@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from time import process_time
 
 import pytest
 
 import glmref
+from glmref.errors import BudgetError
 from glmref.exact import exact
 from glmref.measure.stability import bounded
+from glmref.system.budget import limited
 from glmref.theory import polynomials as poly
 from glmref.theory import stability_interval
 from glmref.theory.stability_interval import Interval, imaginary_interval, real_interval
@@ -108,3 +111,19 @@ def test_irrational_coefficients_are_reduced_up_to_the_largest_degree(monkeypatc
     assert imaginary_interval(sdirk).end == INF
     monkeypatch.setattr(stability_interval, "MOST", 1)
     assert imaginary_interval(sdirk) == Interval(None, "too large for roots among the coefficients")
+
+
+def test_methods_of_many_values_have_their_interval_in_time() -> None:
+    method = glmref.load("ab-6")
+    assert isinstance(method, glmref.GLM)
+    with limited(20):  # 0.3 s on a free machine; without the division of what is shared, minutes
+        assert real_interval(method).end == pytest.approx(5 / 57, rel=1e-14)
+
+
+def test_an_interval_that_takes_long_ends_with_its_budget() -> None:
+    method = glmref.load("feagin-10-printed")
+    assert isinstance(method, glmref.GLM)
+    begun = process_time()
+    with pytest.raises(BudgetError), limited(0.3):
+        real_interval(method)
+    assert process_time() - begun < 3
