@@ -104,7 +104,7 @@ def write_certificate(folder: Path, certificate: Mapping[str, Any]) -> None:
     make_folder(folder)
     statement = certificate["statement"]
     path = folder / f"{statement['method']}.{statement['claim']}.json"
-    write_text(path, one_line(certificate) + "\n")
+    write_text(path, one_line(certificate) + "\n", sync=False)
 
 
 def write_certificates(names: list[str], folder: Path) -> tuple[int, list[str]]:

@@ -54,6 +54,10 @@ class StartCase(BoundCase):
 
     @cached_property
     def start(self) -> Series:
+        """Return the series of the start, one for all parts about a method."""
+        return self.proof.of_method(("given start",), self.series_of_start)
+
+    def series_of_start(self) -> Series:
         """Return the series of the start; a pair without one has (y0, 0, ..)."""
         method = self.method
         if not self.declared:

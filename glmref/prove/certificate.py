@@ -153,21 +153,32 @@ class Shared:
         does not read, and where 1 is a multiple eigenvalue: the finder then looks for more.
         """
         try:
-            document, field = self.document, self.exact_field([], None)
-            base = shipped_document(document["base"]) if "base" in document else None
             with consulted() as judge:
-                text = json.dumps([about(document), base, field, None])
-                record = judge.proof.record_of(text)
+                record = self.record(exact=True)
                 method = record.method.for_claim((NYSTROM_ORDER if nystrom else ORDER).key)
                 if row is not None:
                     method = method.with_row(method.rows()[row][0]).for_claim(ORDER.key)
                 found = record.series(method, not free, trees, (row,))
         except (ExactnessError, Refused):
             return None
-        if not found.simple:
-            return None
         scalar = tower_of(tuple(self.exact_texts.radicals)).scalar
-        return Judged(found, scalar)
+        about = judge.proof.about_of(method, row)
+
+        def kept(key: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+            return record.known((*key, *about), make)
+
+        return Judged(found, kept, scalar) if found.simple else None
+
+    def record(self, exact: bool) -> Any:
+        """Return the judge's record of the document: exact, at its root, or over its decimals."""
+        document, implied = self.document, self.facts.implied
+        if not exact and implied is not None and implied.root is not None:
+            return implied.root.record
+        radicals = self.enclosed_texts.radicals
+        field = self.exact_field([], None) if exact else field_of_decimals("balls", radicals)
+        base = shipped_document(document["base"]) if "base" in document else None
+        with consulted() as judge:
+            return judge.proof.record_of(json.dumps([about(document), base, field, None]))
 
     def exact_field(self, parts: list[Part], declared: object) -> dict[str, Any]:
         """Return the field of a statement about exact numbers."""

@@ -27,9 +27,10 @@ from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
 from .algebra import is_exact
+from .beside import BESIDE, known_beside
 from .certificate import Shared, certificates_of
 from .finders import proposal_for
-from .kernel import BESIDE, Found, Kernel
+from .kernel import Found, Kernel
 from .ranges import Known
 from .verdicts import Judgement, explained, judged
 
@@ -121,7 +122,7 @@ class Facts:
         if claim == G_SYMPLECTIC.key and G is not None:
             given = [d for d in diagonals if d is not None]
             return self.kernel.exact and is_exact(G, given)
-        return self.kernel.exact and (claim not in BESIDE or self.kernel.known(claim).exact)
+        return self.kernel.exact and (claim not in BESIDE or known_beside(self, claim).exact)
 
     def known(self, claim: str) -> Known:
         """Return whether a claim that is true or false is true, and why it is open.

@@ -36,7 +36,8 @@ from ..theory import polynomials as poly
 from ..theory.equivalence import reduce
 from ..theory.stability import seems_a_stable, why_not_a_stable
 from ..theory.symmetry import Symmetry, symmetry, symmetry_as_given
-from .kernel import BESIDE, Explain, Proposal
+from .beside import BESIDE, known_beside
+from .kernel import Explain, Proposal
 from .ranges import Known
 
 #: :class:`glmref.prove.facts.Facts`, which imports the kernel.
@@ -69,12 +70,12 @@ def _told(results: Callable[[], Any]) -> Explain:
     return explain
 
 
-def _by_rule(claim: str) -> Callable[[Facts], Proposal]:
-    """Return what the kernel says of a claim, where it is not true."""
+def _beside(claim: str) -> Callable[[Facts], Proposal]:
+    """Return what is said of a claim about what stands beside a tableau, where it is not true."""
 
     def propose(facts: Facts) -> Proposal:
         def explain(truth: bool, certificate: object) -> tuple[str, float]:
-            known = Known(True) if truth else facts.kernel.known(claim)
+            known = Known(True) if truth else known_beside(facts, claim)
             return known.reason, known.residual
 
         return Proposal(explain=explain)
@@ -270,5 +271,5 @@ _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
     REDUCIBLE.key: _reducible,
     A_STABLE.key: _stable,
     L_STABLE.key: _stable,
-    **{key: _by_rule(key) for key in BESIDE},
+    **{key: _beside(key) for key in BESIDE},
 }

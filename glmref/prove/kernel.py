@@ -29,14 +29,11 @@ from typing import Any
 
 from ..catalogue.claims import (
     CLAIMS,
-    DENSE_END,
-    EMBEDDED_DIFFERENCE,
     FINISHING_ORDER,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
-    ROW_SUMS,
     STARTING_ORDER,
 )
 from ..errors import ExactnessError
@@ -73,11 +70,9 @@ from .digits import DigitRules, Sized, rounded_up
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
 from .implications import Implied
-from .ranges import MAX_ORDER, Known, Range
+from .ranges import MAX_ORDER, Range
 
 _ZERO, _ONE = Exact(0), Exact(1)
-#: Claims of truth about what stands beside a tableau.
-BESIDE = frozenset({EMBEDDED_DIFFERENCE.key, ROW_SUMS.key, DENSE_END.key})
 #: Largest order to which trees of one method that carries one value are compared.
 HIGHEST = 14
 #: Largest order where the trees without branches decide.
@@ -199,13 +194,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
             reason = "no rule decides it" if exact else "the published digits do not decide it"
         proof = Proof.EXACT if exact else Proof.ENCLOSED
         return Found(truth, proof, value, residual, reason)
-
-    def known(self, claim: str) -> Known:
-        """Return what is known of a claim about what stands beside a tableau."""
-        try:
-            return self._rule(claim)()
-        except ExactnessError as error:
-            return Known(None, self.exact, str(error))
 
     def _rule(self, claim: str) -> Any:
         """Return the rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
@@ -368,8 +356,8 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         self, components: Mapping[str, Prepared], nystrom: bool, free: bool, trees: bool | str
     ) -> Judged | None:
         """Return the series of the judge, where it is that which is looked for."""
-        exact = self.exact and all(len(c.N) == 1 and c.certain for c in components.values())
-        return self.judged(nystrom, free, trees) if exact and self.judged else None
+        simple = self.exact and all(len(c.N) == 1 and c.certain for c in components.values())
+        return self.judged(nystrom, free, trees) if simple and self.judged else None
 
     def residuals(self, *, free: bool) -> dict[Tree, Scalar]:
         """Return the residuals of all trees one order beyond that of :meth:`order_range`.
@@ -774,9 +762,9 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if (free, nystrom) not in self._starts:
             series, start, finish = self.series[free, nystrom], self.method.starting, None
             given = [x for x in (start, self.method.finishing) if x is not None]
-            if series.judged is not None and all(x.is_exact for x in given):
-                case = fast_judge().rules_starts.FinishCase
-                found = case(SimpleNamespace(method=series.solved.method), None)
+            if (judged := series.judged) is not None and all(x.is_exact for x in given):
+                proof = SimpleNamespace(method=judged.series.method, of_method=judged.kept)
+                found = fast_judge().rules_starts.FinishCase(proof, None)
             else:
                 series, zero = self._own(series), ((_ZERO,),)
                 table = {c: (zero, zero * len(x.u)) for c, x in series.components.items()}

@@ -217,12 +217,15 @@ class Judged:
     ----------
     series : Any
         Of :class:`glmref.judge.series.Solved`.
-    scalar : Callable[[Any], Exact]
+    kept : Callable[[tuple, Callable[[], Any]], Any]
+        Returns what the judge has made of the method under a name, or makes it.
+    scalar : Callable[[Any], Scalar]
         Returns one of its numbers as one of the package.
     """
 
     series: Any
-    scalar: Callable[[Any], Exact]
+    kept: Callable[[tuple[Any, ...], Callable[[], Any]], Any]
+    scalar: Callable[[Any], Scalar]
 
 
 class StartingSeries:

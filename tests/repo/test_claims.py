@@ -15,8 +15,9 @@ from glmref.exact import Exact
 from glmref.exact.expression import Text
 from glmref.findings import Verdict
 from glmref.method import families
+from glmref.prove.beside import BESIDE
 from glmref.prove.facts import facts_of
-from glmref.prove.kernel import BESIDE, Kernel
+from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import verify
 from tests.sources import PACKAGE, SOURCES, nodes, text
 from tools.method_schema import CONTRACT, SCHEMA, SECOND, second_schema, with_claims, with_table

@@ -11,7 +11,7 @@ from glmref.errors import DataError
 from glmref.findings import Verdict
 from glmref.method.component import SEPARABLE
 from glmref.method.families import splitting
-from glmref.prove.find_rows import nystrom_gaps
+from glmref.prove.beside import known_beside
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import OrderResult, order_of
 from glmref.theory.trees import counted, is_nystrom, parse_tree, trees
@@ -87,4 +87,4 @@ def test_other_pairs_cannot_claim_row_sums():
     for name in ("stormer-verlet", "ruth-3", "pair-4-4"):
         method: Any = load(name)
         assert facts_for(method).judge("row-sums", True).verdict is Verdict.OPEN
-        assert nystrom_gaps(method) is None
+        assert known_beside(facts_for(method), "row-sums").truth is not False
