@@ -25,6 +25,7 @@ from ..catalogue.claims import (
     EMBEDDED_DIFFERENCE,
     EMBEDDED_ORDER,
     ENERGY_ORDER,
+    EXPLICIT,
     FINISHING_ORDER,
     GROWTH,
     HAMILTONIAN_TO_ORDER,
@@ -76,6 +77,14 @@ _ABOUT = {
     DENSE_ORDER.key: "dense",
     STARTING_ORDER.key: "starting",
     FINISHING_ORDER.key: "finishing",
+}
+#: Rules that need no witness: that the claim is false, and that it is true.
+_SIMPLE = {
+    EMBEDDED_DIFFERENCE.key: ("no-differences", "differences"),
+    ROW_SUMS.key: ("no-row-sums", "row-sums"),
+    DENSE_END.key: ("no-dense-end", "dense-end"),
+    EXPLICIT.key: ("implicit", "explicit"),
+    REDUCIBLE.key: ("irreducible", "reducible"),
 }
 #: Orders of the method itself.
 _ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
@@ -290,6 +299,8 @@ class _Writer:
         )  # fmt: skip
 
     def _parts(self) -> list[Part]:
+        if self.claim in _SIMPLE:
+            return [{"rule": _SIMPLE[self.claim][self._truth()], "witness": {}}]
         special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
         if special is not None:
             return special()
@@ -325,15 +336,6 @@ class _Writer:
             for name, (p, e) in self.declared.items()
         ]
         return [{"rule": "to-digits", "witness": {"rows": trees}}]
-
-    def _embedded_difference(self) -> list[Part]:
-        return self._simple("differences", "no-differences")
-
-    def _row_sums(self) -> list[Part]:
-        return self._simple("row-sums", "no-row-sums")
-
-    def _dense_end(self) -> list[Part]:
-        return self._simple("dense-end", "no-dense-end")
 
     def _dense_order(self) -> list[Part]:
         found = self.kernel.range(DENSE_ORDER.key)
@@ -411,57 +413,41 @@ class _Writer:
                         return colour
         return None
 
-    def _stage_order(self) -> list[Part]:
-        found = self.kernel.range(STAGE_ORDER.key)
-        parts = self._order()
-        q = found.upper
-        if q == 0 and parts[0]["rule"] == "no-order-1":
-            return parts
-        if q is None or found.lower != q or parts[0]["rule"] != "order-at-least":
-            raise ExactnessError("the stage order is not settled")
-        where = {} if found.failing is None else {"tree": found.failing}
-        return [
-            *parts,
-            {"rule": "stage-order-at-least", "witness": {"q": q}},
-            {"rule": "stage-order-at-most", "witness": {"q": q, **where}},
-        ]
-
-    def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
-        kernel = self.kernel
-        claim = NYSTROM_STARTING_ORDER.key if nystrom else STARTING_ORDER.key
-        found, free = kernel.range(claim), not kernel.is_pair
-        known = kernel.order_range(free=free, nystrom=nystrom)
-        below = not self.holds and found.upper is not None and found.upper < self.declared
-        if found.upper is None or not (below or found.lower == found.upper):
-            raise ExactnessError("the order of the start is not settled")
-        if known.upper == 0 and kernel.exact:
-            return [self._no_order()]
-        if not known.value or (free, nystrom) not in kernel.series:
-            raise ExactnessError("the order of the start is not settled")
-        if not kernel._exact_start():
-            raise ExactnessError("certificates of enclosed starts are not written yet")
-        q = found.upper
-        failing = {} if found.failing is None else {"tree": found.failing}
-        parts = self._order_parts(free=free, nystrom=nystrom)
-        if found.lower == q:
-            self.identities.append(f"the start agrees with the series through order {q}")
-            parts.append({"rule": "start-at-least", "witness": {"q": q}})
-        return [*parts, {"rule": "start-at-most", "witness": {"q": q, **failing}}]
-
-    def _finishing_order(self) -> list[Part]:
-        found = self.kernel.range(FINISHING_ORDER.key)
-        parts = self._order_parts(free=not self.kernel.one_step)
+    def _after_order(self, name: str, parts: list[Part]) -> list[Part]:
+        """Return the bounds of stages, a start or a finish after those of the order."""
         if parts[0]["rule"] == "no-order-1":
             return parts
-        p, q = parts[0]["witness"]["order"], found.upper
-        if q is None or found.lower != q or not self.kernel._exact_start():
-            raise ExactnessError("the order of the finish is not settled")
-        more = {"tree": found.failing} if q < p else {}
-        return [
-            *parts,
-            {"rule": "finish-at-least", "witness": {"q": q}},
-            {"rule": "finish-at-most", "witness": {"q": q, **more}},
-        ]
+        found = self.kernel.range(self.claim)
+        q, least = found.upper, []
+        below = not self.holds and q is not None and q < self.declared
+        if q is None or not (below or found.lower == q):
+            raise ExactnessError(f"the {self.claim} is not settled")
+        if found.lower == q:
+            least = [{"rule": f"{name}-at-least", "witness": {"q": q}}]
+            if name == "start":
+                self.identities.append(f"the start agrees with the series through order {q}")
+        where = {} if found.failing is None else {"tree": found.failing}
+        return [*parts, *least, {"rule": f"{name}-at-most", "witness": {"q": q, **where}}]
+
+    def _stage_order(self) -> list[Part]:
+        return self._after_order("stage-order", self._order())
+
+    def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
+        free, exact = not self.kernel.is_pair, self.kernel.exact
+        known = self.kernel.order_range(free=free, nystrom=nystrom)
+        self._written_out()
+        if not known.value and not (known.upper == 0 and exact):
+            raise ExactnessError("the order of the start is not settled")
+        return self._after_order("start", self._order_parts(free=free, nystrom=nystrom))
+
+    def _finishing_order(self) -> list[Part]:
+        self._written_out()
+        return self._after_order("finish", self._order())
+
+    def _written_out(self) -> None:
+        """Refuse a start in decimals, whose certificates are others."""
+        if not self.kernel._exact_start():
+            raise ExactnessError("certificates of enclosed starts are not written yet")
 
     def _symmetric_reduced(self) -> list[Part]:
         """Return the method without idle values, which is minimal, and its symmetry."""
@@ -495,9 +481,6 @@ class _Writer:
 
     def _witness(self) -> Mapping[str, Any]:
         return proposal_for(self.facts, self.claim).witness()
-
-    def _simple(self, good: str, bad: str) -> list[Part]:
-        return [{"rule": good if self._truth() else bad, "witness": {}}]
 
     def _vectors(self, *, v: bool) -> Part:
         return {"rule": "consistent" if v else "preconsistent", "witness": {}}
@@ -618,9 +601,6 @@ class _Writer:
                 where = {"singular": c}
         return [{"rule": "not-symmetric", "witness": where}]
 
-    def _explicit(self) -> list[Part]:
-        return self._simple("explicit", "implicit")
-
     def _abscissae(self) -> list[Part]:
         if not all(is_exact(*block[1:]) for block in self.kernel.blocks.values()):
             raise ExactnessError("the abscissae of decimals are enclosed, not proved")
@@ -633,9 +613,6 @@ class _Writer:
     def _error_constant(self) -> list[Part]:
         rule = "error-constant" if self.holds else "other-error-constant"
         return [{"rule": rule, "witness": {}}]
-
-    def _reducible(self) -> list[Part]:
-        return self._simple("reducible", "irreducible")
 
     def _a_stable(self) -> list[Part]:
         self._exact_stability()
