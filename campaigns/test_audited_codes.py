@@ -53,6 +53,7 @@ KNOWN = [
     ("openmmtools", "YSWeights", "question", "the cubes of the weights is 0.855"),
     ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
     ("md-engine", "sy_fac, 5", "question", "the sum of the cubes of the weights is 0.098"),
+    ("at", "SymplecticIntegrator", "question", "d may be exchanged"),
     ("pythos", "B4", "question", "a12 and a13 are those of M4"),
     ("runge-kutta.py", "ESDIRK5(4I)8L[2]SA", "wrong", "5.475399871109475, should be -5.475399"),
     ("runge-kutta.py", "L-SDIRK-22-QZ", "wrong", "with b = [1 - x, x] the order is 2"),

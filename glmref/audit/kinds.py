@@ -554,7 +554,8 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             table.kind = "splitting"
             table.b = [first.value, [*second.value, *([ZERO] * (n - len(second.value)))]]
 
-        name = x.name[:-2] if x.at == y.at else ""  # of a list of pairs
+        pairs = x.at == y.at and x.name[:-1] == y.name[:-1]  # columns of a list of pairs
+        name = x.name[:-2] if pairs else ""
         yield from _guarded(name, min(x.line, y.line), [x, y], make)
 
 

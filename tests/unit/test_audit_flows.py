@@ -328,3 +328,10 @@ def test_adding_to_any_vector_is_no_flow() -> None:
     text = "function step!(u, v, g, dt)\n    " + "\n    ".join(rows) + "\nend\n"
     assert all(x.unread for x in read(text, "julia"))
     assert any(not x.unread for x in read(text.replace("axpy!", "kick!"), "julia"))
+
+
+def test_constants_of_drifts_and_kicks_have_the_name_of_the_drifts() -> None:
+    rows = [f"#define {'DRIFT' if k % 2 == 0 else 'KICK'}{k // 2 + 1} {x}"
+            for k, x in enumerate(FOREST[:4])]  # fmt: skip
+    (table,) = read("\n".join(rows), "c")
+    assert (table.name, judge(table)["found"]) == ("DRIFT", 4)
