@@ -152,6 +152,7 @@ class Search:
             self.turns = sorted(range(self.n), key=lambda i: i - len(A) * self.kinds[i])
         self.blocks, self.steps = blocks, 0
         self.P: list[int | None] = [None] * self.n
+        self.told: dict[tuple[int, ...], bool] = {}
 
     def found(self) -> Iterator[list[int]]:
         """Yield every involution that continues what is placed."""
@@ -162,7 +163,7 @@ class Search:
         if k is None:
             yield [x for x in self.P if x is not None]
             return
-        for x in range(k, self.n):
+        for x in reversed(range(k, self.n)):  # the mirror image of k first
             if self.P[x] is None and self.kinds[x] == self.kinds[k]:
                 self.P[k], self.P[x] = x, k
                 if self.fits(k, x):
@@ -173,10 +174,14 @@ class Search:
         """Tell whether the condition may hold at two places, with all that are placed."""
         known = {i: y for i, y in enumerate(self.P) if y is not None}
         pairs = [(i, j) for e in (k, x) for o in known for i, j in ((e, o), (o, e))]
-        return all(
-            may_vanish(A[i][j] + A[known[i]][known[j]] - M[i][j])
-            for A, M in self.blocks for i, j in pairs
-        )  # fmt: skip
+        return all(self.fits_at(i, j, known[i], known[j]) for i, j in pairs)
+
+    def fits_at(self, *places: int) -> bool:
+        """Tell whether A_ij + A_(Pi)(Pj) may be M_ij, at the places i, j, Pi and Pj."""
+        if places not in self.told:
+            i, j, k, x = places
+            self.told[places] = all(may_vanish(A[i][j] + A[k][x] - M[i][j]) for A, M in self.blocks)
+        return self.told[places]
 
 
 def corners(M: list, N: list) -> list:

@@ -38,6 +38,20 @@ def test_where_all_stages_are_equal_all_involutions_come():
     assert set(found) == expected and len(found) == len(expected)
 
 
+def test_the_mirror_image_is_tried_first_and_no_two_places_are_compared_twice(monkeypatch):
+    assert involutions((zeros(5, 5), zeros(5, 5)))[0] == (4, 3, 2, 1, 0)
+    nil = (zeros(3, 3), zeros(3, 3))
+    assert involutions(nil, nil)[0] == (2, 1, 0, 5, 4, 3)
+    with consulted() as judge:
+        asked = []
+        may_vanish = judge.rules_symmetry.may_vanish
+        monkeypatch.setattr(
+            judge.rules_symmetry, "may_vanish", lambda x: asked.append(x) or may_vanish(x)
+        )
+    involutions((zeros(6, 6), zeros(6, 6)))
+    assert len(asked) <= 6**4
+
+
 def test_stages_of_the_halves_of_a_separable_pair_are_not_mixed():
     nil = (zeros(2, 2), zeros(2, 2))
     assert set(involutions(nil, nil)) == {(0, 1, 2, 3), (1, 0, 2, 3), (0, 1, 3, 2), (1, 0, 3, 2)}
