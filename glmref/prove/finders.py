@@ -218,6 +218,7 @@ def _shown_growth(facts: Facts) -> list[str]:
     for g in facts.parasitism.growths if facts.is_single else ():
         if g.mu is None:
             roots = poly.approximate_roots(poly.characteristic(g.matrix))
+            roots = sorted(roots, key=lambda x: abs(x - 1))
             shown += [f"{x.real:.12g}" if abs(x.imag) < 1e-12 else f"{x:.12g}" for x in roots]
         else:
             shown.append(shown_number(g.mu))

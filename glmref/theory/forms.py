@@ -56,7 +56,13 @@ def unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) ->
     """Yield a basis of the matrices over the reals, or of the Hermitian ones.
 
     For real methods only real ones are taken: an imaginary part says nothing about real solutions.
+
+    Raises
+    ------
+    UndecidedError
+        When they are more than are written down.
     """
+    fits(rows * columns, rows * columns, "the form")
     i = Exact(-1).sqrt()
     factors = (_ONE,) if is_real else (_ONE, i)
     for a, b in product(range(rows), range(columns)):

@@ -83,10 +83,14 @@ def _growth_matrix(
 
 
 def _without_principal(m: GLM, V: Matrix) -> tuple[list[Vector], list[Vector]]:
-    """Return eigenvectors at 1 with the principal one, u, taken out."""
+    """Return eigenvectors at 1 with the principal one, u, taken out.
+
+    An inconsistent method may have none: its growth matrix then has not the eigenvalue 1.
+    """
     u = preconsistency_vector(m)
     left, right = eigenvectors(V, Exact(1))
-    if u is None:
+    whole = poly.characteristic(_growth_matrix(Exact(1), left, m.B, m.U, right))
+    if u is None or poly.evaluate(whole, 1).is_zero() is False:
         return left, right
     # in the scaled basis u has coordinates w_i u; replace one basis vector by u, then drop it
     coordinates = [linalg.dot(w, u) for w in left]
