@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
-from .arithmetic import Fraction, Number
+from .arithmetic import Fraction, Number, tick
 from .document import Component, Method
 from .linalg import combine, identity, inverse_matrix, minus, rank, solve, times
 from .numbers import may_vanish, vanishes
@@ -172,6 +172,7 @@ class Search:
 
     def fits(self, k: int, x: int) -> bool:
         """Tell whether the condition may hold at two places, with all that are placed."""
+        tick()
         known = {i: y for i, y in enumerate(self.P) if y is not None}
         pairs = [(i, j) for e in (k, x) for o in known for i, j in ((e, o), (o, e))]
         return all(self.fits_at(i, j, known[i], known[j]) for i, j in pairs)

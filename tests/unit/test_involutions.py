@@ -2,13 +2,17 @@
 
 import random
 from itertools import permutations
+from threading import Thread
+from time import thread_time
 from types import SimpleNamespace
 
 import pytest
 
+from glmref.errors import BudgetError
 from glmref.exact import Ball, exact
 from glmref.exact.judging import as_numbers, consulted
 from glmref.exact.linalg import identity, zeros
+from glmref.system.budget import limited
 
 
 def M(*rows):
@@ -50,6 +54,22 @@ def test_the_mirror_image_is_tried_first_and_no_two_places_are_compared_twice(mo
         )
     involutions((zeros(6, 6), zeros(6, 6)))
     assert len(asked) <= 6**4
+
+
+def test_a_search_of_places_that_are_known_ends_with_its_budget():
+    told = []
+
+    def search():  # in a thread, where no signal ends it
+        try:
+            with limited(0.2):
+                involutions((zeros(16, 16), zeros(16, 16)))
+        except BudgetError:
+            told.append(thread_time())
+
+    thread = Thread(target=search)
+    thread.start()
+    thread.join()
+    assert told and told[0] < 1
 
 
 def test_stages_of_the_halves_of_a_separable_pair_are_not_mixed():
