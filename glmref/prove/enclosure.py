@@ -156,6 +156,12 @@ def prove(document: Mapping[str, Any]) -> Enclosure:
             f"only then do the even orders follow"
         )
     _check_orders(orders, equations)
+    try:
+        equations.published  # noqa: B018
+    except Refused as error:
+        raise DataError(
+            "with an `enclosure` all `unknowns` are decimals with `digits` digits after the point"
+        ) from error
     root, signs = root_of(document, equations), equations.signs
     return Enclosure(
         values=dict(zip(equations.unknowns, root.box, strict=True)),

@@ -93,3 +93,11 @@ def test_the_number_of_equations_and_the_radius_are_checked():
     wide = changed("pair-4-4", enclosure=lambda x: x.update(radius="1e-20"))
     with pytest.raises(DataError, match="at most 1e-60"):
         prove(wide)
+
+
+@pytest.mark.parametrize("change", ["-({})", "{}0", "1/3"])
+def test_unknowns_of_an_enclosure_that_are_no_decimals_of_its_digits_are_bad_input(change):
+    doc = copy.deepcopy(document("omelyan-pefrl-4"))
+    doc["unknowns"]["xi"] = change.format(doc["unknowns"]["xi"])
+    with pytest.raises(DataError, match="decimals with `digits` digits"):
+        prove(doc)
