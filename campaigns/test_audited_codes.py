@@ -7,10 +7,10 @@ import re
 import pytest
 
 from campaigns.audited_codes import PAGE, SHORT, without
-from glmref.audit.judge import judge
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.readers import read
 from glmref.audit.recognising import tables
+from glmref.audit.table_verdicts import judge
 from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 RECORDS = audited_codes()

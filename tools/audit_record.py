@@ -14,8 +14,8 @@ import sys
 from pathlib import Path, PurePosixPath
 
 from glmref import __version__
-from glmref.audit.judge import summary
 from glmref.audit.sources import FORMAT
+from glmref.audit.table_verdicts import summary
 from glmref.catalogue.canonical import canonical
 
 AUDITS = Path(__file__).resolve().parents[1] / "data" / "audits"

@@ -36,7 +36,7 @@ MEMORY = 6 << 30
 PACKAGES = ("glmref", "tests")
 REMEMBERED = (
     *("glmref.engine.kept._origins", "glmref.engine.kept._formulas"),
-    "glmref.engine.compiled._around",
+    "glmref.engine.kernel_cache._around",
 )
 SILENT = ["-s", "-q", "--tb=no", "--assert=plain", "-p", "no:cacheprovider", "-p", "no:randomly",
           "-p", "no:random_order"]  # fmt: skip

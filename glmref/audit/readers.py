@@ -14,13 +14,14 @@ from typing import Any
 
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
-from .arrays import odeint
-from .code import Statement, statements
+from .code import Statement
 from .compositions import compositions
 from .kinds import imkg, transformed
 from .named import constants
+from .odeint import odeint
 from .plain import from_csv, from_json
 from .principia import structs
+from .source_statements import statements
 from .table import ZERO, Rows, Table, vector
 from .values import Number, Scope, Sparse, Unread, assign, evaluate, whole_number
 

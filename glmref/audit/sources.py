@@ -14,12 +14,12 @@ from ..compute.executors import Here
 from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited
 from ..system.files import named_in
-from .judge import judge
 from .lexer import ENDINGS, FIXED, language_of
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
 from .recognising import key_of, may_hold, tables
 from .table import STEP, Table
+from .table_verdicts import judge
 from .values import Unread, accident
 
 FORMAT = "glmref-audit-1"

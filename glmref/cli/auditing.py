@@ -188,9 +188,9 @@ def audit(
     in the sources is executed. A table that is not understood is listed as unread, with its line,
     and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
     """
-    from ..audit.judge import summary
     from ..audit.sources import LINE
     from ..audit.sources import audit as examine
+    from ..audit.table_verdicts import summary
     from ..compute import executor
 
     form = form or old

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..errors import GlmrefError
 from ..prove.enclosure import gaps_of
-from ..prove.newton import ConvergenceError
 from .ansatz import Ansatz
+from .polish import ConvergenceError
 from .search import evaluate, levenberg_marquardt
 
 

@@ -17,7 +17,6 @@ from ..errors import ExactnessError
 from ..exact import ball
 from ..exact.judging import as_scalar, consulted, fast_judge
 from ..prove.enclosure import Enclosure
-from ..prove.newton import polish
 from ..prove.starting import (
     DECIMAL,
     Target,
@@ -27,6 +26,7 @@ from ..prove.starting import (
     proposed,
     prove_blocks,
 )
+from .polish import polish
 
 
 def _text(value: str) -> str:

@@ -25,9 +25,9 @@ from ..exact import ball
 from ..judge.trees import gamma
 from ..prove.enclosure import Enclosure, conditions_of, gaps_of, prove
 from ..prove.equations import one_of_each
-from ..prove.newton import polish
 from ..system.arguments import shown
 from .ansatz import mirrored, remainder
+from .polish import polish
 
 if TYPE_CHECKING:
     import numpy as np

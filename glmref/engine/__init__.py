@@ -1,6 +1,6 @@
 """Engines that step: the reference, read like a paper, and kernels generated per tableau.
 
 :func:`.solve.solve` is the door; :mod:`.reference` is the yardstick; :mod:`.codegen` and
-:mod:`.compiled` build kernels; :mod:`.ensemble` runs many initial values at once. Nothing is
+:mod:`.kernel_cache` build kernels; :mod:`.ensemble` runs many initial values at once. Nothing is
 imported here, so that asking for one engine does not load the other.
 """

@@ -27,7 +27,7 @@ from .options import Options
 from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
 from .updates import linear
 
-#: Arguments of every generated kernel, in order; see :mod:`.compiled` for their types.
+#: Arguments of every generated kernel, in order; see :mod:`.kernel_cache` for their types.
 ARGUMENTS = {
     "x": "d*", "par": "d*", "t0": "d", "h": "d", "first": "i", "last": "i", "mark": "i",
     "every": "i", "out": "d*", "row": "i", "tally": "i*",

@@ -15,7 +15,7 @@ from ..method import Method
 from ..problems.model import Problem
 from ..problems.user_functions import FunctionFailed, NoValue, UserFunction, raised
 from ..system.arguments import one_of
-from . import compiled, native
+from . import kernel_cache, native
 from .codegen import ARGUMENTS, KernelSource, kernel_source
 from .forms import StepForm, explicit_after_velocity, same_point, shared_form
 from .kept import ByIdentity, T, form_of_method, recalled
@@ -70,7 +70,7 @@ class Kernel:
     shape: Shape
     options: Options  #: What was generated.
     source: KernelSource  #: The generated module.
-    built: compiled.Built  #: The callable and where it came from.
+    built: kernel_cache.Built  #: The callable and where it came from.
     seconds: float  #: Time it took to generate and compile or load.
 
     @property
@@ -356,15 +356,15 @@ def _assembled(
     source = _source_of(form, shape, options)
     functions = {part.role: part.function for part in shape.parts if part.function is not None}
     if options.interpreted:
-        built = compiled.interpret(source.text, functions, notice)
+        built = kernel_cache.interpret(source.text, functions, notice)
     else:
         pack = source.side_by_side >= PACKED_STAGES or source.target == "array"
         tuning = native.Tuning(pack=pack, fuse=options.fused)
-        built = compiled.build(source.text, ARGUMENTS, functions, tuning)
+        built = kernel_cache.build(source.text, ARGUMENTS, functions, tuning)
         if built.engine == "python":
             options = replace(options, interpreted=True)
             source = _source_of(form, shape, options)
-            built = compiled.interpret(source.text, functions, built.notice)
+            built = kernel_cache.interpret(source.text, functions, built.notice)
     return Kernel(form, shape, options, source, built, time.perf_counter() - begin)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..method import Method
 from ..problems.model import Problem
-from . import compiled, native
+from . import kernel_cache, native
 from .codegen import ARGUMENTS, Builder, choose_kind, header
 from .emit import TARGETS, ScalarTarget, Writer
 from .forms import Rows, StepForm, float_rows, floats
@@ -107,9 +107,9 @@ class Map:
         text, self.work_size = recalled("map", about, written, tuple, list)
         self.shape = shape
         if interpreted:
-            self.built = compiled.interpret(text, {}, "")
+            self.built = kernel_cache.interpret(text, {}, "")
         else:
-            self.built = compiled.build(text, ARGUMENTS, tuning=Tuning(pack=kind == "array"))
+            self.built = kernel_cache.build(text, ARGUMENTS, tuning=Tuning(pack=kind == "array"))
 
     def __call__(
         self, rows: np.ndarray, t0: float, h: float, *, every: int = 1, last: int = 0

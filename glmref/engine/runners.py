@@ -15,7 +15,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..problems.model import Problem
 from ..problems.user_functions import raised
-from . import compiled, native
+from . import kernel_cache, native
 from .expressions import Unsupported
 from .kept import expressed, stepper_of
 from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remembered
@@ -210,7 +210,7 @@ class Lanes(Runner):
         arguments = LANE_ARGUMENTS
         if self.source.vectors:
             tuning, arguments = replace(tuning, lanes=self.width), {**arguments, "x": "v*"}
-        self.built = compiled.build(self.source.text, arguments, tuning=tuning)
+        self.built = kernel_cache.build(self.source.text, arguments, tuning=tuning)
         self.build_seconds = time.perf_counter() - begin
 
     @property

@@ -13,8 +13,8 @@ from .linalg import apply, dot, identity, kernel, less, minus, multiples, solve,
 from .numbers import apart, total, vanishes
 from .refusals import require
 from .rule import Bound, Case, Fails, NoWitness, Order, Rule, Truth
-from .rules_forms import method_is_real
 from .rules_orders import bound
+from .rules_symplectic import method_is_real
 from .series import Solved
 from .trees import (
     LEAF,

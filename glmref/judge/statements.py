@@ -23,7 +23,6 @@ from .refusals import Beyond, Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, RowOrder, Rule
 from .rules_digits import DIGIT_RULES
 from .rules_enclosed import ENCLOSED_RULES
-from .rules_forms import FORM_RULES
 from .rules_growth import GROWTH_RULES
 from .rules_modified import MODIFIED_RULES
 from .rules_orders import ORDER_RULES
@@ -34,6 +33,7 @@ from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
 from .rules_structure import STRUCTURE_RULES
 from .rules_symmetry import SYMMETRY_RULES
+from .rules_symplectic import FORM_RULES
 
 #: The rules by name.
 RULES: dict[str, Rule] = {

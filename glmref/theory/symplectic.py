@@ -113,7 +113,7 @@ def form_identities(m: Method, G: Matrix, *diagonals: Sequence[Scalar]) -> list[
     """
     single = len({id(c) for c in _ends(m)}) == 1
     with consulted() as judge:
-        x = judge.rules_forms.form_defects(judged_parts(m), *inward([G, diagonals]))
+        x = judge.rules_symplectic.form_defects(judged_parts(m), *inward([G, diagonals]))
         found = [*x.real, *x.kept, *x.outside, *x.inside]
         matrices = outward([*x.alike, *found] if single else [*found, *x.alike])
     return list(zip(_OF_ONE if single else _OF_A_PAIR, matrices, strict=False))

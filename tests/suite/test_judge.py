@@ -21,7 +21,7 @@ from glmref.judge.fields import Numbers
 from glmref.judge.linalg import identity
 from glmref.judge.numbers import Box, apart, live, may_vanish, real, sign, squared, vanishes
 from glmref.judge.refusals import Refused, Undecided
-from glmref.judge.rules_forms import unit_forms
+from glmref.judge.rules_symplectic import unit_forms
 from glmref.judge.trees import show, trees
 
 ROOT = Path(__file__).resolve().parents[2]

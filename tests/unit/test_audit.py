@@ -12,14 +12,14 @@ from typing import Any
 
 import pytest
 
-from glmref.audit import code
-from glmref.audit.judge import judge
+from glmref.audit import code, julia
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.nearest_method import Library
 from glmref.audit.readers import declared_orders, read
 from glmref.audit.recognising import tables
 from glmref.audit.sources import audit
 from glmref.audit.table import Table
+from glmref.audit.table_verdicts import judge
 from glmref.audit.values import Unread, evaluate
 from glmref.catalogue.lookup import document
 from glmref.cli import main
@@ -463,13 +463,13 @@ class Counted(str):
 
 def test_a_statement_of_any_length_is_looked_at_a_few_times() -> None:
     text = Counted("a = [\n" + "    0.25,\n" * 300 + "]\nb = 1\n")
-    assert [x.line for x in code._julia(text)] == [1, 303]
+    assert [x.line for x in julia.julia_statements(text)] == [1, 303]
     assert text.taken < 4 * len(text)
 
 
 def test_an_array_of_c_of_any_length_is_looked_at_a_few_times() -> None:
     text = Counted("double a[] = {\n" + "    {0.25, 1},\n" * 300 + "};\n#define B 1\nint c = 2;\n")
-    assert [x.line for x in code._c(text)] == [1, 303, 304]
+    assert [x.line for x in code.c_statements(text)] == [1, 303, 304]
     assert text.taken < 4 * len(text)
 
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from glmref.audit.judge import judge
 from glmref.audit.lexer import ENDINGS, LANGUAGES, language_of
 from glmref.audit.readers import read
 from glmref.audit.recognising import size, tables
 from glmref.audit.sources import audit
 from glmref.audit.table import Table
+from glmref.audit.table_verdicts import judge
 from glmref.cli import main
 from tests.build import source
 

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.audit.judge import judge
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.recognising import tables
 from glmref.audit.table import Table
+from glmref.audit.table_verdicts import judge
 
 #: Drifts and kicks of Ruth (1983) and of Forest and Ruth (1990), with the order.
 RUTH = ["7/24.", "2/3.", "3/4.", "-2/3.", "-1/24.", "1.0"]

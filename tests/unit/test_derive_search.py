@@ -10,11 +10,11 @@ import pytest
 
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.parameters import RankError, fix_parameters, pivots
+from glmref.derive.polish import ConvergenceError, polish
 from glmref.derive.search import evaluate, levenberg_marquardt, search
 from glmref.errors import DataError, UsageError
 from glmref.exact import Exact, Jet, ball, jets
 from glmref.prove.enclosure import conditions_of, gaps_of
-from glmref.prove.newton import ConvergenceError, polish
 
 S3 = Ansatz("x", 3, 6, stage_order=2)
 

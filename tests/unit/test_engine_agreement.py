@@ -23,8 +23,8 @@ import pytest
 
 from glmref import Problem, load, names, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.kernel_cache import interpret
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
 from glmref.method import PartitionedGLM

@@ -16,8 +16,8 @@ import pytest
 from glmref import Problem, load, problem
 from glmref.engine import kept, solver_choice
 from glmref.engine import kernel as kernel_module
-from glmref.engine.compiled import Built
 from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.kernel_cache import Built
 from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.shape import banded, shape_of

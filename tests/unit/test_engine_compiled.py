@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from glmref import Problem, load, problem, solve
-from glmref.engine import compiled, kernel, native
+from glmref.engine import kernel, kernel_cache, native
 from glmref.engine.expressions import Unsupported
 from glmref.engine.kernel import prepare
 from glmref.system import cache
@@ -17,11 +17,11 @@ from glmref.system import cache
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
-    compiled._native.cache_clear()
-    compiled._load.cache_clear()
+    kernel_cache._native.cache_clear()
+    kernel_cache._load.cache_clear()
     yield tmp_path / "cache"
-    compiled._native.cache_clear()
-    compiled._load.cache_clear()
+    kernel_cache._native.cache_clear()
+    kernel_cache._load.cache_clear()
 
 
 def test_a_kernel_is_written_once_and_found_again(folder):
@@ -31,7 +31,7 @@ def test_a_kernel_is_written_once_and_found_again(folder):
     assert first.built.path == files[0]
     assert first.built.engine == "native"
     stamp = files[0].stat().st_mtime_ns
-    compiled._native.cache_clear()
+    kernel_cache._native.cache_clear()
     again = prepare(load("rk4"), problem("pendulum"), h=0.2)
     assert sorted(folder.glob("*.o")) == files
     assert files[0].stat().st_mtime_ns == stamp
@@ -43,13 +43,13 @@ def test_a_kernel_is_written_once_and_found_again(folder):
 def test_a_named_folder_that_cannot_be_written_costs_the_cache_and_no_run(
     folder, monkeypatch, tmp_path
 ):
-    assert compiled.cache_folder() == folder
+    assert kernel_cache.cache_folder() == folder
     cached = prepare(load("rk4"), problem("pendulum"), h=0.1)
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(blocked / "below"))
-    assert compiled.cache_folder() is None
-    compiled._native.cache_clear()
+    assert kernel_cache.cache_folder() is None
+    kernel_cache._native.cache_clear()
     again = prepare(load("rk4"), problem("pendulum"), h=0.1)
     assert (cached.built.engine, again.built.engine) == ("native", "native")
     assert again.built.path is None
@@ -75,9 +75,9 @@ def test_a_module_that_numba_cannot_keep_is_compiled_in_memory(folder, monkeypat
 
     monkeypatch.setattr(native, "compile_kernel", unsupported)
     if fault == "full":
-        monkeypatch.setattr(compiled, "replace_whole", full)
+        monkeypatch.setattr(kernel_cache, "replace_whole", full)
     else:
-        monkeypatch.setattr(compiled, "cache_folder", lambda: None)
+        monkeypatch.setattr(kernel_cache, "cache_folder", lambda: None)
     built = prepare(load("rk4"), problem("pendulum"), h=0.1).built
     assert (built.engine, built.path) == ("numba", None)
 
@@ -86,17 +86,17 @@ def test_the_shared_temporary_folder_is_used_only_where_it_is_one_s_own(monkeypa
     monkeypatch.delenv(cache.CACHE_VARIABLE, raising=False)
     monkeypatch.setattr(cache, "_user_cache", lambda: None)
     monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
-    folder = compiled.cache_folder()
+    folder = kernel_cache.cache_folder()
     assert folder is not None and folder.parent == tmp_path
     folder.chmod(0o777)  # anybody could put code there
-    assert compiled.cache_folder() is None
+    assert kernel_cache.cache_folder() is None
 
 
 def test_the_default_folder_is_the_platform_s_user_cache(monkeypatch, tmp_path):
     monkeypatch.delenv(cache.CACHE_VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(sys, "platform", "linux")
-    assert compiled.cache_folder() == tmp_path / "glmref" / "kernels"
+    assert kernel_cache.cache_folder() == tmp_path / "glmref" / "kernels"
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_a_function_that_numba_cannot_compile_is_interpreted_with_a_notice(folde
     exact = solve(Problem(f=("y[1]", "-sin(y[0])"), y0=(1.2, 0.0)), "gauss-2", h=0.1, steps=20)
     np.testing.assert_array_equal(run.y, exact.y)
     assert not any(path.suffix == ".py" for path in folder.iterdir())
-    monkeypatch.setattr(compiled, "_compiled_around", None)  # it is not tried again
+    monkeypatch.setattr(kernel_cache, "_compiled_around", None)  # it is not tried again
     again = solve(plain, "gauss-2", h=0.1, steps=20)
     assert again.notices == run.notices and (again.y == run.y).all()
 
@@ -140,14 +140,14 @@ def test_a_function_that_numba_can_compile_is_compiled():
 @pytest.mark.slow
 def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch, request):
     native = solve("kepler", "s4-symmetric", h=0.05, steps=200)
-    for kept in (compiled._native, kernel._prepared):
+    for kept in (kernel_cache._native, kernel._prepared):
         kept.cache_clear()
         request.addfinalizer(kept.cache_clear)
 
     def refuse(*_, **__):
         raise Unsupported("as if")
 
-    monkeypatch.setattr(compiled.native, "compile_kernel", refuse)
+    monkeypatch.setattr(kernel_cache.native, "compile_kernel", refuse)
     other = solve("kepler", "s4-symmetric", h=0.05, steps=200)
     assert other.kernel.startswith("numba")
     np.testing.assert_array_equal(native.values, other.values)

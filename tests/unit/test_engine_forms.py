@@ -12,9 +12,9 @@ import pytest
 
 from glmref import GLM, PartitionedGLM, load, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.compiled import interpret
 from glmref.engine.forms import StepForm
 from glmref.engine.kernel import Kernel
+from glmref.engine.kernel_cache import interpret
 from glmref.engine.options import Options
 from glmref.engine.reference import stepper
 from glmref.engine.shape import Shape, shape_of

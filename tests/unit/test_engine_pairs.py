@@ -8,8 +8,8 @@ import pytest
 
 from glmref import UsageError, load, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.compiled import interpret
 from glmref.engine.kernel import PACKED_STAGES, Kernel, prepare
+from glmref.engine.kernel_cache import interpret
 from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.shape import shape_of

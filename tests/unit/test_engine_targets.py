@@ -14,8 +14,8 @@ import pytest
 
 from glmref import GLM, Problem, load, problem, solve
 from glmref.engine.codegen import kernel_source
-from glmref.engine.compiled import interpret
 from glmref.engine.kernel import Kernel
+from glmref.engine.kernel_cache import interpret
 from glmref.engine.options import Options
 from glmref.engine.outcome import Outcome
 from glmref.engine.reference import stepper

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from glmref.engine import compiled, native, translate
+from glmref.engine import kernel_cache, native, translate
 
 HEAD = "from math import atan2, cos, exp, log, sin, sqrt, tan\n"
 ARGUMENTS = {"x": "d*", "a": "d", "n": "i", "out": "i*"}
@@ -18,7 +18,7 @@ def both(body, x, a, n, functions=""):
     source = f"{HEAD}{functions}\ndef kernel(x, a, n, out):\n{lines}\n"
     results = []
     machine = native.compile_kernel(source, ARGUMENTS, None)
-    plain = compiled.interpret(source.replace("def kernel", "def kernel"), {}).kernel
+    plain = kernel_cache.interpret(source.replace("def kernel", "def kernel"), {}).kernel
     for run in (machine, plain):
         array, counts = np.array(x, dtype=float), np.zeros(4, dtype=np.int64)
         code = run(array, a, n, counts)

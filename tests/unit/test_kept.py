@@ -12,7 +12,7 @@ import pytest
 
 from glmref import Problem, UsageError, solve
 from glmref.catalogue.lookup import path_of
-from glmref.engine import compiled, kept
+from glmref.engine import kept, kernel_cache
 from glmref.engine.kept import expressed, method_of
 from glmref.problems.formula import Formula
 from glmref.problems.tracing import MOST_OPERATIONS, fingerprint, recorded, traced
@@ -170,12 +170,12 @@ def test_a_function_with_a_branch_is_compiled_once_for_what_it_reads():
 
     options = {"h": 0.1, "steps": 10}
     solve(Problem(f=made(5.0), y0=(1.0, 0.0)), "rk4", **options)
-    begin, count = time.process_time(), len(compiled._around)
+    begin, count = time.process_time(), len(kernel_cache._around)
     again = solve(Problem(f=made(5.0), y0=(1.0, 0.0)), "rk4", **options)
-    assert again.kernel.startswith("numba") and len(compiled._around) == count
+    assert again.kernel.startswith("numba") and len(kernel_cache._around) == count
     assert time.process_time() - begin < 0.2
     other = solve(Problem(f=made(0.5), y0=(1.0, 0.0)), "rk4", **options)
-    assert len(compiled._around) == count + 1
+    assert len(kernel_cache._around) == count + 1
     assert abs(other.y[-1, 0] - again.y[-1, 0]) > 0.1
 
 
@@ -187,9 +187,9 @@ def test_a_compiled_function_is_kept_on_disk_by_what_it_reads(monkeypatch, tmp_p
         return lambda t, y: np.array([y[1], -k * y[0]]) if y[0] < 5 else np.array([y[1], y[0]])
 
     def kernel_of(k):  # as in another process, which has nothing in memory
-        compiled._around.clear()
+        kernel_cache._around.clear()
         source = "@compiled_with_signature\ndef kernel(x):\n    return int(full(0.0, x)[1])\n"
-        built = compiled.build(source, {"x": "d*"}, {"full": made(k)})
+        built = kernel_cache.build(source, {"x": "d*"}, {"full": made(k)})
         return built.kernel(np.array([1.0, 0.0])), sum(built.kernel.stats.cache_hits.values())
 
     assert kernel_of(2.0) == (-2, 0)
@@ -236,7 +236,7 @@ class Terminal(io.StringIO):
 
 def test_a_terminal_is_told_what_is_being_compiled(monkeypatch, tmp_path):
     monkeypatch.setenv("GLMREF_CACHE", str(tmp_path))
-    compiled._native.cache_clear()
+    kernel_cache._native.cache_clear()
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
     solve(Problem(f=("-y[0]*1.0625",), y0=(1,)), "rk4", h=0.1, steps=1)

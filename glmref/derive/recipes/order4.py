@@ -24,7 +24,7 @@ from ...errors import UsageError
 from ...exact import Exact, ball
 from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
-from ...prove.newton import polish
+from ..polish import polish
 from ..recognise import exact_text, surds
 from .record import (
     Derivation,

@@ -14,11 +14,11 @@ from ...exact import ball
 from ...exact.linalg import Matrix
 from ...findings import Proof
 from ...prove.enclosure import Enclosure, gaps_of, prove
-from ...prove.newton import polish
 from ...prove.starting import Target
 from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
+from ..polish import polish
 from .record import (
     GROWS,
     Derivation,

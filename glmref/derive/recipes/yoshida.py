@@ -17,8 +17,8 @@ from ...errors import UsageError
 from ...exact import ball
 from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
-from ...prove.newton import polish
 from ..ansatz import Ansatz
+from ..polish import polish
 from .record import Derivation, Progress, Statement
 
 OPTIONS: Mapping[str, str] = {"solution": "A"}

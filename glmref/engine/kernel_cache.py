@@ -1,4 +1,4 @@
-"""Turn generated source into a callable: machine code with a cache on disk, or plain Python.
+"""Build kernels from generated source, as machine code that is kept on disk or as plain Python.
 
 Plain kernels go through :mod:`.native`; kernels that call functions on arrays go through numba.
 numba caches what it compiled beside the source file it came from, so the generated module is
