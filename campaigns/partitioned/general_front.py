@@ -1,0 +1,131 @@
+"""Pairs for any Hamiltonian on the front of constant, residues, separation and interval.
+
+    python -m campaigns.partitioned.general_front data/measurements/nonseparable.json
+
+Both halves of an explicit method have residues that sum to -1 over the roots but 1. A root -1 takes
+most of that sum alone; a pair of roots beside -1 shares it, so that a half without the root -1 has
+a third of the largest residue at the same error constant. The roots of :data:`FOUND` are of such
+pairs. They were found by differential evolution (Storn, Price 1997) of the angles: the least
+constant with bounds on the largest residue, on the separation of the roots of both halves, and on
+the interval below. They are measured beside the shipped methods, on problems not held out.
+
+*Interval.* The largest h up to which ``q' = p + i Omega q, p' = -q + i Omega p``, an oscillator in
+axes that turn, is stable.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns.driver import arguments, complete
+from campaigns.partitioned.long_runs import three_digits
+from campaigns.partitioned.nonseparable import LOST, METHODS
+from campaigns.partitioned.semi_separable import long_run, step_of
+from glmref.catalogue.reader import load_document
+from glmref.derive.general_multistep import general_document
+from glmref.derive.halves import GeneralHalf
+from glmref.derive.recipes.general_multistep import SHIPPED, Shipped, halves_of
+from glmref.method import Method
+
+#: The roots of q and p that the search found, by the bound that distinguishes them.
+FOUND = {
+    "constant-8": Shipped("51/100 9/25 -4/25 -49/50", "29/100 -23/100 -99/100"),
+    "interval-8": Shipped("19/25 23/50 1/25 -99/100", "27/50 13/100 -49/50"),
+    "separation-8": Shipped("17/20 7/20 -11/100 -47/50", "13/25 1/10 -17/20"),
+    "interval-10": Shipped("43/50 4/5 1/2 1/20 -47/50", "17/25 3/5 -11/100 -89/100"),
+}
+#: Problems of the long runs that are not held out.
+PROBLEMS = (
+    "charge-in-gauge", "double-pendulum", "elastic-pendulum", "heavy-top", "magnetic-trap",
+    "nonseparable-chain", "point-vortices", "restricted-three-body", "shear",
+)  # fmt: skip
+#: Steps of a long run, by the steps between renewals.
+_LONG = {0: 1_000_000, 1000: 1_000_000}
+#: Step of h, and what rounding may add to an eigenvalue of modulus 1.
+_GRID, _UNIT = 0.005, 2e-6
+
+
+def interval(q: GeneralHalf, p: GeneralHalf, omega: float) -> float:
+    """Return the largest h on a grid up to which the turning oscillator is stable."""
+    (Vq, Bq, wq), (Vp, Bp, wp) = (
+        [np.array(half.block()[key], dtype=float) for key in ("V", "B", "output")]
+        for half in (q, p)
+    )
+
+    def largest(h: float) -> float:
+        step = np.block([
+            [Vq + 1j * omega * h * Bq * wq, h * Bq * wp],
+            [-h * Bp * wq, Vp + 1j * omega * h * Bp * wp],
+        ])  # fmt: skip
+        return float(np.abs(np.linalg.eigvals(step)).max())
+
+    k = 1
+    while largest(k * _GRID) < 1 + _UNIT:
+        k += 1
+    return round((k - 1) * _GRID, 3)
+
+
+def separation(q: GeneralHalf, p: GeneralHalf) -> float:
+    """Return the least angle between two roots but 1, in degrees, conjugate ones included."""
+    angles = sorted(math.degrees(math.acos(float(c))) for x in (q, p) for c in x.cosines)
+    if q.minus_one or p.minus_one:
+        return min(b - a for a, b in pairwise([*angles, 180.0]))
+    return min(*(b - a for a, b in pairwise(angles)), 2 * (180.0 - angles[-1]))
+
+
+def method_of(name: str) -> tuple[Method, GeneralHalf, GeneralHalf]:
+    """Return a method with its start, without proofs, and its halves."""
+    q, p = halves_of(FOUND.get(name) or SHIPPED[name])
+    document = general_document("found", q, p, title="found")
+    source = {"citation": "-", "where": "-", "status": "derived"}
+    return load_document({**document, "source": source, "claims": {"order": q.order}}), q, p
+
+
+def row(name: str) -> dict[str, Any]:
+    """Return what is measured of one method."""
+    method, q, p = method_of(name)
+    counts, kept = {}, dict.fromkeys(_LONG, 0)
+    for x in PROBLEMS:
+        if (found := step_of(method, x)) is None:
+            continue
+        h, counts[x] = found
+        for renew, steps in _LONG.items():
+            energy = long_run(method, x, h, steps, renew)["energy"]
+            kept[renew] += energy is not None and energy <= LOST
+    return {
+        "method": name,
+        "order": q.order,
+        "q": [str(c) for c in (*q.cosines, *[-1] * q.minus_one)],
+        "p": [str(c) for c in p.cosines],
+        "error_constant": three_digits(float(q.error_constant)),
+        "residue": three_digits(max(abs(float(x)) for half in (q, p) for x in half.residues)),
+        "separation": three_digits(separation(q, p)),
+        "interval": [interval(q, p, omega) for omega in (0.0, 1.0)],
+        "evaluations": counts,
+        "kept": list(kept.values()),
+    }
+
+
+def over(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
+    """Return the mean ratio of the evaluations of two rows, on the problems that both reach."""
+    a, b = one["evaluations"], other["evaluations"]
+    return math.exp(float(np.mean([math.log(a[x] / b[x]) for x in a.keys() & b.keys()])))
+
+
+def main(path: Path) -> None:
+    """Measure the methods of the front beside those shipped, and write both into the record."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    record["front"] = [row(name) for name in (*METHODS, *FOUND)]
+    complete(path, record)
+
+
+if __name__ == "__main__":
+    main(Path(arguments(sys.argv[1:])[0]))
