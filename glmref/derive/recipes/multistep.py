@@ -181,7 +181,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
                 "`q`, `p` and `slopes` must be fractions with blanks between, and `weight` one "
                 f"({error})"
             ) from None
-        numbers = Shipped(**given, weight=weight)
+        numbers = Shipped(given["q"], given["p"], slopes=given["slopes"], weight=weight)
         kind = "multivalue" if numbers.slopes else "multistep"
         name = f"{kind}-{'' if numbers.q else 'rkn-'}{2 * len(numbers.p) + 2}-found"
         where = f"cosines {options['q']}; {options['p']}"
