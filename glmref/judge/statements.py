@@ -28,7 +28,7 @@ from .rules_modified import MODIFIED_RULES
 from .rules_orders import ORDER_RULES
 from .rules_residues import RESIDUE_RULES
 from .rules_rows import ROW_RULES, check_rows
-from .rules_second import SECOND_RULES
+from .rules_second_growth import SECOND_RULES
 from .rules_stability import STABILITY_RULES
 from .rules_starts import START_RULES
 from .rules_structure import STRUCTURE_RULES

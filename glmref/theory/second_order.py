@@ -124,7 +124,7 @@ def second_order(m: Method, series: UnderlyingMethod | None = None) -> tuple[Sec
 def _second_order_at(m: Component, zeta: Exact, bend: Sequence[Scalar]) -> SecondOrder:
     (left,), (right,) = eigenvectors(m.V, zeta)
     with consulted() as judge:
-        rules, space = judge.rules_second, inward([zeta, [left], [[x] for x in right]])
+        rules, space = judge.rules_second_growth, inward([zeta, [left], [[x] for x in right]])
         found = rules.terms_of(judged_component(m), rules.Space(*space), inward(bend))
         I1, turn, I3 = outward(found)
     if is_zero(plus(turn, turn.conjugate())) is False:
