@@ -28,6 +28,7 @@ from ..catalogue.claims import ORDER
 from ..exact.linalg import Vector
 from ..method import Component, Method
 from ..method.preconsistency import output
+from ..problems.formula import Formula
 from ..problems.model import Problem
 from .forms import explicit_after_velocity, same_point
 
@@ -56,6 +57,10 @@ _SIZES = range(12, 32, 2)
 _SEPARATE = 1e-3
 #: x at which the error constant is read off: the terms dropped and rounding are below a tenth.
 _SMALL = 0.25
+#: The part of h at which growth is of first order; so much a step an eigenvalue may be off.
+_PART, _OFF = 64, 2e-6
+#: Most rows of the matrix of a step of which eigenvalues are taken.
+_MOST_ROWS = 200
 #: Units in the last place by which solutions are rounded, and by which rounding in n steps may
 #: have moved them, over sqrt(n).
 _ROUNDING, _WALK = 8.0, 0.25
@@ -124,6 +129,56 @@ def watched(method: Method, problem: Problem) -> bool:
     if method.is_explicit:
         return all(len(c.U) == 1 for c in method.carriers)
     return same_point(method) and explicit_after_velocity(method) and problem.semi_separable
+
+
+def _step(method: Method, J: np.ndarray, h: float) -> np.ndarray:
+    """Return the matrix of a step on y' = J y, J (2 m, 2 m), whose stages are shared."""
+    m, eye = len(J) // 2, np.eye(len(J) // 2)
+    halves = [
+        [np.kron([[float(x) for x in row] for row in M], eye) for M in (c.A, c.U, c.B, c.V)]
+        for c in method.carriers
+    ]
+    (A, U, B, V), s = map(_both, zip(*halves, strict=True)), len(method.carriers[0].A)
+    F = np.block([[np.kron(np.eye(s), J[i : i + m, j : j + m]) for j in (0, m)] for i in (0, m)])
+    return V + h * B @ F @ np.linalg.solve(np.eye(len(F)) - h * A @ F, U)
+
+
+def _both(blocks: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Return the block-diagonal matrix of the blocks of q and p."""
+    q, p = blocks
+    zero = np.zeros((len(q), p.shape[1]))
+    return np.block([[q, zero], [np.zeros((len(p), q.shape[1])), p]])
+
+
+def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
+    """Return the h up to which a pair is stable on y' = J y, where it is not at ``h``.
+
+    ``None`` where it is, and where it grows in proportion to h, as the solution itself may.
+    """
+
+    def growth(part: int) -> float:
+        step = _step(method, J, h * part / _PART)
+        return max(float(np.abs(np.linalg.eigvals(step)).max()) - 1, _OFF)
+
+    if growth(_PART) <= 4 * _PART * growth(1):
+        return None
+    last = next(k for k in range(2, _PART + 1) if growth(k) > 4 * k * growth(1))
+    return h * (last - 1) / _PART
+
+
+def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
+    """Say up to which h a pair is stable on the system linearised at the start, where not at h."""
+    rows = problem.dimension // 2 * sum(len(c.V) for c in method.carriers)
+    if not isinstance(problem.f, Formula) or rows > _MOST_ROWS:
+        return ()
+    J = np.asarray(problem.jacobian(problem.t_span[0], np.array(problem.y0, dtype=float)))
+    bound = stable_up_to(method, J, h) if np.isfinite(J).all() else None
+    if bound is None:
+        return ()
+    limit = (
+        f"{bound:.3g}, up to which {method.name} is stable on the system linearised at the start"
+    )
+    return (f"h = {h:g} is beyond {limit}",)
 
 
 def windows(steps: int, renew: int) -> list[int]:

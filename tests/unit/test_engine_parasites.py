@@ -14,7 +14,7 @@ from glmref import Solution, solve
 from glmref.engine import run as running
 from glmref.engine.kept import method_of
 from glmref.engine.outcome import Outcome
-from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, windows
+from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, stable_up_to, windows
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -247,3 +247,34 @@ def test_windows_lie_within_the_run_and_between_renewals(steps: int, renew: int)
         assert all(b // renew == (b + WINDOW - 1) // renew for b in found)
     if steps >= WINDOW and not 0 < renew < WINDOW:  # the end is looked at
         assert found[-1] > steps - 2 * WINDOW - renew
+
+
+def turning(omega: float) -> np.ndarray:
+    """The matrix of H = (p^2 + q^2)/2 + omega (q_1 p_2 - q_2 p_1), (4, 4)."""
+    turn, one = omega * np.array([[0.0, -1.0], [1.0, 0.0]]), np.eye(2)
+    return np.block([[turn, one], [-one, turn]])
+
+
+@pytest.mark.parametrize(("omega", "bound"), [(0.0, 0.3), (0.5, 0.19), (1.0, 0.14), (2.0, 0.085)])
+def test_the_largest_step_is_where_roots_leave_the_circle(omega: float, bound: float) -> None:
+    method = method_of("multistep-general-8")
+    found = stable_up_to(method, turning(omega), 0.4)
+    assert found is not None
+    assert abs(found - bound) < 0.4 / 64
+    assert stable_up_to(method, turning(omega), 0.95 * bound) is None
+
+
+@pytest.mark.parametrize(
+    "J", [[[0.3, 1.0], [-1.0, -0.3]], [[0.0, 1.0], [1.0, 0.0]]], ids=["shear", "saddle"]
+)
+def test_growth_in_proportion_to_the_step_bounds_no_step(J: list[list[float]]) -> None:
+    assert stable_up_to(method_of("multistep-general-8"), np.array(J), 0.05) is None
+
+
+def test_a_step_that_is_too_large_at_the_start_is_reported_before_the_run() -> None:
+    H = "(p1**2 + p2**2)/2 + (q1**2 + q2**2)/2 + q1*p2 - q2*p1"
+    one = Problem.from_hamiltonian(H, {"q1": 1, "q2": 0, "p1": 0, "p2": "1/2"})
+    assert solve(one, "multistep-general-8", h=0.13, steps=400).notices == ()
+    found = solve(one, "multistep-general-8", h=0.15, steps=400)
+    assert found.notices[0].startswith("h = 0.15 is beyond 0.14")
+    assert found.suspect is not None  # it is lost indeed
