@@ -131,23 +131,28 @@ def watched(method: Method, problem: Problem) -> bool:
     return same_point(method) and explicit_after_velocity(method) and problem.semi_separable
 
 
+@lru_cache(maxsize=32)
+def _blocks(method: Method) -> tuple[np.ndarray, ...]:
+    """Return A, U, B and V of a pair, block-diagonal over both halves."""
+    q, p = method.carriers
+    found = []
+    for letter in ("A", "U", "B", "V"):
+        one, other = (np.array(getattr(c, letter), dtype=float) for c in (q, p))
+        whole = np.zeros((len(one) + len(other), one.shape[1] + other.shape[1]))
+        whole[: len(one), : one.shape[1]] = one
+        whole[len(one) :, one.shape[1] :] = other
+        found.append(whole)
+    return tuple(found)
+
+
 def _step(method: Method, J: np.ndarray, h: float) -> np.ndarray:
     """Return the matrix of a step on y' = J y, J (2 m, 2 m), whose stages are shared."""
-    m, eye = len(J) // 2, np.eye(len(J) // 2)
-    halves = [
-        [np.kron([[float(x) for x in row] for row in M], eye) for M in (c.A, c.U, c.B, c.V)]
-        for c in method.carriers
-    ]
-    (A, U, B, V), s = map(_both, zip(*halves, strict=True)), len(method.carriers[0].A)
-    F = np.block([[np.kron(np.eye(s), J[i : i + m, j : j + m]) for j in (0, m)] for i in (0, m)])
-    return V + h * B @ F @ np.linalg.solve(np.eye(len(F)) - h * A @ F, U)
-
-
-def _both(blocks: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Return the block-diagonal matrix of the blocks of q and p."""
-    q, p = blocks
-    zero = np.zeros((len(q), p.shape[1]))
-    return np.block([[q, zero], [np.zeros((len(p), q.shape[1])), p]])
+    m, s = len(J) // 2, len(method.carriers[0].A)
+    A, U, B, V = (
+        np.einsum("ij,kl->ikjl", M, np.eye(m)).reshape(len(M) * m, -1) for M in _blocks(method)
+    )
+    F = h * np.einsum("ij,akbl->aikbjl", np.eye(s), J.reshape(2, m, 2, m)).reshape(2 * s * m, -1)
+    return V + B @ F @ np.linalg.solve(np.eye(len(F)) - A @ F, U)
 
 
 def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
@@ -160,7 +165,8 @@ def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
         step = _step(method, J, h * part / _PART)
         return max(float(np.abs(np.linalg.eigvals(step)).max()) - 1, _OFF)
 
-    if growth(_PART) <= 4 * _PART * growth(1):
+    whole = growth(_PART)
+    if whole <= 4 * _PART * _OFF or whole <= 4 * _PART * growth(1):
         return None
     last = next(k for k in range(2, _PART + 1) if growth(k) > 4 * k * growth(1))
     return h * (last - 1) / _PART
