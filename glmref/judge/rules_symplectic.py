@@ -54,6 +54,7 @@ def form_defects(
     """
     parts = list(method.parts.values())
     q, p, both = parts[0], parts[-1], [[*D[0], *D[-1]]]
+    require([len(D[0]), len(D[-1])] == [len(p.U), len(q.U)], "a D has not one entry for each stage")
 
     def rows_times(d: list, M: list) -> list:
         return transpose([placewise(len(d), [d, column]) for column in transpose(M)])

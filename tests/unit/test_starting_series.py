@@ -134,3 +134,11 @@ def test_more_trees_than_the_judge_lists_leave_an_order_open(monkeypatch):
     monkeypatch.setattr(found, "pool", refuse)
     assert "beyond the limits" in facts.find("order", 4).reason
     assert found.filled == 0
+
+
+def test_the_stages_of_a_method_of_stage_order_two_are_the_solution() -> None:
+    series = StartingSeries.of(load("gauss-2")).through(2)
+    c = series.abscissae("o")
+    (t,) = trees(2)
+    found = series.stage(t, series.value(t))
+    assert [x - y * y / 2 for x, y in zip(found, c, strict=True)] == [0, 0]
