@@ -24,7 +24,7 @@ _WORDS = (
 _PHRASES = re.compile(
     r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
     r"|cash.?karp|bogacki|omelyan|forest.?ruth|split.?(?:operator|step)|operator.?splitting|nos[eé].?hoover"
-    r"|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
+    r"|low.?storage|2n.?storage|(?<![a-z])(?:lsrk|ruth(?![a-z]))|kick.?drift|drift.?kick|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
 )
 
 

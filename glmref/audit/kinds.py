@@ -32,7 +32,7 @@ _SPLITTING = re.compile(
     re.IGNORECASE,
 )
 _STEPS = re.compile(
-    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am|bdf)_?\d|nordsieck|\bbdf\b|\blmm\b|"
+    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d|nordsieck|(?<![a-z])bdf|\blmm\b|"
     r"backward.?diff",
     re.IGNORECASE,
 )
@@ -44,7 +44,9 @@ _FLOWS = (("a", "b"), ("c", "d"), ("a", "ahat"), ("drift", "kick"), ("drifts", "
 _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
 _NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
-_LAST_LETTER = re.compile(r"(?:.*[_\d]|rk)?([a-z])$", re.IGNORECASE)
+_LAST_LETTER = re.compile(
+    r"(?:(?:.*[_\d]|rk)?(?=[a-z]$)|.*(?=(?:drift|kick)s?$))([a-z]+)$", re.IGNORECASE
+)
 #: The letter of ``sC``.
 _CAPITAL = re.compile(r"[a-z]+([A-Z])$")
 
@@ -694,8 +696,12 @@ def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
                                             < LOOSE) for r in values]  # fmt: skip
         steps = _of_steps(block, [x], [([], r) for r in rows], 1) if adams else None
         one = max(map(len, rows)) > 2  # of two entries one can always be mended
+        slopes = [r for r in rows if abs(sum(map(size, r))) < LOOSE]  # h f is a difference
         if steps and (2 * sum(sums) >= len(sums) or (one and "question" in steps.table.unread)):
             yield steps
+        elif not adams and 2 * len(slopes) > len(rows) and len(rows[-1]) > 2:
+            for row in rows:
+                yield _of_differences(replace(x, value=row), Number(Exact(1)))
         else:
             table = Table(x.name, x.line, last=x.last, general=True)
             table.unread = "the coefficients of a multistep method, in a form that is not read"
@@ -713,23 +719,25 @@ def _of_differences(x: Array, rate: Number) -> Found:
     except Unread as error:
         table.unread = str(error)
         return Found(table, [x])
-    best: tuple[int, int, list[Fraction], list[Fraction]] = (-2, 0, [], [])
+    forms: list[tuple[tuple[int, bool, int], list[Fraction], list[Fraction]]] = []
     for turned, more, sign in product((False, True), (0, 1), (1, -1)):
         row = [sign * y for y in (given[::-1] if turned else given)]
         alpha = [*row, Fraction(1)] if more else row
         beta = [*([Fraction(0)] * (len(alpha) - 1)), slope]
-        gaps = _conditions(alpha, beta, len(alpha) - 1)
-        if alpha[-1] == 1:
-            best = max(best, (sum(y == 0 for y in gaps), -more, alpha, beta), key=lambda y: y[:2])
-    _, more, alpha, beta = best
-    reached = _order(alpha, beta) if alpha else -1
+        good = sum(y == 0 for y in _conditions(alpha, beta, len(alpha) - 1))
+        forms.append(((good, alpha[-1] == 1, -more), alpha, beta))
+    forms.sort(key=lambda y: y[0], reverse=True)
+    _, alpha, beta = forms[0]
+    reached = _order(alpha, beta)
     table.unread = f"a linear multistep method; by its conditions of order {reached}"
-    full = len(alpha) - 1
-    for k in range(full if reached < full and full > 1 else 0):
+    if reached >= len(alpha) - 1:
+        return Found(table, [x])
+    for (_, alpha, beta), k in product(forms, range(len(given))):
+        full = len(alpha) - 1
         moved = _conditions([*alpha[:k], alpha[k] + 1, *alpha[k + 1 :]], beta, full)
         steps = [(-v, u - v) for v, u in zip(_conditions(alpha, beta, full), moved, strict=True)]
         found = {v / w for v, w in steps if w}
-        if len(found) == 1 and all(v == 0 for v, w in steps if not w):
+        if full > 1 and len(found) == 1 and all(v == 0 for v, w in steps if not w):
             at = next((y.place for y, z in zip(x.value, given, strict=True)
                        if abs(z) == abs(alpha[k]) and y.place), None)  # fmt: skip
             line = f" (line {at[0]})" if at else ""
@@ -737,6 +745,7 @@ def _of_differences(x: Array, rate: Number) -> Found:
                 f"question: a multistep method: the coefficient {alpha[k]} of step {k - full} "
                 f"should be {alpha[k] + found.pop()}{line}"
             )
+            break
     return Found(table, [x])
 
 

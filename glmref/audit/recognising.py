@@ -112,6 +112,10 @@ def readings(array: Array) -> Iterator[Reading]:
             yield Reading(made, b=list(value[-1]), cost=2)
     if min(lengths) == width == n and all(size(x) == 0 for i in range(n) for x in value[i][:i]):
         yield Reading([list(x) for x in zip(*value, strict=True)], cost=3)  # by columns
+    if 2 < n == lengths[-1] + 1 and all(1 < x < k + 2 for k, x in enumerate(lengths[1:-1], 1)):
+        A = _padded([row[1:] for row in value[:-1]], n - 1)  # c | A over b, in rows of any length
+        if A is not None and _strict(A):
+            yield Reading(A, [row[0] for row in value[:-1]], list(value[-1]), 3)
     if min(lengths) == width == n + 1:  # c | A
         yield Reading([row[1:] for row in value], [row[0] for row in value], cost=1)
     if min(lengths) == width == n and n > 2:  # c | A over 0 | b
@@ -206,6 +210,12 @@ def order_in(reading: Reading, b: Sequence[Any]) -> int:
         if not all(abs(x) < LOOSE for x in level):
             return k
     return 3
+
+
+def _quadrature(c: Sequence[float], b: Sequence[Any]) -> int:
+    """Return the order of a quadrature through 6, loosely; no entry of A matters to it."""
+    sums = (sum(size(w) * x**q for w, x in zip(b, c, strict=True)) for q in range(6))
+    return next((q for q, x in enumerate(sums) if abs(x - 1 / (q + 1)) > LOOSE), 6)
 
 
 def _fitted(x: Sequence[Any], s: int) -> list[Any] | None:
@@ -372,10 +382,15 @@ def _weights(
         rank -= 0.001 * abs(x.at - array.at)
         if best is None or rank > best[0]:
             best = (rank, x, row, order)
-    if best is not None:
-        return best[1], best[2], best[3]
     last = list(reading.A[-1])
     order = order_in(reading, last)
+    if best is not None and best[1].role == "embedded" and s > 3 and order and not size(last[-1]):
+        given = times_of(node, reading) if node else None
+        times = list(map(size, given)) if given else reading.sums
+        if _quadrature(times, last) >= _quadrature(times, best[2]):
+            best = None  # the new value is that of the last stage
+    if best is not None:
+        return best[1], best[2], best[3]
     least = 1 if match >= MOST_ROWS and s > 3 else 2  # most rows say that it is one
     if array.role == "A" and order >= least and s > 2:
         return None, last, order
@@ -880,8 +895,9 @@ def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
         return about and (x.order >= 2 or x.match >= MOST_ROWS or node or (weights and s > 2))
     if x.array.name == "" and x.b is not None and x.b.name == "" and not about:
         return False
-    if x.order == 1 and named:  # weights in the last row, of a method with a wrong row
-        return about and x.match >= MOST_ROWS and node and s > 3
+    whole = x.reading.b is not None and x.reading.c is not None and _strict(x.reading.A)
+    if x.order == 1 and (named or whole):  # weights in the last row, of a method with a wrong row
+        return about and x.match >= MOST_ROWS and (node or whole) and s > 3
     if x.order >= 3:
         return about and (x.match >= MOST_ROWS or s > 3 or x.array.role == "A")
     return about and x.order == 2 and x.match >= MOST_ROWS and (x.array.role == "A" or s > 3)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..errors import BudgetError, GlmrefError
@@ -338,6 +339,15 @@ def _alike(
     if table.kind == "splitting" and status == "wrong":
         said = library.steps(table, table.order or 0)
         remarks += [said] if said else []
+        swapped = replace(table, b=table.b[::-1])
+        if re.search("drift|kick", table.source, re.IGNORECASE) and _holds(swapped):
+            remarks.append(f"with the steps of drift and kick exchanged the order is {table.order}")
+
+
+def _holds(table: Table) -> bool:
+    """Return whether a table has the order that is declared."""
+    method = Trial(table)
+    return _reached(table, method).to(method.coarse) >= (table.order or 1)
 
 
 def _stage(method: Trial, status: str, record: dict[str, Any], remarks: list[str]) -> str:

@@ -76,7 +76,48 @@ HALVES = (
     "  tab.b_ex = [1/2 1/2];\n  tab.b_im = [1/2 1/2];\n"
     "  tab.c_ex = [0; 1];\n  tab.c_im = [g; 1-g];\nend\n"
 )
+ATELA = (
+    "/* fourth-order symplectic integrator of McLachlan and Atela */\n"
+    "const double %s_coef[] = {0.1344961992774310892, -0.2248198030794208058,\n"
+    "    0.7563200005156682911, 0.3340036032863214255};\n"
+    "const double %s_coef[] = {0.5153528374311229364, -0.085782019412973646,\n"
+    "    0.4415830236164665242, 0.1288461583653841854};\n"
+)
+#: The weights are the last row of A, as only those of the embedded row have a name.
+LAST = (
+    "//! Runge-Kutta pair of Bogacki and Shampine\npub const ORDER: u32 = 3;\n"
+    "pub const C: [f64; 4] = [0.0, 1.0 / 2.0, 3.0 / 4.0, 1.0];\n"
+    "pub const A: [[f64; 4]; 4] = [[0.0; 4], [1.0 / 2.0, 0.0, 0.0, 0.0],\n"
+    "    [0.0, 3.0 / 4.0, 0.0, 0.0], [2.0 / 9.0, 1.0 / 3.0, 4.0 / 9.0, 0.0]];\n"
+    "pub const B_HAT: [f64; 4] = [7.0 / 24.0, 1.0 / 4.0, 1.0 / 3.0, 1.0 / 8.0];\n"
+)
+MERSON = (
+    "// Runge-Kutta methods: rows of c and A, and b\nconst merson = { order: 4, tableau: [\n"
+    "  [0],\n  [1/3, 1/3],\n  [1/3, 1/6, 1/6],\n  [1/2, 1/8, 0, 3/8],\n"
+    "  [1, 1/2, 0, -3/2, 2],\n  [1/6, 0, 0, 2/3, 1/6] ] };\n"
+)
+DIFFERENCES = (
+    "package pde\nvar bdfRows = [][]float64{\n  {1, -1},\n  {3.0 / 2, -2, 1.0 / 2},\n"
+    "  {11.0 / 6, -3, 3.0 / 2, -1.0 / 3},\n  {25.0 / 12, -4, 3, -4.0 / 3, 1.0 / 4},\n}\n"
+)
+DRIFT = (
+    "! Ruth (1983)\ninteger, parameter :: iorder = 3\n"
+    "real, parameter :: cdrift(3) = (/ 7.0/24.0, 3.0/4.0, -1.0/24.0 /)\n"
+    "real, parameter :: ckick(3) = (/ 2.0/3.0, -2.0/3.0, 1.0 /)\n"
+)
+STORAGE = (
+    "! 2N-storage scheme, 3 stages, order 3\n"
+    "real, parameter :: RKA(3) = (/ 0.0, -5.0/9.0, -153.0/128.0 /)\n"
+    "real, parameter :: RKB(3) = (/ 1.0/3.0, 15.0/16.0, 8.0/15.0 /)\n"
+)
 CASES = {
+    "drift and kick": Case("t.c", ATELA % ("kick", "drift"), ATELA % ("kick", "drift"),
+                           ATELA % ("drift", "kick"), "exchanged", (), True),
+    "last row": Case("b.rs", LAST, "3.0 / 4.0, 0.0, 0.0]", "3.0 / 5.0, 0.0, 0.0]", "row 3 of A"),
+    "c before rows": Case("m.js", MERSON, "-3/2, 2]", "-2/3, 2]", "a[5][3]"),
+    "rows of BDF": Case("b.go", DIFFERENCES, "-4.0 / 3", "-3.0 / 4", "should be -4/3 (line 6)"),
+    "names of flows": Case("r.f90", DRIFT, "7.0/24", "7.0/42", "a[1]"),
+    "2N, no name": Case("l.f90", STORAGE, "153.0", "135.0", "A[3]"),
     "Julia named tuple": Case("k.jl", TUPLE, "-1 2 0", "1 2 0", "a[3][1]"),
     "MATLAB explicit half": Case("t.m", HALVES, "[0 0; 1 0]", "[0 0; -1 0]", "a[2][1]"),
     "C struct, a row": Case("z.c", ZONNEVELD, "-1./32 }", "1./32 }", "row 5 of A"),
