@@ -436,9 +436,9 @@ def tables(
     collector = Collector(text, language, fixed=fixed)
     everything = collector.blocks()
     for block in everything:
-        for item in block.items:
-            if isinstance(item.value, Block) and item.value.user is None:
-                item.value.user = block
+        named = [x.value for x in block.items if isinstance(x.value, Block)]
+        for used in {x.called: x for x in reversed(named)}.values():  # others may be of an adjoint
+            used.user = used.user or block
     about = about or of_subject(text) or of_subject(where)
     strong = _STRONG.search(text) is not None
     found: list[Table] = []
@@ -578,18 +578,19 @@ def _in_two_tables(found: list[Table]) -> list[Table]:
 
 
 def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> None:
-    """Give tables the order of the blocks that name them, where those agree."""
+    """Give tables the order of the blocks that name them first, where those agree.
+
+    A table that a block names after another one may be that of an adjoint, or of a dense output.
+    """
     orders = [(x, order) for x in blocks if x.parent and (order := _own_order(x, above=False))]
-    lines: dict[str, list[int]] = {}
-    for token in collector.tokens:
-        if token.kind == "name":
-            lines.setdefault(token.text, []).append(token.line)
+    names = {path[0] for x in found if (path := path_of(x))}
+    tokens = [x for x in collector.tokens if x.kind == "name" and x.text in names]
     for table in found:
         path = path_of(table)
         if table.unread or table.order is not None or not path:
             continue
         used = {order for x, order in orders
-                if any(x.line <= n <= x.last for n in lines.get(path[0], ()))
+                if next((y.text for y in tokens if x.line <= y.line <= x.last), "") == path[0]
                 and not x.line <= table.line <= x.last}  # fmt: skip
         if len(used) == 1:
             table.order = used.pop()

@@ -142,6 +142,10 @@ def _meant(
     if status != "right" and not table.followed:
         remarks.append("slopes of the step go to a call, or a statement, that is not followed")
         return "unread"
+    times = (method.c[0] if method.kind == "rk" and method.c else None) or []
+    if status in ("wrong", "question") and [complex(x) for x in times[:1] + times[-1:]] == [1, 0]:
+        remarks.append("the nodes go from 1 to 0: this may be the table of an adjoint")
+        return "unread"
     found = record["found"]
     few = 2 if len(method.b[0]) > 2 else 1  # two entries of two stages make another method
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= few

@@ -633,6 +633,26 @@ void kutta(void) {
 """
 
 
+ADJOINT = """# Runge-Kutta
+KUTTA = Tableau(c=[0, .5, 1], A=[[0, 0, 0], [.5, 0, 0], [-1, 2, 0]], b=[1/6, 2/3, 1/6])
+BACK = Tableau(c=[1, .5, 0], A=[[0, 0, 0], [.5, 0, 0], [2, -1, 0]], b=[1/6, 2/3, 1/6])
+class Solver:
+    order = 3
+    tableau = KUTTA
+    adjoint = BACK
+"""
+
+
+def test_the_order_of_a_class_is_that_of_the_first_table_it_names() -> None:
+    assert [x.order for x in tables(ADJOINT, LANGUAGES["python"])] == [3, None]
+
+
+def test_nodes_from_1_to_0_are_not_those_of_a_step() -> None:
+    text = ADJOINT.replace("KUTTA", "BACK2").replace("c=[0, .5, 1]", "c=[1, .5, 0]")
+    first = judge(tables(text, LANGUAGES["python"])[0])
+    assert (first["declared"], first["status"]) == (3, "unread")
+
+
 @pytest.mark.parametrize(
     ("name", "order", "declared"),
     [
