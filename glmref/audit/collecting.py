@@ -962,6 +962,8 @@ def _named(head: Sequence[Token]) -> str:
     """Return the name of the block that words before a brace begin."""
     if head and head[0].text == "template":  # its parameters are classes, too
         head = head[_angle(head) :]
+    if head and head[0].text in CHOICES:  # of Go and Rust, without brackets
+        return head[0].text
     for word in ("class", "struct", "namespace", "enum", "union", "interface", "impl", "trait",
                  "mod",
                  "fn", "func", "function"):  # fmt: skip

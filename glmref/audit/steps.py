@@ -47,6 +47,12 @@ EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improve
 STAGES = 64
 ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
+#: Functions of two vectors, or of one and a number, that return what their names say.
+_ARITHMETIC = {
+    **dict.fromkeys(("add", "plus", "vadd", "addvec", "addvectors", "vecadd"), "+"),
+    **dict.fromkeys(("sub", "subtract", "minus"), "-"),
+    **dict.fromkeys(("scale", "mul", "mult", "multiply", "times", "smul", "scalevec"), "*"),
+}
 BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
 
@@ -240,7 +246,7 @@ def calls(row: Sequence[Token]) -> list[_Call]:
         ):
             first -= 2
             name = f"{row[first].text}.{name}"
-        if _OTHER.fullmatch(name):
+        if _OTHER.fullmatch(name) or name.rpartition(".")[2].lower() in _ARITHMETIC:
             continue
         before = row[first - 1] if first else None
         plain_call = before is None or before.kind == "line" or before.text in (";", "{", "}", ")",
@@ -277,6 +283,13 @@ class StepFolder(Folder):
     def _call(self, name: str, t: Token) -> Any:
         if self.step.is_slope(name, self):
             return self.step.stage(self._arguments()[0])
+        sign = _ARITHMETIC.get(name.rpartition(".")[2].lower())
+        if sign:
+            given = [x for _, x in self._arguments()[0]]
+            if len(given) != 2 or not all(isinstance(x, Number) for x in given):
+                raise Unread(f"the function {name[:40]!r} is not read", t.line)
+            x, y = form(given[0]), form(given[1])
+            return given[0].of(x + y if sign == "+" else x - y if sign == "-" else x * y)
         return super()._call(name, t)
 
 
@@ -436,7 +449,7 @@ class Step:
             x = self.fold(row)
         except Unread as error:
             x = error
-        if isinstance(x, Number) and _slopes(x):
+        if isinstance(x, Number) and _slopes(x) and len(row) > 1:  # a name has its own
             x.place = (row[0].line, " ".join(y.text for y in row)[:80])
         if isinstance(x, list) or (_slopes(x) and len(form(x).terms) > 1):
             self.returned = x

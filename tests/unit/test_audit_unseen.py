@@ -216,6 +216,24 @@ STEPS = {
         "  for (int i = 0; i < n; i++) y[i] += h*(k1[i] + 2.*k2[i] + 2.*k3[i] + k4[i])/6.;\n}\n"),
         ("0.5*h*k2", "0.25*h*k2"), ("2.*k3", "3.*k3"),
     ),
+    "r.go": (
+        ("// Runge-Kutta of order 4\nfunc rk4(f Rhs, t float64, y []float64, h float64) []float64 {\n"
+        "  tmp := make([]float64, n)\n  k1 := f(t, y)\n"
+        "  for i := range y {\n    tmp[i] = y[i] + 0.5*h*k1[i]\n  }\n  k2 := f(t+0.5*h, tmp)\n"
+        "  for i := range y {\n    tmp[i] = y[i] + 0.5*h*k2[i]\n  }\n  k3 := f(t+0.5*h, tmp)\n"
+        "  for i := range y {\n    tmp[i] = y[i] + h*k3[i]\n  }\n  k4 := f(t+h, tmp)\n"
+        "  for i := range y {\n    y[i] += h/6*(k1[i]+2*k2[i]+2*k3[i]+k4[i])\n  }\n"
+        "  return y\n}\n"),
+        ("0.5*h*k2", "0.25*h*k2"), ("2*k3", "3*k3"),
+    ),
+    "r.js": (
+        ("// Runge-Kutta of order 4\nfunction rk4(y, t, h, f) {\n  const k1 = f(t, y);\n"
+        "  const k2 = f(t + h / 2, add(y, scale(k1, h / 2)));\n"
+        "  const k3 = f(t + h / 2, add(y, scale(k2, h / 2)));\n"
+        "  const k4 = f(t + h, add(y, scale(k3, h)));\n"
+        "  return add(y, scale(add(add(k1, scale(k2, 2)), add(scale(k3, 2), k4)), h / 6));\n}\n"),
+        ("scale(k2, h / 2)", "scale(k2, h / 3)"), ("scale(k3, 2)", "scale(k3, 3)"),
+    ),
     "r.jl": (
         ("# Runge-Kutta of order 4\nfunction rk4(f, y, t, h)\n    k1 = h * f(t, y)\n"
         "    k2 = h * f(t + 0.5h, y + 0.5k1)\n    k3 = h * f(t + 0.5h, y + 0.5k2)\n"
