@@ -521,6 +521,9 @@ class Collector:
             and _is_definition(row, equal)
         ):
             self._begin(name, row[0].line, 10_000)
+            words = [x.text for x in row[:equal]]
+            if words[-3:-1:2] == ["::"] and "," not in words:  # the type of the one argument
+                self.block.own = words[-2]
             self._expression(row[equal + 1 :])
             self._close(row[-1].line)
             return
@@ -863,7 +866,8 @@ class Collector:
         except Unread:
             return
         if isinstance(value, Record):
-            self._record(value, "", row[0].line)
+            typed = self.language.name == "julia" and not value.name
+            self._record(value, self.block.own if typed else "", row[0].line)
 
     # --- forward references -----------------------------------------------------------------------
 

@@ -316,10 +316,14 @@ def declared_orders(text: str) -> dict[str, int]:
     for inner in re.findall(r"\b[Oo](?:rder|RDER)s?\w*\s*(?::[^=\n]{1,60})?=\s*\{([^{}]*)\}", text):
         found += re.findall(r"[\"']([\w .-]+)[\"']\s*[:=,]\s*(\d{1,2})\b", inner)
     documented |= {name: int(n) for name, n in found}
-    found = re.findall(r"alg_order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)", text)
+    found = _ORDER_OF_TYPE.findall(text) if "::" in text else []
     return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
 
 
+#: ``alg_order(::Name) = n`` and ``order(x::Name) = n`` of Julia.
+_ORDER_OF_TYPE = re.compile(
+    r"(?<!\w)(?:alg_|get_)?order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)"
+)
 #: A step of OrdinaryDiffEq.jl, through its ``end``: the types of its cache, and its statements.
 _PERFORM = re.compile(
     r"^(?:@\w+ )*function perform_step!\([^()]*?\bcache::(\w+|Union\{[^{}]*\})(.*?)^end\b",

@@ -110,7 +110,12 @@ STORAGE = (
     "real, parameter :: RKA(3) = (/ 0.0, -5.0/9.0, -153.0/128.0 /)\n"
     "real, parameter :: RKB(3) = (/ 1.0/3.0, 15.0/16.0, 8.0/15.0 /)\n"
 )
+DISPATCH = (
+    "# symplectic methods\nstruct Ruth <: Method end\norder(::Ruth) = 3\n"
+    "coefficients(::Ruth) = (\n    c = (7 / 24, 3 / 4, -1 / 24),\n    d = (2 / 3, -2 / 3, 1.0),\n)\n"
+)
 CASES = {
+    "order of a type": Case("r.jl", DISPATCH, "order(::Ruth) = 3", "order(::Ruth) = 4", "order"),
     "drift and kick": Case("t.c", ATELA % ("kick", "drift"), ATELA % ("kick", "drift"),
                            ATELA % ("drift", "kick"), "exchanged", (), True),
     "last row": Case("b.rs", LAST, "3.0 / 4.0, 0.0, 0.0]", "3.0 / 5.0, 0.0, 0.0]", "row 3 of A"),
