@@ -14,7 +14,7 @@ from glmref import Solution, solve
 from glmref.engine import run as running
 from glmref.engine.kept import method_of
 from glmref.engine.outcome import Outcome
-from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, stable_up_to, windows
+from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, stable_up_to, too_large, windows
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -278,3 +278,11 @@ def test_a_step_that_is_too_large_at_the_start_is_reported_before_the_run() -> N
     found = solve(one, "multistep-general-8", h=0.15, steps=400)
     assert found.notices[0].startswith("h = 0.15 is beyond 0.14")
     assert found.suspect is not None  # it is lost indeed
+
+
+@pytest.mark.parametrize("entry", ["p*(1 + q)*1e305", "p*(1 + sqrt(q**3))"])
+def test_derivatives_beyond_range_bound_no_step(entry: str) -> None:
+    one = Problem.from_equations({"q": entry, "p": "-q"}, {"q": 0, "p": 1e-3})
+    method = method_of("multistep-general-8")
+    with np.errstate(all="ignore"):
+        assert too_large(method, one, 1e4) == ()
