@@ -10,6 +10,10 @@ The scale is what the method itself leaves over, the p-th difference of the poly
 error constant C of ``U (z - V)^-1 B = (1 + C x^p + ..)/x``, z = exp(x). Both are displacements of
 the solution, by which the energy is wrong in proportion.
 
+Before a run the matrix of a step on the system linearised at the start says whether h is too large:
+where roots of the two halves meet, eigenvalues leave the unit circle at once and not in proportion
+to h, as a solution or a parasitic part that grows at first order does.
+
 References
 ----------
     Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), section XV.5.
@@ -166,10 +170,10 @@ def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
         return max(float(np.abs(np.linalg.eigvals(step)).max()) - 1, _OFF)
 
     whole = growth(_PART)
-    if whole <= 4 * _PART * _OFF or whole <= 4 * _PART * growth(1):
+    if whole <= 4 * _PART * _OFF or whole <= 4 * _PART * (first := growth(1)):
         return None
-    last = next(k for k in range(2, _PART + 1) if growth(k) > 4 * k * growth(1))
-    return h * (last - 1) / _PART
+    beyond = next(k for k in range(2, _PART + 1) if growth(k) > 4 * k * first)
+    return h * (beyond - 1) / _PART
 
 
 def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
