@@ -28,7 +28,7 @@ import numpy as np
 from campaigns.driver import arguments, complete
 from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.nonseparable import LOST, METHODS
-from campaigns.partitioned.semi_separable import long_run, step_of
+from campaigns.partitioned.semi_separable import interval, long_run, on_plane, step_of
 from glmref.catalogue.reader import load_document
 from glmref.derive.general_multistep import general_document
 from glmref.derive.halves import GeneralHalf
@@ -49,28 +49,11 @@ PROBLEMS = (
 )  # fmt: skip
 #: Steps of a long run, by the steps between renewals.
 _LONG = {0: 1_000_000, 1000: 1_000_000}
-#: Step of h, and what rounding may add to an eigenvalue of modulus 1.
-_GRID, _UNIT = 0.005, 2e-6
 
 
-def interval(q: GeneralHalf, p: GeneralHalf, omega: float) -> float:
-    """Return the largest h on a grid up to which the turning oscillator is stable."""
-    (Vq, Bq, wq), (Vp, Bp, wp) = (
-        [np.array(half.block()[key], dtype=float) for key in ("V", "B", "output")]
-        for half in (q, p)
-    )
-
-    def largest(h: float) -> float:
-        step = np.block([
-            [Vq + 1j * omega * h * Bq * wq, h * Bq * wp],
-            [-h * Bp * wq, Vp + 1j * omega * h * Bp * wp],
-        ])  # fmt: skip
-        return float(np.abs(np.linalg.eigvals(step)).max())
-
-    k = 1
-    while largest(k * _GRID) < 1 + _UNIT:
-        k += 1
-    return round((k - 1) * _GRID, 3)
+def turning(omega: float) -> np.ndarray:
+    """Return the matrix (4, 4) of the oscillator in axes that turn."""
+    return on_plane(np.array([[1j * omega, 1], [-1, 1j * omega]]))
 
 
 def separation(q: GeneralHalf, p: GeneralHalf) -> float:
@@ -108,7 +91,7 @@ def row(name: str) -> dict[str, Any]:
         "error_constant": three_digits(float(q.error_constant)),
         "residue": three_digits(max(abs(float(x)) for half in (q, p) for x in half.residues)),
         "separation": three_digits(separation(q, p)),
-        "interval": [interval(q, p, omega) for omega in (0.0, 1.0)],
+        "interval": [interval(q, p, [turning(omega)]) for omega in (0.0, 1.0)],
         "evaluations": counts,
         "kept": list(kept.values()),
     }

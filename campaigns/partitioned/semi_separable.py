@@ -19,7 +19,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -38,6 +38,7 @@ from glmref.derive.general_multistep import general_document
 from glmref.derive.halves import GeneralHalf
 from glmref.derive.recipes.general_multistep import SHIPPED, half_of
 from glmref.engine.outcome import Solution
+from glmref.engine.parasites import over_both, step_matrix
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
 from glmref.problems import problem
@@ -87,32 +88,39 @@ class Pair:
         return load_document({**document, "source": source, "claims": {"order": self.q.order}})
 
     @cached_property
-    def _arrays(self) -> list[np.ndarray]:
-        """V (r, r), B (r, 2) and the output (r,) of q and of p."""
-        blocks = [half.block() for half in (self.q, self.p)]
-        return [np.array(x[key], dtype=float) for x in blocks for key in ("V", "B", "output")]
-
-    def step(self, h: float, ratio: float) -> np.ndarray:
-        """Return the step of the charge (n, n) on the values and the slopes at its beginning."""
-        Vq, Bq, wq, Vp, Bp, wp = self._arrays
-        m = len(Vq)
-        one = np.eye(m + len(Vp) + 2, dtype=complex)
-        yq, yp, vq, vp = one[:m], one[m:-2], one[-2], one[-1]
-        yp = Vp @ yp + np.outer(Bp[:, 0], vp)
-        p = wp @ yp
-        yq = Vq @ yq + np.outer(Bq[:, 0], vq) + np.outer(Bq[:, 1], h * p)
-        force = h * (1j * (1 + ratio) * p + ratio * (wq @ yq))
-        return np.vstack([yq, yp + np.outer(Bp[:, 1], force), h * p, force])
-
-    @property
     def interval(self) -> float:
         """The largest h omega_1 on a grid up to which the charge is stable for every ratio."""
-        k = 2
-        while all(
-            np.abs(np.linalg.eigvals(self.step(k * _GRID, r))).max() < 1 + _UNIT for r in RATIOS
-        ):
-            k += 1
-        return round((k - 1) * _GRID, 3)
+        return interval(self.q, self.p, [charge(r) for r in RATIOS])
+
+
+def on_plane(matrix: np.ndarray) -> np.ndarray:
+    """Return a complex matrix (n, n) as a real one (2 n, 2 n), on real and imaginary parts."""
+    i = np.array([[0.0, -1.0], [1.0, 0.0]])
+    return np.kron(np.real(matrix), np.eye(2)) + np.kron(np.imag(matrix), i)
+
+
+def charge(ratio: float) -> np.ndarray:
+    """Return the matrix (4, 4) of a charge whose second frequency is a ratio of the first, 1."""
+    return on_plane(np.array([[0, 1], [ratio, 1j * (1 + ratio)]]))
+
+
+def arrays(q: GeneralHalf, p: GeneralHalf) -> tuple[np.ndarray, ...]:
+    """Return A, U, B and V of both halves."""
+    return over_both(*([half.block()[key] for key in "AUBV"] for half in (q, p)))
+
+
+def interval(q: GeneralHalf, p: GeneralHalf, systems: Sequence[np.ndarray]) -> float:
+    """Return the largest h on a grid up to which a pair is stable on y' = J y for every J."""
+    pair = arrays(q, p)
+
+    def stable(h: float) -> bool:
+        steps = (step_matrix(pair, J, h) for J in systems)
+        return all(np.abs(np.linalg.eigvals(step)).max() < 1 + _UNIT for step in steps)
+
+    k = 1
+    while stable(k * _GRID):
+        k += 1
+    return round((k - 1) * _GRID, 3)
 
 
 def end_of(name: str) -> float:

@@ -14,6 +14,7 @@ from campaigns.partitioned.general_front import (
     method_of,
     over,
     separation,
+    turning,
 )
 from glmref.derive.halves import GeneralHalf
 
@@ -27,7 +28,7 @@ PAGE = " ".join((Path(__file__).parents[2] / "docs" / "nonseparable.md").read_te
 def test_what_is_recorded_of_the_roots_follows_from_them(name: str) -> None:
     _, q, p = method_of(name)
     x = ROWS[name]
-    assert [interval(q, p, omega) for omega in (0.0, 1.0)] == x["interval"]
+    assert [interval(q, p, [turning(omega)]) for omega in (0.0, 1.0)] == x["interval"]
     assert float(q.error_constant) == float(p.error_constant)
     assert math.isclose(float(q.error_constant), x["error_constant"], rel_tol=5e-3)
     assert math.isclose(separation(q, p), x["separation"], rel_tol=5e-3)

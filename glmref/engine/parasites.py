@@ -22,6 +22,7 @@ References
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -135,26 +136,29 @@ def watched(method: Method, problem: Problem) -> bool:
     return same_point(method) and explicit_after_velocity(method) and problem.semi_separable
 
 
-@lru_cache(maxsize=32)
-def _blocks(method: Method) -> tuple[np.ndarray, ...]:
-    """Return A, U, B and V of a pair, block-diagonal over both halves."""
-    q, p = method.carriers
+def over_both(q: Sequence[Any], p: Sequence[Any]) -> tuple[np.ndarray, ...]:
+    """Return A, U, B and V of a pair, block-diagonal, from those of its halves."""
     found = []
-    for letter in ("A", "U", "B", "V"):
-        one, other = (np.array(getattr(c, letter), dtype=float) for c in (q, p))
-        whole = np.zeros((len(one) + len(other), one.shape[1] + other.shape[1]))
-        whole[: len(one), : one.shape[1]] = one
-        whole[len(one) :, one.shape[1] :] = other
+    for one, other in zip(q, p, strict=True):
+        whole = np.zeros((len(one) + len(other), len(one[0]) + len(other[0])))
+        whole[: len(one), : len(one[0])] = np.array(one, dtype=float)
+        whole[len(one) :, len(one[0]) :] = np.array(other, dtype=float)
         found.append(whole)
     return tuple(found)
 
 
-def _step(method: Method, J: np.ndarray, h: float) -> np.ndarray:
-    """Return the matrix of a step on y' = J y, J (2 m, 2 m), whose stages are shared."""
-    m, s = len(J) // 2, len(method.carriers[0].A)
-    A, U, B, V = (
-        np.einsum("ij,kl->ikjl", M, np.eye(m)).reshape(len(M) * m, -1) for M in _blocks(method)
-    )
+@lru_cache(maxsize=32)
+def _pair(method: Method) -> tuple[np.ndarray, ...]:
+    return over_both(*((c.A, c.U, c.B, c.V) for c in method.carriers))
+
+
+def step_matrix(pair: Sequence[np.ndarray], J: np.ndarray, h: float) -> np.ndarray:
+    """Return the matrix of a step on y' = J y, J (2 m, 2 m), of a pair that shares its stages.
+
+    ``pair`` has A, U, B and V of both halves, see :func:`over_both`.
+    """
+    m, s = len(J) // 2, len(pair[0]) // 2
+    A, U, B, V = (np.einsum("ij,kl->ikjl", M, np.eye(m)).reshape(len(M) * m, -1) for M in pair)
     F = h * np.einsum("ij,akbl->aikbjl", np.eye(s), J.reshape(2, m, 2, m)).reshape(2 * s * m, -1)
     return V + B @ F @ np.linalg.solve(np.eye(len(F)) - A @ F, U)
 
@@ -166,7 +170,7 @@ def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
     """
 
     def growth(part: int) -> float:
-        step = _step(method, J, h * part / _PART)
+        step = step_matrix(_pair(method), J, h * part / _PART)
         return max(float(np.abs(np.linalg.eigvals(step)).max()) - 1, _OFF)
 
     whole = growth(_PART)

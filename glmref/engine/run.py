@@ -18,7 +18,7 @@ from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
-from .parasites import WINDOW, Watch, too_large, watched, windows
+from .parasites import WINDOW, Watch, watched, windows
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .solver_choice import newton_bytes, with_band
@@ -241,8 +241,6 @@ class Run:
         t0 = float(self.problem.t_span[0])
         slope = self._slope(t0, self.start)
         problem = expressed(self.problem)
-        if self.watch is not None:
-            self.notices += too_large(self.method, problem, self.h)
         kernel = prepare(
             self.method, problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
             history=self.wide, interpreted=interpreted,

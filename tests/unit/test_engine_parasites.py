@@ -14,7 +14,17 @@ from glmref import Solution, solve
 from glmref.engine import run as running
 from glmref.engine.kept import method_of
 from glmref.engine.outcome import Outcome
-from glmref.engine.parasites import MOST_BETWEEN, WINDOW, Watch, stable_up_to, too_large, windows
+from glmref.engine.parasites import (
+    MOST_BETWEEN,
+    WINDOW,
+    Watch,
+    over_both,
+    stable_up_to,
+    step_matrix,
+    too_large,
+    windows,
+)
+from glmref.measure.linearised import step_derivatives
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -277,6 +287,8 @@ def test_a_step_that_is_too_large_at_the_start_is_reported_before_the_run() -> N
     assert solve(one, "multistep-general-8", h=0.13, steps=400).notices == ()
     found = solve(one, "multistep-general-8", h=0.15, steps=400)
     assert found.notices[0].startswith("h = 0.15 is beyond 0.14")
+    other = solve(one, "multistep-general-8", h=0.15, steps=2, engine="reference")
+    assert other.notices == found.notices[:1]
     assert found.suspect is not None  # it is lost indeed
 
 
@@ -286,3 +298,20 @@ def test_derivatives_beyond_range_bound_no_step(entry: str) -> None:
     method = method_of("multistep-general-8")
     with np.errstate(all="ignore"):
         assert too_large(method, one, 1e4) == ()
+
+
+@pytest.mark.parametrize("name", ["multistep-general-8", "multistep-kinetic-8"])
+def test_the_matrix_of_a_step_is_its_derivative(name: str) -> None:
+    equations = {"x": "u", "y": "v", "u": "2*v - x", "v": "-2*u - 2*y"}
+    one = Problem.from_equations(equations, {"x": 1, "y": 0, "u": 0, "v": "1/2"})
+    method, h = method_of(name), 0.05
+    J = one.jacobian(0.0, np.array(one.y0, dtype=float))
+    q, p = method.carriers
+    found = step_matrix(over_both(*((c.A, c.U, c.B, c.V) for c in (q, p))), np.asarray(J), h)
+    rows = max(len(q.V), len(p.V))
+    (whole,) = step_derivatives(method, one, h, np.zeros((1, rows, 4)))
+    # values lie row by row with q and p beside each other; here all of q come first
+    places = [
+        4 * i + k for c, ks in ((q, (0, 1)), (p, (2, 3))) for i in range(len(c.V)) for k in ks
+    ]
+    assert np.abs(found - whole[np.ix_(places, places)]).max() < 1e-13
