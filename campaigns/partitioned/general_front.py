@@ -4,8 +4,8 @@
 
 Both halves of an explicit method have residues that sum to -1 over the roots but 1. A root -1 takes
 most of that sum alone; a pair of roots beside -1 shares it, so that a half without the root -1 has
-a third of the largest residue at the same error constant. The roots of :data:`FOUND` are of such
-pairs. They were found by differential evolution (Storn, Price 1997) of the angles: the least
+less than half of the largest residue at the same error constant. The roots of :data:`FOUND` are of
+such pairs. They were found by differential evolution (Storn, Price 1997) of the angles: the least
 constant with bounds on the largest residue, on the separation of the roots of both halves, and on
 the interval below. They are measured beside the shipped methods, on problems not held out.
 
