@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.claims import ORDER
+from ..exact import linalg
 from ..exact.linalg import Vector
 from ..method import Component, Method
 from ..method.preconsistency import output
@@ -138,13 +139,8 @@ def watched(method: Method, problem: Problem) -> bool:
 
 def over_both(q: Sequence[Any], p: Sequence[Any]) -> tuple[np.ndarray, ...]:
     """Return A, U, B and V of a pair, block-diagonal, from those of its halves."""
-    found = []
-    for one, other in zip(q, p, strict=True):
-        whole = np.zeros((len(one) + len(other), len(one[0]) + len(other[0])))
-        whole[: len(one), : len(one[0])] = np.array(one, dtype=float)
-        whole[len(one) :, len(one[0]) :] = np.array(other, dtype=float)
-        found.append(whole)
-    return tuple(found)
+    blocks = (linalg.block_diagonal(*both) for both in zip(q, p, strict=True))
+    return tuple(np.array(block, dtype=float) for block in blocks)
 
 
 @lru_cache(maxsize=32)

@@ -139,6 +139,11 @@ def largest(a: Matrix) -> float:
     return max((x.magnitude() for row in a for x in row if not x.vanishes()), default=0.0)
 
 
+def is_exact(*matrices: Sequence[Sequence[Scalar]]) -> bool:
+    """Return whether no ball stands in the matrices."""
+    return all(isinstance(x, Exact) for m in matrices for row in m for x in row)
+
+
 def is_lower_triangular(a: Matrix) -> bool:
     """Return whether every entry above the diagonal is an exact zero."""
     return all(x.vanishes() for i, j, x in entries(a) if j > i)

@@ -62,7 +62,6 @@ from ..theory.residues import residues
 from ..theory.stability import SAMPLES
 from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symplectic import find_forms, form_identities
-from .algebra import is_exact
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
 from .finders import proposal_for
 from .kernel import Found, Kernel
@@ -236,7 +235,7 @@ def _certificates(facts: Any, claim: str, declared: Any, judged: Found) -> Itera
 
 def _vector(values: Vector) -> list[str]:
     found = scalars(values)
-    if not is_exact((found,)):
+    if not linalg.is_exact((found,)):
         raise ExactnessError("a number that the proof needs is known to its decimals only")
     return [to_text(x) for x in found]
 
@@ -506,7 +505,9 @@ class _Writer:
         """Yield every V, or block of V, that may have a root outside or defective on the circle."""
         for c, (_, _, _, V) in self.kernel.blocks.items():
             blocks = (
-                [{}] if is_exact(V) else [{"block": i} for i, _ in enumerate(poly.blocks_of(V))]
+                [{}]
+                if linalg.is_exact(V)
+                else [{"block": i} for i, _ in enumerate(poly.blocks_of(V))]
             )
             for where in blocks:
                 yield [{"rule": "unbounded", "witness": {"which": c, **where}}]
@@ -536,7 +537,7 @@ class _Writer:
             if any(x.is_zero() is False for x in entries):
                 return [fails]
             for c in self.kernel.method.components:
-                if is_exact(c.U, c.V) and preconsistency_vector(c) is None:
+                if linalg.is_exact(c.U, c.V) and preconsistency_vector(c) is None:
                     return [self._no_vector()]
             return [self._vectors(v=False), fails]
         return self._no_form()
@@ -597,12 +598,12 @@ class _Writer:
         """Show that V is singular, or let the judge search the exchanges of stages."""
         where: dict[str, Any] = {}
         for c, (_, _, _, V) in self.kernel.blocks.items():
-            if is_exact(V) and linalg.nullspace(V):
+            if linalg.is_exact(V) and linalg.nullspace(V):
                 where = {"singular": c}
         return [{"rule": "not-symmetric", "witness": where}]
 
     def _abscissae(self) -> list[Part]:
-        if not all(is_exact(*block[1:]) for block in self.kernel.blocks.values()):
+        if not all(linalg.is_exact(*block[1:]) for block in self.kernel.blocks.values()):
             raise ExactnessError("the abscissae of decimals are enclosed, not proved")
         return [{"rule": "abscissae", "witness": {}}]
 
@@ -657,14 +658,14 @@ class _Writer:
 
     def _real_growth(self, proposed: Mapping[str, Any]) -> None:
         """Refuse decimals at an eigenvalue that is not real: the intervals of a checker are."""
-        decimals = not all(is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
+        decimals = not all(linalg.is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
         if decimals and not all(z.is_real() for zeta in proposed.values() for z in zeta):
             raise ExactnessError("growth of decimals at an eigenvalue that is not real")
 
     def _unshared(self) -> list[Part]:
         """Return parts of a separable pair sharing the eigenvalue 1 only, else nothing."""
         values = [b[3] for b in self.kernel.blocks.values()]
-        if not self.kernel.is_pair or self.kernel.shared or not is_exact(*values):
+        if not self.kernel.is_pair or self.kernel.shared or not linalg.is_exact(*values):
             return []
         if not poly.share_only_one(*map(poly.characteristic, values)):
             return []

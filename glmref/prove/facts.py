@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import CLAIMS, CONSISTENT, G_SYMPLECTIC, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
-from ..exact import Scalar
+from ..exact import Scalar, linalg
 from ..exact.linalg import Vector
 from ..findings import Proof, Verdict
 from ..method import Method
@@ -26,7 +26,6 @@ from ..theory.spectrum import unimodular_eigenvalues
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
-from .algebra import is_exact
 from .beside import BESIDE, known_beside
 from .certificate import Shared, certificates_of
 from .finders import proposal_for
@@ -121,7 +120,7 @@ class Facts:
         G, diagonals = self.method.G, self.method.diagonals
         if claim == G_SYMPLECTIC.key and G is not None:
             given = [d for d in diagonals if d is not None]
-            return self.kernel.exact and is_exact(G, given)
+            return self.kernel.exact and linalg.is_exact(G, given)
         return self.kernel.exact and (claim not in BESIDE or known_beside(self, claim).exact)
 
     def known(self, claim: str) -> Known:

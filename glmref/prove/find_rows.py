@@ -12,7 +12,6 @@ from ..exact import Exact, Scalar, linalg
 from ..findings import Proof
 from ..theory.starting_series import stage_slopes
 from ..theory.trees import trees
-from .algebra import is_exact
 from .ranges import MAX_ORDER, Range
 
 if TYPE_CHECKING:
@@ -87,7 +86,7 @@ class RowRules:
         if m.in_time is not m or not m.is_one_step:
             raise ExactnessError("dense output is judged where c = A 1 and one value is carried")
         columns = linalg.transpose(m.dense)
-        exact = self.exact and is_exact(m.dense)
+        exact = self.exact and linalg.is_exact(m.dense)
         slopes = stage_slopes(m.A)
         lower, proved, sizes = 0, True, [0.0]
         for n in range(1, MAX_ORDER[0] + 1):

@@ -63,9 +63,6 @@ from ..theory.starting_series import (
     tableau,
 )
 from ..theory.trees import Tree, as_judged, counted
-from .algebra import (
-    is_exact,
-)
 from .digits import DigitRules, Sized, rounded_up
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
@@ -167,7 +164,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         self.palette = method.palette
         self.shared = method.shared
         self.one_step = all(len(b[3]) == 1 for b in self.blocks.values())
-        self.exact = all(is_exact(*b) for b in self.blocks.values())
+        self.exact = all(linalg.is_exact(*b) for b in self.blocks.values())
         timed = method.in_time
         #: the kernel that knows the order: another one where time is a component of its own
         self.timed = self if timed is method else Kernel(timed, judged=judged)
@@ -807,7 +804,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if p and self._is_implied(FINISHING_ORDER.key, known):
             return Range(0, p, exact=False, value=p, reason=reason)
         (w,) = outputs(self.method.components)
-        exact = self.exact and self._exact_start() and is_exact(finish.A, (finish.b,))
+        exact = self.exact and self._exact_start() and linalg.is_exact(finish.A, (finish.b,))
         if (linalg.dot(w, start.u) - 1).is_zero() is not True:
             raise ExactnessError("a finishing method needs an output that starts from y itself")
         if not p:
@@ -913,7 +910,7 @@ def reach(
         How far they hold.
     """
     one = ((_ONE,),)
-    exact = all(is_exact(A, (b,)) for A, b in blocks.values())
+    exact = all(linalg.is_exact(A, (b,)) for A, b in blocks.values())
     components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in blocks.items()}
     series = StartingSeries(components, palette, free=False, counts=counts)
     sizes, worst, first, residuals = [], [], [], []

@@ -97,10 +97,10 @@ def test_the_kernel_imports_no_finder() -> None:
     allowed = {
         "", "errors", "findings", "catalogue.claims", "judge.refusals", "exact", "exact.judging", "exact.expression", "exact.linalg",
         "method", "method.preconsistency", "method.stage_order", "theory.reduction", "system.budget", "theory", "theory.polynomials", "theory.coefficients", "theory.residues",
-        "theory.stability", "theory.order", "theory.series", "theory.starting_series", "theory.trees", "method.component", "algebra", "implications", "kernel", "ranges", "find_rows", "digits", "find_modified", "theory.backward", "theory.underlying", "theory.second_order", "theory.spectrum", "theory.symmetry", "theory.symplectic",
+        "theory.stability", "theory.order", "theory.series", "theory.starting_series", "theory.trees", "method.component", "implications", "kernel", "ranges", "find_rows", "digits", "find_modified", "theory.backward", "theory.underlying", "theory.second_order", "theory.spectrum", "theory.symmetry", "theory.symplectic",
     }  # fmt: skip
     rules = ("find_rows", "digits", "find_modified")
-    for name in ("kernel", *rules, "ranges", "algebra"):
+    for name in ("kernel", *rules, "ranges"):
         for node in nodes(PACKAGE / "prove" / f"{name}.py"):
             if isinstance(node, ast.ImportFrom) and node.level:
                 assert (node.module or "") in allowed, (name, node.module)
