@@ -10,6 +10,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import pytest
 from hypothesis import strategies as st
 
 from glmref.exact import exact, linalg
@@ -94,3 +95,19 @@ def sharing(held: Any) -> Callable[..., Any]:
         return held
 
     return f
+
+
+def refused(
+    error: type[Exception] | tuple[type[Exception], ...],
+    sentence: str,
+    call: Callable[..., object],
+    /,
+    *arguments: Any,
+    **options: Any,
+) -> str:
+    """Assert that a call is refused in one sentence that has this pattern in it; return the sentence."""
+    with pytest.raises(error, match=sentence or None) as caught:
+        call(*arguments, **options)
+    said = str(caught.value)
+    assert "\n" not in said
+    return said

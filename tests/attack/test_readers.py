@@ -12,6 +12,7 @@ from glmref.errors import BudgetError, DataError, UsageError
 from glmref.exact import Exact
 from glmref.exact.linalg import conjugate_transpose
 from glmref.system.budget import limited
+from tests.build import refused
 
 from . import (
     campaigns,
@@ -87,9 +88,8 @@ def test_a_nested_formula_is_refused_with_a_short_sentence():
     "given", [{"f": [["0"] * 900]}, {"y0": [float("nan")] * 900}, {"y0": "1" * 900}]
 )
 def test_a_problem_that_is_none_is_refused_with_a_short_sentence(given):
-    with pytest.raises(UsageError) as caught:
-        Problem(**{"f": ("y[0]",), "y0": (1.0,)} | given)
-    assert len(str(caught.value)) < 200
+    caught = refused(UsageError, "", Problem, **{"f": ("y[0]",), "y0": (1.0,)} | given)
+    assert len(caught) < 200
 
 
 @pytest.mark.parametrize(
@@ -119,8 +119,7 @@ def test_a_vector_file_that_is_not_as_specified_is_refused(tmp_path, monkeypatch
         monkeypatch.setattr(module, "folder", lambda: tmp_path)
     vectors._forget()
     try:
-        with pytest.raises(DataError, match=r"rk4\.json: the file is not as data/vectors/README"):
-            vectors_of("rk4")
+        refused(DataError, r"rk4\.json: the file is not as data/vectors/README", vectors_of, "rk4")
     finally:
         vectors._forget()
 

@@ -29,7 +29,7 @@ from glmref.method.preconsistency import (
 )
 from glmref.prove.analysis import analyze
 from glmref.prove.facts import facts_of
-from tests.build import invertible
+from tests.build import invertible, refused
 from tests.examples import law
 
 SMALL = st.integers(-2, 2)
@@ -266,10 +266,8 @@ def test_an_output_that_is_not_the_solution_is_refused():
     m = glmref.load("gsymplectic-n")
     wrong = GLM(m.A, m.U, m.B, m.V, output=["0", "1"])  # reads the value that carries no y
     for use in (analyze, lambda x: end(x, "zero"), lambda x: end(x, "zero", engine="reference")):
-        with pytest.raises(DataError, match="`output` must read the solution"):
-            use(wrong)
-    with pytest.raises(DataError, match="`output` must have 2 entries"):
-        GLM(m.A, m.U, m.B, m.V, output=["1"])
+        refused(DataError, "`output` must read the solution", use, wrong)
+    refused(DataError, "`output` must have 2 entries", GLM, m.A, m.U, m.B, m.V, output=["1"])
 
 
 def test_a_multiple_of_the_solution_is_divided():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -12,6 +11,7 @@ from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, exact, linalg
 from glmref.exact.expression import parse, to_text
 from glmref.exact.linalg import Matrix
+from tests.build import refused
 from tests.examples import examples
 
 LAWS = examples(60)
@@ -272,7 +272,6 @@ def test_a_nearly_singular_matrix_is_inverted_and_a_singular_one_is_not() -> Non
     tiny = exact(Fraction(1, 10**40))
     root = exact(2).sqrt()
     singular = ((root, exact(2)), (exact(1), root))
-    with pytest.raises(ExactnessError, match="rank 1 cannot be inverted"):
-        linalg.inverse(singular)
+    refused(ExactnessError, "rank 1 cannot be inverted", linalg.inverse, singular)
     near = ((root, exact(2)), (exact(1), root + tiny))
     assert same(linalg.matmul(near, linalg.inverse(near)), linalg.identity(2))

@@ -17,6 +17,7 @@ from glmref.prove.verifier import facts_for
 from glmref.theory.order import order_of
 from glmref.theory.trees import parse_tree, trees
 from tests.bseries import order_residuals
+from tests.build import refused
 
 EULER = {
     "format": "glmref-method-1",
@@ -110,13 +111,11 @@ def test_callables_are_summed_too():
     ],
 )
 def test_what_does_not_fit_is_refused(change, message):
-    with pytest.raises(DataError, match=message):
-        load_document({**EULER, **change})
+    refused(DataError, message, load_document, {**EULER, **change})
 
 
 def test_a_problem_without_terms_is_refused():
-    with pytest.raises(UsageError, match="`terms`"):
-        glmref.solve("pendulum", load_document(EULER), h=0.1, steps=1)
+    refused(UsageError, "`terms`", glmref.solve, "pendulum", load_document(EULER), h=0.1, steps=1)
 
 
 @pytest.mark.sampled(1)

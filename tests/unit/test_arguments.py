@@ -20,6 +20,7 @@ from glmref.engine.outcome import Outcome
 from glmref.problems import problem
 from glmref.system.arguments import flag, number, one_of, shown, whole
 from tests.attack.odd import ODD, Hostile, Long
+from tests.build import refused
 
 ARGUMENTS = (
     "method h t_end steps every times start renew engine arithmetic form solver history digits "
@@ -28,9 +29,8 @@ ARGUMENTS = (
 
 
 def _refusal(call: Callable[[], Any]) -> str:
-    with pytest.raises(GlmrefError) as found:
-        call()
-    text = str(found.value)
+    found = refused(GlmrefError, "", call)
+    text = found
     assert text.isprintable() and len(text) < 500
     return text
 
@@ -140,13 +140,11 @@ def test_numbers_of_every_class_are_read() -> None:
     assert one_of("form", np.str_("mu"), ("mu",)) == "mu"
     assert flag("history", np.bool_(True)) is True
     for wrong in (True, np.bool_(True), 1.0, "1"):
-        with pytest.raises(UsageError, match=r"`n` must be a whole number >= 0, got"):
-            whole("n", wrong)
+        refused(UsageError, r"`n` must be a whole number >= 0, got", whole, "n", wrong)
     for n in (-1, 3):
         with pytest.raises(UsageError, match=rf"`n` must be a whole number from 0 to 2, got {n}"):
             whole("n", n, 0, 2)
-    with pytest.raises(UsageError, match="`history` must be True or False, got 1"):
-        flag("history", 1)
+    refused(UsageError, "`history` must be True or False, got 1", flag, "history", 1)
 
 
 def test_a_start_that_raises_is_named() -> None:

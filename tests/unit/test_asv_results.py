@@ -11,6 +11,7 @@ import pytest
 from glmref.cli import main
 from glmref.errors import DataError
 from glmref.report.asv_results import read_results
+from tests.build import refused
 
 COLUMNS = ["result", "params", "version", "started_at", "duration", "stats_ci_99_a"]
 COLUMNS += ["stats_ci_99_b", "stats_q_25", "stats_q_75"]
@@ -71,16 +72,14 @@ def test_what_is_missing_or_not_finite_is_none(tmp_path: Path) -> None:
 def test_a_file_of_another_kind_is_named(
     tmp_path: Path, changes: dict[str, Any], words: str
 ) -> None:
-    with pytest.raises(DataError, match=words) as caught:
-        read_results(store(tmp_path / "results", **changes))
-    assert str(caught.value).startswith("01234567-env.json: ")
+    caught = refused(DataError, words, read_results, store(tmp_path / "results", **changes))
+    assert caught.startswith("01234567-env.json: ")
 
 
 def test_a_torn_file_is_named(tmp_path: Path) -> None:
     folder = store(tmp_path / "results")
     (folder / "vm" / "torn.json").write_text('{"version": 2, "resu')
-    with pytest.raises(DataError, match=r"^torn.json: no result file of asv"):
-        read_results(folder)
+    refused(DataError, r"^torn.json: no result file of asv", read_results, folder)
 
 
 def test_stored_results_are_shown(

@@ -11,6 +11,7 @@ import pytest
 from glmref.catalogue.lookup import document, names
 from glmref.errors import DataError, UsageError
 from glmref.views.bibtex import entries, escape, file_entry, source_entry
+from tests.build import refused
 
 
 def keys(texts: list[str]) -> list[str]:
@@ -74,7 +75,5 @@ def test_tex_characters_are_escaped() -> None:
 def test_what_is_no_method_is_not_cited(tmp_path: Path) -> None:
     file = tmp_path / "no.json"
     file.write_text("{}")
-    with pytest.raises(DataError):
-        entries([file])
-    with pytest.raises(UsageError):
-        entries(["nobody-1900"])
+    refused(DataError, "", entries, [file])
+    refused(UsageError, "", entries, ["nobody-1900"])

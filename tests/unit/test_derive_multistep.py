@@ -21,7 +21,7 @@ from glmref.findings import Verdict
 from glmref.problems import problem
 from glmref.prove import kernel
 from glmref.prove.facts import Facts, facts_of
-from tests.build import SOURCE
+from tests.build import SOURCE, refused
 
 #: Two kicks a step, of order 6.
 TWO = {"p": "-1/2 1/4", "slopes": "1/2 -2/3", "weight": "3/8"}
@@ -125,10 +125,8 @@ def test_shipped_methods_are_reproduced_bit_for_bit(name: str) -> None:
 def test_any_cosines_can_be_derived() -> None:
     found = recipes.run("multistep", {"p": "-1/2 1/4"})
     assert found.documents[0]["name"] == "multistep-rkn-6-found"
-    with pytest.raises(UsageError, match="fractions"):
-        recipes.run("multistep", {"p": "x"})
-    with pytest.raises(UsageError, match="`name` must be"):
-        recipes.run("multistep", {"name": "multistep-3"})
+    refused(UsageError, "fractions", recipes.run, "multistep", {"p": "x"})
+    refused(UsageError, "`name` must be", recipes.run, "multistep", {"name": "multistep-3"})
 
 
 def two_kicks() -> dict[str, Any]:
@@ -167,5 +165,4 @@ def test_two_steps_with_one_kick_are_one_with_two() -> None:
 def test_numbers_of_no_method_with_two_kicks_are_refused(
     changed: dict[str, str], words: str
 ) -> None:
-    with pytest.raises(UsageError, match=words):
-        recipes.run("multistep", {**TWO, **changed})
+    refused(UsageError, words, recipes.run, "multistep", {**TWO, **changed})

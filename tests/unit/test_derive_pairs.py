@@ -12,7 +12,7 @@ from glmref.derive.recipes.shipped_pairs import SHIPPED
 from glmref.errors import DataError, UsageError
 from glmref.prove.enclosure import conditions_of
 from glmref.theory.stability import parasitic_curvature
-from tests.build import SOURCE
+from tests.build import SOURCE, refused
 
 
 def test_an_ansatz_says_its_stages_rows_and_equations():
@@ -56,10 +56,8 @@ def test_an_ansatz_whose_principal_parts_are_not_zero_is_refused_before_it_is_se
     ],
 )
 def test_an_ansatz_out_of_range_is_refused(arguments, message):
-    with pytest.raises(UsageError, match=message):
-        PairAnsatz(**{"name": "x", "n": 4, "order": 4, **arguments})
-    with pytest.raises(UsageError, match="`fixed` names 'z1'"):
-        PairAnsatz("x", 4, 4, fixed={"z1": "1"}).document()
+    refused(UsageError, message, PairAnsatz, **{"name": "x", "n": 4, "order": 4, **arguments})
+    refused(UsageError, "`fixed` names 'z1'", PairAnsatz("x", 4, 4, fixed={"z1": "1"}).document)
 
 
 @pytest.mark.slow
@@ -104,8 +102,7 @@ def test_the_search_of_the_recipe_completes_a_pair_or_says_how_near_it_came():
         {"n": "4", "circle": "maybe"},
         {"name": "pair-5-5"},
     ):
-        with pytest.raises(UsageError):
-            recipes.run("pairs", wrong)
+        refused(UsageError, "", recipes.run, "pairs", wrong)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from glmref.engine.plan import Grid
 from glmref.engine.shape import shape_of
 from glmref.engine.solver_choice import contraction, newton_bytes
 from glmref.engine.sweep import step_form
+from tests.build import refused
 
 REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
 ENGINES = ["compiled", "reference", "interpreted"]
@@ -58,15 +59,12 @@ ENGINES = ["compiled", "reference", "interpreted"]
 )
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_request_at_the_edge_is_refused_in_one_sentence(arguments, message, engine):
-    with pytest.raises(UsageError, match=message) as error:
-        solve("pendulum", "rk4", engine=engine, **arguments)
-    assert "\n" not in str(error.value)
+    refused(UsageError, message, solve, "pendulum", "rk4", engine=engine, **arguments)
 
 
 def test_a_step_that_rounding_swallows_is_refused():
     late = Problem(f=("-y[0]",), y0=(1.0,), t_span=(1e10, 2e10))
-    with pytest.raises(UsageError, match="h = 1e-09 is lost in rounding"):
-        solve(late, "rk4", h=1e-9, steps=5)
+    refused(UsageError, "h = 1e-09 is lost in rounding", solve, late, "rk4", h=1e-9, steps=5)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -15,6 +15,7 @@ import pytest
 
 from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, ball, exact, root_of_unity
+from tests.build import refused
 
 BETA = ((exact(330).sqrt() * 65274 - 347009) / 1265902).sqrt()  # of the order-6 method
 
@@ -108,8 +109,7 @@ def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
 
 @pytest.mark.parametrize("value", [0.5, "1/2", True, None, 1j])
 def test_only_exact_values_become_exact_numbers(value: object) -> None:
-    with pytest.raises(ExactnessError, match="must be an integer, a Fraction"):
-        Exact(value)  # type: ignore[arg-type]
+    refused(ExactnessError, "must be an integer, a Fraction", Exact, value)
 
 
 @pytest.mark.parametrize("value", [0.5, "1", True, None])
@@ -139,10 +139,8 @@ def test_complex_numbers_have_no_sign_and_no_float() -> None:
     assert i * i == -1
     assert not i.is_real()
     assert (i * i).is_real()
-    with pytest.raises(ExactnessError, match="only a real number has a sign"):
-        i.sign()
-    with pytest.raises(ExactnessError, match="no float value"):
-        float(i)
+    refused(ExactnessError, "only a real number has a sign", i.sign)
+    refused(ExactnessError, "no float value", float, i)
     assert complex(i) == 1j
 
 
@@ -176,8 +174,7 @@ def test_zero_of_a_ball_is_three_valued() -> None:
     assert Ball.decimal("0.5", 3).is_zero() is False
     assert Ball.decimal("0.000", 3).is_zero() is None
     assert ball(0).is_zero() is True
-    with pytest.raises(ExactnessError, match="its sign is not known"):
-        Ball.decimal("0.000", 3).sign()
+    refused(ExactnessError, "its sign is not known", Ball.decimal("0.000", 3).sign)
 
 
 def test_an_error_bound_is_never_lost_in_arithmetic() -> None:
@@ -251,8 +248,7 @@ def test_numbers_and_balls_of_complex_value_keep_both_parts() -> None:
     assert (wide * i).radius() == pytest.approx(0.1, rel=1e-3)
     assert complex(x.to_mpf()) == 2 + 3j and float(ball(3).to_mpf()) == 3
     for number in (x, 2 + 3 * i):
-        with pytest.raises(ExactnessError, match="complex"):
-            float(number)
+        refused(ExactnessError, "complex", float, number)
     assert (exact(3) + 4 * i).magnitude() == 5
 
 

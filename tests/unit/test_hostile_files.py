@@ -17,6 +17,7 @@ from glmref.errors import DataError, UsageError
 from glmref.judge.command import main as judge_main
 from glmref.report import read
 from glmref.system.files import read_bytes, write_bytes
+from tests.build import refused
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="uses named pipes and devices")
 
@@ -117,8 +118,7 @@ def test_a_named_pipe_is_no_function_of_a_scene(
 
 
 def test_known_failures_are_a_file(odd: Path) -> None:
-    with pytest.raises(UsageError, match="cannot be read"):
-        read_known_failures(odd, ["x"])
+    refused(UsageError, "cannot be read", read_known_failures, odd, ["x"])
 
 
 @pytest.mark.parametrize("suffix", ["sqlite", "jsonl"])
@@ -134,11 +134,9 @@ def test_a_file_that_grows_while_it_is_read_is_bounded(tmp_path: Path) -> None:
     path = tmp_path / "x"
     path.write_bytes(b"x" * 1000)
     assert len(read_bytes(path, 1000)) == 1000
-    with pytest.raises(DataError, match="has 1000 bytes and at most 999 are read"):
-        read_bytes(path, 999)
+    refused(DataError, "has 1000 bytes and at most 999 are read", read_bytes, path, 999)
     if Path("/proc/kallsyms").exists():  # its size is said to be 0
-        with pytest.raises(DataError, match="larger than 100 bytes"):
-            read_bytes(Path("/proc/self/maps"), 100)
+        refused(DataError, "larger than 100 bytes", read_bytes, Path("/proc/self/maps"), 100)
 
 
 # --- outputs --------------------------------------------------------------------------------------
@@ -194,8 +192,7 @@ def test_no_device_is_replaced_by_a_file(tmp_path: Path, kind: str) -> None:
         os.mkfifo(path)
     else:
         path.symlink_to("/dev/null")
-    with pytest.raises(UsageError, match="name a regular file to write"):
-        write_bytes(path, b"x")
+    refused(UsageError, "name a regular file to write", write_bytes, path, b"x")
     assert not Path("/dev/null").is_file()
 
 

@@ -18,6 +18,7 @@ from glmref.judge.linalg import diagonal
 from glmref.judge.refusals import Refused
 from glmref.prove.field import tower_of
 from glmref.prove.implications import _orders, implied_by
+from tests.build import refused
 
 
 def pair(L, signs, *, zero=()):
@@ -154,8 +155,7 @@ def test_1_is_a_simple_eigenvalue_of_v():
         if fine:
             made.suppose({"o": "V"})
         else:
-            with pytest.raises(Refused, match="not regular on the values 2 to r"):
-                made.suppose({"o": "V"})
+            refused(Refused, "not regular on the values 2 to r", made.suppose, {"o": "V"})
 
 
 @pytest.mark.parametrize("name", ["yoshida-6-midpoint", "t115-i"])
@@ -171,8 +171,7 @@ def test_the_first_row_is_1_for_all_values_of_the_unknowns():
     doc = {**document("yoshida-6-midpoint")}
     row, more = list(doc["X"][0]), "1+1/1" + "0" * 80
     doc["X"] = [[more, *row[1:-1], more], *doc["X"][1:]]
-    with pytest.raises(DataError, match="the first row of X is not 1"):
-        implied_by(doc, None)
+    refused(DataError, "the first row of X is not 1", implied_by, doc, None)
 
 
 @pytest.mark.parametrize(("without", "difference"), [((), True), (("y",), False), ((None,), False)])

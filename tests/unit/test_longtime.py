@@ -16,6 +16,7 @@ from glmref.measure.longtime import (
     watch,
 )
 from glmref.problems import problem
+from tests.build import refused
 
 T = np.linspace(0.0, 1000.0, 2001)
 
@@ -29,8 +30,7 @@ def test_random_walks_have_exponent_one_half_on_average():
 
 
 def test_samples_and_times_must_agree_in_number():
-    with pytest.raises(UsageError, match="as many samples"):
-        drift("energy", T, T[:-1])
+    refused(UsageError, "as many samples", drift, "energy", T, T[:-1])
 
 
 def test_functions_of_states_work_on_rows_even_if_they_are_not_vectorised():
@@ -87,8 +87,7 @@ def test_following_renews_as_a_run_does(name):
 def test_watch_needs_history_for_the_form():
     subject = problem("rigid-body")
     found = solve(subject, "rk4", h=0.1, steps=3, engine="reference")
-    with pytest.raises(UsageError, match="history=True"):
-        watch(subject, found, G=np.eye(1))
+    refused(UsageError, "history=True", watch, subject, found, G=np.eye(1))
 
 
 def test_an_energy_that_cancels_is_measured_by_its_terms():

@@ -25,7 +25,7 @@ from glmref.theory.error_constants import (
 from glmref.theory.order import highest_order, order_of
 from glmref.theory.trees import parse_tree, trees, trees_up_to
 from tests.bseries import order_residuals
-from tests.build import conjugated_rk4
+from tests.build import conjugated_rk4, refused
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -262,8 +262,7 @@ def test_a_multiple_eigenvalue_with_more_freedom_is_reported_as_undecided():
     "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 15}, {"max_order": 2.5}]
 )
 def test_wrong_arguments_are_refused(arguments):
-    with pytest.raises(UsageError):
-        order_of(load("rk4"), **arguments)
+    refused(UsageError, "", order_of, load("rk4"), **arguments)
 
 
 def test_conditions_take_numbers_that_carry_a_gradient():

@@ -26,7 +26,7 @@ from glmref.prove.digits import LARGE, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, trees, trees_up_to
-from tests.build import SOURCE
+from tests.build import SOURCE, refused
 
 KEY = ORDER_TO_DIGITS.key
 #: Heun's method of order 3 with thirds of four digits, and an embedded row of order 2.
@@ -127,14 +127,12 @@ def test_every_row_is_named() -> None:
 
 def test_a_name_that_is_no_row_is_refused() -> None:
     doc = {**ROUNDED, "claims": {KEY: {**ROUNDED["claims"][KEY], "lower": [1, "1.0e-9"]}}}
-    with pytest.raises(DataError, match='names "lower", and the weights are b, low'):
-        load_document(doc)
+    refused(DataError, 'names "lower", and the weights are b, low', load_document, doc)
 
 
 def test_a_row_with_the_name_of_the_solution_is_refused() -> None:
     doc = {**ROUNDED, "embedded": [{"name": "b", "b": ["0", "1", "0"]}], "claims": {}}
-    with pytest.raises(DataError, match="give the row another name"):
-        load_document(doc)
+    refused(DataError, "give the row another name", load_document, doc)
 
 
 def test_the_row_that_fails_is_named_where_there_are_several() -> None:

@@ -20,6 +20,7 @@ from glmref.system.shown import DARK
 from glmref.views.facts import analysis_rows
 from glmref.views.show import show
 from glmref.views.tables import Style
+from tests.build import refused
 
 HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
 
@@ -56,8 +57,7 @@ def test_a_float_is_the_shortest_decimal_that_gives_it() -> None:
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), True, None, [1]])
 def test_what_is_no_number_is_refused_with_its_place(bad: object) -> None:
-    with pytest.raises(DataError, match=r"`?A\[1\]\[1\]|`A\[1\]\[1\]`"):
-        glmref.from_rk([[bad]], [1.0])  # type: ignore[list-item]
+    refused(DataError, r"`?A\[1\]\[1\]|`A\[1\]\[1\]`", glmref.from_rk, [[bad]], [1.0])
 
 
 def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:
@@ -131,14 +131,10 @@ def test_every_function_takes_names_files_and_objects(tmp_path: Path) -> None:
         assert "step" in glmref.export(given, to="c")
         assert glmref.solve("kepler", given, h=0.1, steps=2).completed
     for function in (glmref.verify, glmref.analyze, glmref.show, glmref.plot, glmref.cite):
-        with pytest.raises(UsageError, match="a method, its name or its file, got int"):
-            function(3)  # type: ignore[arg-type]
-        with pytest.raises(UsageError, match="did you mean rk4"):
-            function("rk44")
-    with pytest.raises(UsageError, match="did you mean order"):
-        glmref.verify("rk4", only=["ordre"])
-    with pytest.raises(DataError, match="no source to cite"):
-        glmref.cite(heun())
+        refused(UsageError, "a method, its name or its file, got int", function, 3)
+        refused(UsageError, "did you mean rk4", function, "rk44")
+    refused(UsageError, "did you mean order", glmref.verify, "rk4", only=["ordre"])
+    refused(DataError, "no source to cite", glmref.cite, heun())
 
 
 # --- saved ------------------------------------------------------------------------------------------
@@ -165,8 +161,7 @@ def test_save_writes_what_the_method_is_and_not_what_its_file_was(tmp_path: Path
     changed = replace(glmref.load("rk4"), A=heun_like())
     again = glmref.load(changed.save(tmp_path / "changed.json"))
     assert again.A == changed.A != glmref.load("rk4").A
-    with pytest.raises(UsageError, match=r"mine\.json"):
-        heun().save(tmp_path / "missing" / "mine.json")
+    refused(UsageError, r"mine\.json", heun().save, tmp_path / "missing" / "mine.json")
 
 
 def heun_like() -> list[list[float]]:
@@ -206,12 +201,9 @@ def test_a_solution_is_drawn_and_saved(tmp_path: Path) -> None:
     path = drawn.save(tmp_path / "run.svg")
     saved = path.read_text(encoding="utf-8")  # with a style for the dark mode of the desktop
     assert saved.replace(DARK, "") == drawn and "prefers-color-scheme: dark" in saved
-    with pytest.raises(UsageError, match=r"such as run\.svg"):
-        drawn.save(tmp_path / "run.png")
-    with pytest.raises(UsageError, match="whole number from 0 to 3"):
-        solution.plot(components=[4])
-    with pytest.raises(UsageError, match="one point"):
-        glmref.solve("kepler", "rk4", h=0.1, steps=2).plot()
+    refused(UsageError, r"such as run\.svg", drawn.save, tmp_path / "run.png")
+    refused(UsageError, "whole number from 0 to 3", solution.plot, components=[4])
+    refused(UsageError, "one point", glmref.solve("kepler", "rk4", h=0.1, steps=2).plot)
 
 
 @pytest.mark.sampled(5)
@@ -290,10 +282,8 @@ def test_an_additive_method_is_shown_saved_and_refused_in_one_sentence(tmp_path:
     mine = glmref.method.AdditiveGLM(A=method.A, B=method.B, name="mine")
     again = glmref.load(mine.save(tmp_path / "mine.json"))
     assert isinstance(again, glmref.method.AdditiveGLM) and again.A == method.A
-    with pytest.raises(UsageError, match="no stability region of one variable"):
-        glmref.plot(method)
-    with pytest.raises(UsageError, match="export its parts"):
-        glmref.export(method, to="c")
+    refused(UsageError, "no stability region of one variable", glmref.plot, method)
+    refused(UsageError, "export its parts", glmref.export, method, to="c")
     assert "step" in glmref.export(method.part(1), to="c")
 
 
@@ -316,8 +306,7 @@ def test_an_embedded_row_is_given_to_a_runge_kutta_method() -> None:
         (name,) = glmref.analyze(method).order_embedded or {}
         assert glmref.analyze(method).order_embedded == {name: 1}
         assert name == ("euler" if isinstance(given, dict) else "embedded")
-    with pytest.raises(DataError, match="must have s = 2"):
-        glmref.from_rk(A, [0.5, 0.5], embedded=[1])
+    refused(DataError, "must have s = 2", glmref.from_rk, A, [0.5, 0.5], embedded=[1])
 
 
 @pytest.mark.parametrize(
@@ -326,8 +315,7 @@ def test_an_embedded_row_is_given_to_a_runge_kutta_method() -> None:
 )
 def test_descending_coefficients_of_a_multistep_method_are_refused(alpha: Any, beta: Any) -> None:
     """BDF with two and three steps as many books print them: once silently of order 0."""
-    with pytest.raises(DataError, match="in reversed order only"):
-        glmref.from_lmm(alpha, beta)
+    refused(DataError, "in reversed order only", glmref.from_lmm, alpha, beta)
     assert glmref.analyze(glmref.from_lmm(alpha[::-1], beta[::-1])).order == len(alpha) - 1
     with pytest.raises(DataError, match="multiplies the new value, and alpha"):
         glmref.from_lmm([1, -1, 0], [0, "3/2", "-1/2"])

@@ -20,6 +20,7 @@ from glmref.prove.starting import Target, prove_blocks
 from glmref.prove.verifier import verify
 from glmref.theory.trees import trees
 from tests.bseries import values_series
+from tests.build import refused
 from tests.shipped import shipped
 
 STARTED = [
@@ -99,8 +100,7 @@ def test_one_unit_of_the_last_digit_beside_the_start_is_refused(unit):
     digits = str(int(old.replace("0.", "")) + unit).zfill(len(old) - 2)
     for name in ("A", "B", "A_hat", "B_hat"):
         block[name] = [[x.replace(old, f"0.{digits}") for x in row] for row in block[name]]
-    with pytest.raises(ExactnessError, match="not those of the root"):
-        proved(target, block)
+    refused(ExactnessError, "not those of the root", proved, target, block)
 
 
 def test_an_order_that_the_block_alone_names_is_proved_too():
@@ -156,8 +156,7 @@ def one_entry(rows):
     ],
 )
 def test_a_start_of_another_form_is_refused(changes, message):
-    with pytest.raises(DataError, match=message):
-        proved(target_of("pair-4-4"), blocks("pair-4-4", **changes))
+    refused(DataError, message, proved, target_of("pair-4-4"), blocks("pair-4-4", **changes))
 
 
 def test_a_start_needs_an_even_series_and_the_solution_in_front():
@@ -180,8 +179,7 @@ def test_a_wrong_start_of_p_alone_is_seen():
     found = Kernel(method).range("starting-order")
     assert found.upper == 1 and found.reason.startswith("tree k[")
     assert found.reason.endswith("in value 2")
-    with pytest.raises(ExactnessError, match="`starting`"):
-        verify(method)
+    refused(ExactnessError, "`starting`", verify, method)
 
 
 def test_a_start_that_misses_the_solution_has_no_order():

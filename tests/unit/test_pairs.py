@@ -17,6 +17,7 @@ from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import order_of
 from glmref.theory.stability import oscillator, parasitic_curvature
 from tests.bseries import order_residuals
+from tests.build import refused
 from tests.shipped import shipped
 
 
@@ -236,15 +237,12 @@ def test_the_curvature_is_what_the_eigenvalues_of_a_step_show(name):
 
 
 def test_a_curvature_is_refused_where_it_has_no_meaning():
-    with pytest.raises(UsageError, match="must carry two values"):
-        parasitic_curvature(load("stormer-verlet"))
-    with pytest.raises(UsageError, match="must be explicit"):
-        parasitic_curvature(load("gsymplectic-n-pair"))
+    refused(UsageError, "must carry two values", parasitic_curvature, load("stormer-verlet"))
+    refused(UsageError, "must be explicit", parasitic_curvature, load("gsymplectic-n-pair"))
     good = load("pair-4-4")
     second = good.B[1]
     grown = replace(good, B=(good.B[0], (2 * second[0], *second[1:])), G=None)  # sum b w w is not 0
-    with pytest.raises(UsageError, match="or grows"):
-        parasitic_curvature(grown)
+    refused(UsageError, "or grows", parasitic_curvature, grown)
 
 
 @pytest.mark.parametrize(

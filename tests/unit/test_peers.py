@@ -10,6 +10,7 @@ from glmref.errors import UsageError
 from glmref.measure import peers
 from glmref.measure.peers import NAMES, Run, measure_peer, package_of, runner
 from glmref.problems import Problem, problem
+from tests.build import refused
 
 TIMES = np.array([1.0, 2.0])
 
@@ -27,8 +28,7 @@ def test_asking_for_names_imports_no_peer():
 
 
 def test_an_unknown_peer_is_refused_with_the_known_ones():
-    with pytest.raises(UsageError, match="known are cvode-adams"):
-        package_of("matlab-ode45")
+    refused(UsageError, "known are cvode-adams", package_of, "matlab-ode45")
 
 
 def test_a_peer_that_is_not_installed_is_refused_by_name(monkeypatch):
@@ -90,5 +90,4 @@ def test_a_peer_solves_the_problem_to_about_its_tolerance(name, subject):
 def test_a_right_hand_side_in_python_is_refused_where_symbols_are_needed(name):
     installed(name)
     plain = Problem(f=lambda t, y: -np.asarray(y), y0=(1.0,))
-    with pytest.raises(UsageError, match="as expressions or loops"):
-        runner(name, plain, tolerance=1e-6, times=TIMES)
+    refused(UsageError, "as expressions or loops", runner, name, plain, tolerance=1e-6, times=TIMES)

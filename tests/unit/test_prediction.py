@@ -23,6 +23,7 @@ from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURAT
 from glmref.measure.saturation import saturation
 from glmref.scenes import load_scene
 from glmref.scenes.planning import predictions
+from tests.build import refused
 
 PENDULUM = problem("pendulum", q0="23/10")
 
@@ -188,11 +189,9 @@ def test_what_is_not_predicted():
     assert "too many" in predict("g6245", "outer-solar-system", 20.0).text
     assert "too many" in predict("g6245", "long-chain", 0.1).text  # its V would have 298 GiB
     assert predict("gauss-2", "long-chain", 0.1).verdict == NONE
-    with pytest.raises(UsageError, match="`h`"):
-        predict("g6245", PENDULUM, 0.0)
+    refused(UsageError, "`h`", predict, "g6245", PENDULUM, 0.0)
     for h, end, said in ((0.1, -1, "t_end is before t0"), (-0.1, 1, "t_end is after t0")):
-        with pytest.raises(UsageError, match=said):
-            predict("gsymplectic-n", PENDULUM, h, end)
+        refused(UsageError, said, predict, "gsymplectic-n", PENDULUM, h, end)
 
 
 @pytest.mark.slow

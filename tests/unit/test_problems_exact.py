@@ -7,7 +7,7 @@ from glmref.conformance.taylor import taylor_states
 from glmref.errors import UsageError
 from glmref.problems import names, problem
 from glmref.problems.flows import eccentric_anomaly
-from tests.build import high
+from tests.build import high, refused
 
 CASES = [(name, {}) for name in names() if problem(name).exact and name != "long-chain"] + [
     ("kepler", {"eccentricity": 0}),
@@ -101,15 +101,12 @@ def test_keplers_equation_is_solved_to_the_last_digit(e):
 
 def test_kepler_flow_wants_an_ellipse():
     p = problem("kepler")
-    with pytest.raises(UsageError, match="negative energy"):
-        p.exact(1.0, [1, 0, 0, 1.5])
-    with pytest.raises(UsageError, match="bodies apart"):
-        p.exact(1.0, [0, 0, 0, 1])
+    refused(UsageError, "negative energy", p.exact, 1.0, [1, 0, 0, 1.5])
+    refused(UsageError, "bodies apart", p.exact, 1.0, [0, 0, 0, 1])
 
 
 def test_kaps_wants_its_slow_manifold():
-    with pytest.raises(UsageError, match="y1 = y2"):
-        problem("kaps").exact(1.0, [1.0, 0.5])
+    refused(UsageError, "y1 = y2", problem("kaps").exact, 1.0, [1.0, 0.5])
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 
 from glmref.errors import UsageError
 from glmref.problems.formula import Formula, exact_number
-from tests.build import high
+from tests.build import high, refused
 
 
 def test_decimal_literals_are_decimals_at_every_precision():
@@ -57,9 +57,8 @@ def test_parameters_are_exact():
     ],
 )
 def test_expressions_are_arithmetic_and_nothing_else(text, says):
-    with pytest.raises(UsageError, match=r".") as error:
-        Formula((text,))(0.0, [1.0, 2.0])
-    assert says in str(error.value)
+    error = refused(UsageError, r".", Formula((text,)), 0.0, [1.0, 2.0])
+    assert says in error
 
 
 @pytest.mark.filterwarnings("ignore:invalid value")
@@ -77,8 +76,7 @@ def test_common_name_must_be_new():
 
 @pytest.mark.parametrize("value", [True, "abc", "1/0", float("nan"), float("inf"), None, [1], 1j])
 def test_numbers_that_are_none_are_refused(value):
-    with pytest.raises(UsageError, match="`mu` must be a finite number"):
-        exact_number(value, "mu")
+    refused(UsageError, "`mu` must be a finite number", exact_number, value, "mu")
 
 
 @pytest.mark.parametrize(
@@ -87,5 +85,4 @@ def test_numbers_that_are_none_are_refused(value):
     ids=["large", "small", "huge", "whole", "unprintable", "tiny", "digits"],
 )
 def test_numbers_without_a_double_are_refused_at_once(value):
-    with pytest.raises(UsageError, match="in the range of double precision"):
-        exact_number(value, "mu")
+    refused(UsageError, "in the range of double precision", exact_number, value, "mu")

@@ -11,6 +11,7 @@ from glmref.findings import Proof, Verdict
 from glmref.prove.enclosure import WIDTH, prove
 from glmref.prove.implications import implied_by
 from glmref.prove.verifier import verify
+from tests.build import refused
 from tests.shipped import shipped
 
 ENCLOSED = [x for x in names("methods") if "enclosure" in shipped(x)]
@@ -66,8 +67,7 @@ def test_a_digit_that_is_wrong_is_refused():
 
 def test_equations_that_do_not_give_the_order_are_refused():
     doc = changed("pair-6-7", claims=lambda x: x.update(order=8))
-    with pytest.raises(DataError, match="do not give the conditions of order 7"):
-        prove(doc)
+    refused(DataError, "do not give the conditions of order 7", prove, doc)
 
     def forget(enclosure):
         texts = enclosure["equations"]
@@ -76,28 +76,23 @@ def test_equations_that_do_not_give_the_order_are_refused():
     with pytest.raises(DataError, match=r"conditions of order 5; those of f\[kkkk\]"):
         prove(changed("pair-6-7", enclosure=forget))
     rkn = changed("blanes-moan-rkn-6-11", claims=lambda x: x.update(order=6))
-    with pytest.raises(DataError, match="do not give the conditions of order 5"):
-        prove(rkn)
+    refused(DataError, "do not give the conditions of order 5", prove, rkn)
 
 
 def test_numbers_that_are_not_palindromic_are_refused():
     doc = changed("pair-4-4", v=lambda rows: rows.__setitem__(0, ["v1", "v2", "-v2", "v1"]))
-    with pytest.raises(DataError, match="must be palindromic"):
-        prove(doc)
+    refused(DataError, "must be palindromic", prove, doc)
 
 
 def test_the_number_of_equations_and_the_radius_are_checked():
     extra = changed("pair-4-4", enclosure=lambda x: x["equations"].append("start f[k] 2"))
-    with pytest.raises(DataError, match=r"as many as the unknowns \(4\), got 5"):
-        prove(extra)
+    refused(DataError, r"as many as the unknowns \(4\), got 5", prove, extra)
     wide = changed("pair-4-4", enclosure=lambda x: x.update(radius="1e-20"))
-    with pytest.raises(DataError, match="at most 1e-60"):
-        prove(wide)
+    refused(DataError, "at most 1e-60", prove, wide)
 
 
 @pytest.mark.parametrize("change", ["-({})", "{}0", "1/3"])
 def test_unknowns_of_an_enclosure_that_are_no_decimals_of_its_digits_are_bad_input(change):
     doc = copy.deepcopy(document("omelyan-pefrl-4"))
     doc["unknowns"]["xi"] = change.format(doc["unknowns"]["xi"])
-    with pytest.raises(DataError, match="decimals with `digits` digits"):
-        prove(doc)
+    refused(DataError, "decimals with `digits` digits", prove, doc)

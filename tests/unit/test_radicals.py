@@ -20,6 +20,7 @@ from glmref.errors import ExactnessError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.prove import field
+from tests.build import refused
 
 NUMBERS = (
     "3/7", "sqrt(2)", "1/(1+sqrt(2))", "sqrt(2/3)-sqrt(6)", "root(2,3)/(1+sqrt(5))", "i*sqrt(3)-1",
@@ -84,8 +85,7 @@ def test_large_weights_are_found_with_more_bits() -> None:
     found = tower.coordinates(value)
     assert found[1, 0] == Fraction(10**400 + 7, 3**300)
     assert found[0, 1] == Fraction(1, 11)
-    with pytest.raises(ExactnessError, match="outside the field"):
-        tower.coordinates(Exact(5).sqrt())
+    refused(ExactnessError, "outside the field", tower.coordinates, Exact(5).sqrt())
 
 
 FIELDS = (
@@ -191,11 +191,8 @@ def test_numbers_outside_a_field_and_fields_too_large_are_refused() -> None:
     tower = field.Tower(["sqrt(2)"])
     assert tower.element(Exact(2).sqrt() * 3 - 1) == "-1+3*g1"
     assert tower.element(Exact(0)) == "0"
-    with pytest.raises(ExactnessError, match="outside the field"):
-        tower.element(Exact(3).sqrt())
+    refused(ExactnessError, "outside the field", tower.element, Exact(3).sqrt())
     primes = (2, 3, 5, 7, 11, 13)
     assert len(field.Tower([f"sqrt({p})" for p in primes]).degrees) == 6  # degree 64
-    with pytest.raises(ExactnessError, match="degree 128"):
-        field.Tower([f"sqrt({p})" for p in (*primes, 17)])
-    with pytest.raises(ExactnessError, match="conjugation"):
-        field.Tower(["i", "sqrt(1+i)"])
+    refused(ExactnessError, "degree 128", field.Tower, [f"sqrt({p})" for p in (*primes, 17)])
+    refused(ExactnessError, "conjugation", field.Tower, ["i", "sqrt(1+i)"])

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from glmref.compute import measure
 from glmref.compute.records import Records, checksum, finite, key_of, lines_of, locked, made
 from glmref.errors import DataError, UsageError
+from tests.build import refused
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and locks of POSIX")
 ROOT = Path(__file__).resolve().parents[2]
@@ -196,8 +197,7 @@ def test_a_damaged_file_is_refused_and_left_as_it_is(tmp_path):
     path.write_bytes(bytes(content))
     with pytest.raises(DataError, match=r"records.sqlite is damaged \(.*move it away to measure"):
         measure(_squares, [{"n": n} for n in range(200)], Records(path))
-    with pytest.raises(DataError, match="is damaged"):
-        list(Records(path))
+    refused(DataError, "is damaged", list, Records(path))
     assert path.read_bytes() == content
 
 
@@ -214,8 +214,7 @@ def test_a_file_of_another_kind_is_refused_and_left_as_it_is(tmp_path, content, 
     else:
         path.write_bytes(content)
     before = path.read_bytes()
-    with pytest.raises(DataError, match=rf"records.sqlite is not a file of records \({why}\)"):
-        Records(path)
+    refused(DataError, rf"records.sqlite is not a file of records \({why}\)", Records, path)
     assert path.read_bytes() == before
 
 
@@ -282,8 +281,7 @@ def test_a_file_that_another_program_moves_is_not_written_on(tmp_path):
     with store.exclusive():
         store.append(TASKS[0], DONE)
         path.unlink()
-        with pytest.raises(UsageError, match="moved or deleted"):
-            store.append(TASKS[1], DONE)
+        refused(UsageError, "moved or deleted", store.append, TASKS[1], DONE)
     assert not path.exists()
 
 
@@ -330,9 +328,8 @@ def test_records_of_another_version_are_refused_in_one_sentence(tmp_path):
     record = made(TASKS[0], DONE)
     record["format"] = "glmref-record-2"
     lines(tmp_path / "records.jsonl", {**record, "sha256": checksum(record)})
-    with pytest.raises(DataError) as caught:
-        Records(tmp_path / "records.sqlite")
-    assert str(caught.value) == (
+    caught = refused(DataError, "", Records, tmp_path / "records.sqlite")
+    assert caught == (
         "records.jsonl: line 1: its format is 'glmref-record-2', and this version reads "
         "'glmref-record-1'; move the file away to measure again"
     )

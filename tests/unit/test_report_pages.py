@@ -23,6 +23,7 @@ from glmref.report.markup import number
 from glmref.report.orbits import MOST
 from glmref.report.runs import COLUMNS, MOST_BARS
 from glmref.report.stability import stability
+from tests.build import refused
 
 METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4")
 
@@ -422,13 +423,10 @@ def test_every_link_between_pages_leads_to_a_file(tmp_path: Path, records) -> No
 
 def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("precious", encoding="utf-8")
-    with pytest.raises(UsageError, match="no report"):
-        build(read([]), tmp_path, methods=("rk4",))
+    refused(UsageError, "no report", build, read([]), tmp_path, methods=("rk4",))
     assert (tmp_path / "mine.txt").read_text(encoding="utf-8") == "precious"
-    with pytest.raises(UsageError, match="is a file"):
-        build(read([]), tmp_path / "mine.txt", methods=("rk4",))
-    with pytest.raises(UsageError, match="is a folder"):
-        build(read([]), tmp_path, single=True, methods=("rk4",))
+    refused(UsageError, "is a file", build, read([]), tmp_path / "mine.txt", methods=("rk4",))
+    refused(UsageError, "is a folder", build, read([]), tmp_path, single=True, methods=("rk4",))
     build(read([]), tmp_path / "new", methods=("rk4",))
     build(read([]), tmp_path / "new", methods=("gauss-2",))
     assert not (tmp_path / "new" / "method-rk4.html").exists()

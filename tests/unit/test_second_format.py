@@ -21,7 +21,7 @@ from glmref.method import PartitionedGLM
 from glmref.prove.analysis import analyze
 from glmref.prove.verifier import claims_of, facts_for, verify
 from glmref.views.show import show
-from tests.build import SOURCE
+from tests.build import SOURCE, refused
 
 CERTIFICATE = json.loads(
     (data_root() / "schema" / "glmref-certificate-1.schema.json").read_text(encoding="utf-8")
@@ -170,8 +170,7 @@ def test_the_same_row_stands_twice() -> None:
     """Names tell rows apart."""
     doc = _dormand_prince()
     doc["embedded"] *= 2
-    with pytest.raises(DataError, match=r"has the name .hat. twice"):
-        load_document(doc)
+    refused(DataError, r"has the name .hat. twice", load_document, doc)
 
 
 def test_nystrom_methods_are_pairs() -> None:

@@ -25,6 +25,7 @@ from glmref.theory.series import (
 )
 from glmref.theory.trees import Tree, parse_tree, single, trees, trees_up_to
 from tests.bseries import combine, derivative, elementary_weights
+from tests.build import refused
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
        [F(1, 6), F(1, 3), F(1, 3), F(1, 6)])  # fmt: skip
@@ -99,16 +100,11 @@ def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
 
 
 def test_misuse_is_refused():
-    with pytest.raises(UsageError, match="no coefficient"):
-        Series({parse_tree("[oo]"): 1}, 1, 2)
-    with pytest.raises(UsageError, match="no coefficient"):
-        Series({single("f"): 1}, 1, 2)
-    with pytest.raises(UsageError, match="palettes"):
-        compose(flow(2), flow(2, 1, GENERAL))
-    with pytest.raises(UsageError, match="empty coefficient 1"):
-        compose(combine([(2, flow(2))]), flow(2))
-    with pytest.raises(UsageError, match="at least one"):
-        combine([])
+    refused(UsageError, "no coefficient", Series, {parse_tree("[oo]"): 1}, 1, 2)
+    refused(UsageError, "no coefficient", Series, {single("f"): 1}, 1, 2)
+    refused(UsageError, "palettes", compose, flow(2), flow(2, 1, GENERAL))
+    refused(UsageError, "empty coefficient 1", compose, combine([(2, flow(2))]), flow(2))
+    refused(UsageError, "at least one", combine, [])
     with pytest.raises(KeyError):
         flow(2)[parse_tree("[oo]")]
 
@@ -159,12 +155,9 @@ def test_series_of_methods_are_their_weights_and_several_values_are_refused():
     assert Series.of(load("rk4"), 5) == elementary_weights(*RK4, 5)
     verlet = Series.of(load("stormer-verlet"), 3)
     assert verlet.empty("f") == 1 and verlet[Tree("f[k]")] == F(1, 2)
-    with pytest.raises(UsageError, match="one value"):
-        Series.of(load("ab-2"), 2)
-    with pytest.raises(UsageError, match="below each"):
-        modified_equation(verlet, verlet)
-    with pytest.raises(UsageError, match="consistent"):
-        modified_equation(flow(3), flow(3, 2))
+    refused(UsageError, "one value", Series.of, load("ab-2"), 2)
+    refused(UsageError, "below each", modified_equation, verlet, verlet)
+    refused(UsageError, "consistent", modified_equation, flow(3), flow(3, 2))
 
 
 @pytest.mark.parametrize("module", [series, starting_series, trees_module])

@@ -14,6 +14,7 @@ from glmref.engine.outcome import Outcome
 from glmref.engine.solve import ENGINES
 from glmref.errors import UsageError
 from glmref.views import plot
+from tests.build import refused
 
 H = "p**2/2 - cos(q)"
 
@@ -103,14 +104,11 @@ def test_between_the_rows_the_solution_has_the_accuracy_of_the_run(
 def test_what_lies_outside_of_the_rows_is_refused() -> None:
     found = glmref.solve(pendulum(), "rk4", h=0.1, steps=10, every=5)
     for t in (-0.1, 1.01):
-        with pytest.raises(UsageError, match="within the rows kept, 0 to 1"):
-            found.at(t)
+        refused(UsageError, "within the rows kept, 0 to 1", found.at, t)
     ends = glmref.solve(pendulum(), "rk4", h=0.1, steps=10)
-    with pytest.raises(UsageError, match="keep more with `every`"):
-        ends.at(0.5)
+    refused(UsageError, "keep more with `every`", ends.at, 0.5)
     for wrong in ("soon", [0.1, None], float("nan")):
-        with pytest.raises(UsageError, match="`t` must be"):
-            found.at(wrong)
+        refused(UsageError, "`t` must be", found.at, wrong)
 
 
 # --- files ------------------------------------------------------------------------------------------
@@ -125,26 +123,21 @@ def test_a_solution_is_saved_and_read_again(tmp_path) -> None:
     assert (again.outcome, again.notices, again.h) == (found.outcome, found.notices, found.h)
     with np.load(tmp_path / "run.npz") as arrays:  # by numpy alone, too
         np.testing.assert_array_equal(arrays["y"], found.y)
-    with pytest.raises(UsageError, match="keep more rows"):
-        again.at(0.15)
+    refused(UsageError, "keep more rows", again.at, 0.15)
     assert pickle.loads(pickle.dumps(found)).origin is None
 
 
 def test_what_is_no_solution_is_refused(tmp_path) -> None:
     found = glmref.solve(pendulum(), "rk4", h=0.1, steps=2)
-    with pytest.raises(UsageError, match=r"such as run\.npz"):
-        found.save(tmp_path / "run.csv")
+    refused(UsageError, r"such as run\.npz", found.save, tmp_path / "run.csv")
     (tmp_path / "text.npz").write_text("not numpy's")
     np.savez(tmp_path / "other.npz", t=np.zeros(2))
     np.savez(tmp_path / "objects.npz", facts=np.array([{}], dtype=object))
     for name in ("text", "other", "objects"):
-        with pytest.raises(UsageError, match="no solution"):
-            glmref.Solution.load(tmp_path / f"{name}.npz")
-    with pytest.raises(UsageError, match="cannot be read"):
-        glmref.Solution.load(tmp_path / "missing.npz")
+        refused(UsageError, "no solution", glmref.Solution.load, tmp_path / f"{name}.npz")
+    refused(UsageError, "cannot be read", glmref.Solution.load, tmp_path / "missing.npz")
     precise = glmref.solve(pendulum(), "rk4", h=0.1, steps=2, digits=30, engine="reference")
-    with pytest.raises(UsageError, match="numbers of mpmath"):
-        precise.save(tmp_path / "run.npz")
+    refused(UsageError, "numbers of mpmath", precise.save, tmp_path / "run.npz")
 
 
 # --- pictures ---------------------------------------------------------------------------------------
@@ -192,13 +185,10 @@ def test_what_cannot_be_drawn_is_refused_in_one_sentence(monkeypatch) -> None:
         (found, "spiral", "`kind` must be one of time, energy, phase, orbit"),
         (found, ["time"], "`kind` must be one of"),
     ):
-        with pytest.raises(UsageError, match=said):
-            solution.plot(kind)
-    with pytest.raises(UsageError, match="must be two, got 1"):
-        found.plot("orbit", components=["q"])
+        refused(UsageError, said, solution.plot, kind)
+    refused(UsageError, "must be two, got 1", found.plot, "orbit", components=["q"])
     monkeypatch.setattr(plot, "blank_figure", lambda *_: None)
-    with pytest.raises(UsageError, match="drawn by matplotlib: pip install"):
-        found.plot("phase")
+    refused(UsageError, "drawn by matplotlib: pip install", found.plot, "phase")
     assert found.plot().startswith("<svg")  # which needs none
 
 

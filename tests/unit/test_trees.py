@@ -18,6 +18,7 @@ from glmref.theory.trees import (
     trees,
     trees_up_to,
 )
+from tests.build import refused
 
 PALETTES = [ROOTED, GENERAL, SEPARABLE]
 
@@ -79,8 +80,7 @@ def test_alternating_colours():
     ],
 )  # fmt: skip
 def test_what_is_not_a_tree_is_refused(text):
-    with pytest.raises(UsageError):
-        parse_tree(text)
+    refused(UsageError, "", parse_tree, text)
 
 
 def test_a_tree_cannot_be_changed_or_made_by_hand():
@@ -89,8 +89,7 @@ def test_a_tree_cannot_be_changed_or_made_by_hand():
     with pytest.raises(AttributeError, match="immutable"):
         del single().order
     assert Tree("[[o]o]") is Tree("[o]") * Tree("[o]") is parse_tree("[o[o]]")
-    with pytest.raises(UsageError, match="colour"):
-        tree([], "green")
+    refused(UsageError, "colour", tree, [], "green")
 
 
 def test_copies_are_the_same_object():
@@ -102,8 +101,7 @@ def test_copies_are_the_same_object():
 
 @pytest.mark.parametrize("order", [0, -1, MAX_ORDER + 1, 2.0])
 def test_orders_without_a_listing_are_refused(order):
-    with pytest.raises(UsageError, match="order"):
-        trees(order)
+    refused(UsageError, "order", trees, order)
 
 
 def test_growth_from_the_root_counts_linear_extensions():

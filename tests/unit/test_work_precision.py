@@ -16,7 +16,7 @@ from glmref.measure.work_precision import (
     state_error,
 )
 from glmref.problems import Problem, problem
-from tests.build import scene_text
+from tests.build import refused, scene_text
 
 FAST = {"engine": "interpreted", "repeats": 2}
 
@@ -42,8 +42,7 @@ def test_a_question_less_costs_no_evaluation_more():
 )
 def test_questions_without_answer_are_refused(ask, message):
     plain = Problem(f=("-y[0]",), y0=(1,))
-    with pytest.raises(UsageError, match=message):
-        measure(plain, load("rk4"), h=0.1, steps=10, ask=ask, **FAST)
+    refused(UsageError, message, measure, plain, load("rk4"), h=0.1, steps=10, ask=ask, **FAST)
 
 
 def test_a_run_that_fails_is_a_record_with_its_sentence():
