@@ -160,7 +160,11 @@ class _Ordered(Arithmetic):
     def updated(
         self, B: np.ndarray, slopes: np.ndarray, h: Any, V: np.ndarray, values: np.ndarray
     ) -> np.ndarray:
-        return np.stack([in_order(row, slopes) for row in B]) * h + V.dot(values)
+        if not B.shape[1]:
+            return V.dot(values)
+        # all rows at once: what a row does not read adds zeros, and no slope here is infinite that
+        # does not make another value infinite
+        return np.add.accumulate(B.T[:, :, None] * slopes[:, None])[-1] * h + V.dot(values)
 
 
 def size(x: np.ndarray) -> Any:

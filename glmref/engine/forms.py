@@ -18,6 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -208,8 +209,33 @@ class StepForm:
         """Return values of this form in the basis of the method, (..., r, d)."""
         return self._moved(x, "from_form")
 
+    @cached_property
+    def own_basis(self) -> bool:
+        """Whether the basis of the form is that of the method."""
+        return all(
+            x == (n == j)
+            for one in self.components
+            for matrix in (one.to_form, one.from_form)
+            for n, row in enumerate(matrix)
+            for j, x in enumerate(row)
+        )
+
+    @cached_property
+    def finite_together(self) -> bool:
+        """Whether values of the method are finite where those of the form are.
+
+        So it is where each is one of them, at most, times a factor of magnitude 1 at most.
+        """
+        return all(
+            sum(bool(x) for x in row) <= 1 and all(abs(x) <= 1 for x in row)
+            for one in self.components
+            for row in one.from_form
+        )
+
     def _moved(self, values: np.ndarray, which: str) -> np.ndarray:
         """Return ``matrix @ values``, term by term: the same bits in any shape."""
+        if self.own_basis:
+            return np.array(values, dtype=float)
         turned = np.ascontiguousarray(values.T)  # (d, r, ..): sums go along the trajectories
         width, out = len(turned) // len(self.components), np.zeros_like(turned, dtype=float)
         for n, component in enumerate(self.components):

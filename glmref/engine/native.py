@@ -56,6 +56,8 @@ class Tuning:
     #: Whether a product and a sum may become one operation with one rounding. The bits then depend
     #: on the processor.
     fuse: bool = False
+    #: Whether the code is called so seldom that compiling it has to be quick.
+    seldom: bool = False
     lanes: int = 0  #: Numbers in a vector of the kind ``v*``.
 
 
@@ -98,7 +100,7 @@ def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, tuni
     if tuning.wide and "+avx512f" in features:
         features += ",-prefer-256-bit"
     machine = binding.Target.from_default_triple().create_target_machine(
-        cpu=binding.get_host_cpu_name(), features=features, opt=3
+        cpu=binding.get_host_cpu_name(), features=features, opt=1 if tuning.seldom else 3
     )
     _resolve_symbols(source)
     code = None if cached is None else read_entry(cached)
@@ -121,7 +123,7 @@ def _compiled(
         translated(source, arguments, fuse=tuning.fuse, lanes=tuning.lanes)
     )
     module.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=3)
+    options = binding.create_pipeline_tuning_options(speed_level=0 if tuning.seldom else 3)
     options.loop_vectorization = True
     # operations on vectors of lanes wait for nothing that more of them in a row would hide
     options.loop_unrolling = not tuning.lanes

@@ -194,6 +194,11 @@ def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
     return (f"h = {h:g} is beyond {limit}",)
 
 
+def _largest(rows: np.ndarray) -> float:
+    """Return the largest norm of a row."""
+    return math.sqrt(np.square(rows).sum(axis=1).max())
+
+
 def windows(steps: int, renew: int) -> list[int]:
     """Return the steps at which windows begin: ever farther apart, each within one renewal."""
     last = steps - WINDOW
@@ -219,21 +224,34 @@ class Watch:
     def __init__(self, method: Method, problem: Problem) -> None:
         self.fits = _fits(method)
         self.scale = np.zeros(len(self.fits))
+        self.best = [0] * len(self.fits)  #: Number of the degree that was the best one last.
         self.first: np.ndarray | None = None  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.energy_error = 0.0  #: Of the first steps.
 
-    def parasitic(self, solutions: np.ndarray) -> np.ndarray:
-        """Return the size (2,) of the parasitic part in each half of a window (WINDOW, d)."""
+    def parasitic(self, halves: Sequence[np.ndarray], *, least: bool = True) -> np.ndarray:
+        """Return the size (2,) of the parasitic part in each half (WINDOW, d) of a window.
+
+        Not the ``least`` one over all degrees, but of one that was the best: a bound.
+        """
         found = []
-        for fit, y in zip(self.fits, np.split(solutions, len(self.fits), axis=1), strict=True):
-            sizes = np.linalg.norm(fit.amplitudes @ y, axis=(2, 3))
-            largest = np.where(fit.allowed, sizes, np.inf).min(axis=0).max()
-            rest = np.linalg.norm(fit.rest @ y, axis=(1, 2)).min() * math.sqrt(2 / WINDOW)
-            found.append(max(float(largest), float(rest)))
+        for n, (fit, y) in enumerate(zip(self.fits, halves, strict=True)):
+            some = slice(None) if least else slice(self.best[n], self.best[n] + 1)
+            sizes = np.sqrt(np.square(fit.amplitudes[some] @ y).sum(axis=(2, 3)))
+            sizes[~fit.allowed[some]] = np.inf
+            rest = np.sqrt(np.square(fit.rest[some] @ y).sum(axis=(1, 2)) * (2 / WINDOW))
+            if least:
+                self.best[n] = int(np.maximum(sizes.max(axis=1), rest).argmin())
+            found.append(max(float(sizes.min(axis=0).max()), float(rest.min())))
         return np.array(found)
+
+    def _exceeds(self, halves: Sequence[np.ndarray], limit: np.ndarray) -> bool:
+        """Return whether the parasitic part of a half is above its limit."""
+        return all(
+            bool((self.parasitic(halves, least=least) > limit).any()) for least in (False, True)
+        )
 
     def _error_of_energy(self, solutions: np.ndarray, function: Any, samples: int) -> float:
         """Return the largest or the median error at some solutions, relative."""
@@ -251,22 +269,20 @@ class Watch:
         """
         if not np.isfinite(solutions).all():
             return True
-        found = self.parasitic(solutions)
         halves = np.split(solutions, len(self.fits), axis=1)
         truncation = [
-            np.linalg.norm(fit.truncation @ y, axis=1).max()
-            for fit, y in zip(self.fits, halves, strict=True)
+            _largest(fit.truncation @ y) for fit, y in zip(self.fits, halves, strict=True)
         ]
-        size = np.array([np.linalg.norm(y, axis=1).max() for y in halves])
+        size = np.array([_largest(y) for y in halves])
         unit = np.finfo(float).eps * (_ROUNDING + _WALK * math.sqrt(step))
         now = np.maximum(np.array(truncation), unit * size)
         if self.first is None:
             # what the start leaves is in the error from the beginning
-            self.first = found
-            now = np.maximum(now, found)
+            self.first = self.parasitic(halves)
+            now = np.maximum(now, self.first)
         self.scale = np.maximum(self.scale, now)
         if self.hamiltonian is None:
-            return bool((found > FACTOR * self.scale).any())
+            return self._exceeds(halves, FACTOR * self.scale)
         if step <= _EARLY:
             self.energy_error = max(
                 self.energy_error, self._error_of_energy(solutions, max, 4 * _SAMPLES)
@@ -277,8 +293,9 @@ class Watch:
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
-        if (found <= enough).all():
+        if not self._exceeds(halves, enough):
             return False
+        found = self.parasitic(halves)
         if (found > np.maximum(enough, _OF_SOLUTION * size)).any():
             return True  # the energy is not in every direction a measure
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY

@@ -102,6 +102,13 @@ def _matrix(letter: str, which: int = 0) -> property:
     return property(read, write)
 
 
+def palette_of(method: Method, problem: Problem) -> Palette:
+    """Return which stages the right-hand sides of a problem join, see :class:`Stepper`."""
+    if method.parts == 1:
+        return method.palette
+    return SEPARABLE if problem.separable else GENERAL
+
+
 class Stepper:
     """Steps one method on one problem; keeps the coefficients in the arithmetic asked for.
 
@@ -150,11 +157,8 @@ class Stepper:
             _Component(c, self.arithmetic, self.parts[n])
             for c, n in zip(method.components, owners, strict=True)
         ]
-        if palette is None:
-            split = SEPARABLE if self.problem.separable else GENERAL
-            palette = method.palette if parts == 1 else split
-        self.palette = palette
-        self.joint = is_shared(palette)
+        self.palette = palette_of(method, self.problem) if palette is None else palette
+        self.joint = is_shared(self.palette)
         sizes = [len(c.U) for c in method.carriers[: 1 if self.joint else parts]]
         #: the stages: the components that live there, and the row
         self.nodes = [
@@ -165,7 +169,9 @@ class Stepper:
         self.c = np.concatenate(
             [self.arithmetic.array((x,))[0] for x in method.times[: len(sizes)]]
         )
-        self.blocks = method.stage_blocks(palette)
+        self.blocks = method.stage_blocks(self.palette)
+        #: Whether the halves of a pair have the same stages, evaluated together.
+        self.alike = parts == 2 and self.joint and method.components[0].A == method.components[1].A
 
     @cached_property
     def tableaux(self) -> dict[int, tuple[Method, Stepper]]:
@@ -220,8 +226,9 @@ class Stepper:
             if place is not None:
                 parts.append(values[..., place, columns])
                 continue
-            terms = [w * values[..., k, columns] for k, w in enumerate(weights) if w]
-            parts.append(sum(terms[1:], terms[0]))
+            read = weights.nonzero()[0]
+            terms = weights[read, None] * values[..., read, columns]
+            parts.append(np.add.accumulate(terms, axis=-2)[..., -1, :])  # one after the other
         return np.concatenate(parts, axis=-1)
 
     def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
@@ -260,6 +267,12 @@ class _Step:
             width = len(range(d)[c.columns])
             self.known.append(engine.arithmetic.known(c.U, values[: c.V.shape[1], c.columns]))
             self.slopes.append(zeros((c.B.shape[1], width), like))
+        #: Known part and slopes (s, d) of both halves where a stage is one sum over both.
+        self.whole: tuple[np.ndarray, np.ndarray] | None = None
+        if engine.alike:
+            slopes = np.concatenate(self.slopes, axis=1)
+            self.whole = np.concatenate(self.known, axis=1), slopes
+            self.slopes = [slopes[:, c.columns] for c in engine.components]
         self.where: list[Any] = [None] * len(engine.nodes)
         self.counts = [0, 0]
 
@@ -267,6 +280,9 @@ class _Step:
         """Return the stage that the slopes as they are make."""
         engine, (whose, i) = self.engine, self.engine.nodes[node]
         sums = engine.arithmetic.stage
+        if self.whole is not None:
+            known, slopes = self.whole
+            return sums(known[i], ((engine.components[0].A[i], slopes),), self.h)
         if len(whose) == 1 and not self.additive:
             (n,) = whose
             return sums(self.known[n][i], ((engine.components[n].A[i], self.slopes[n]),), self.h)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable
@@ -24,12 +25,8 @@ from .reference import Stepper, apply_finish
 from .solver_choice import newton_bytes, with_band
 from .starting_values import Start, starting_values
 
-
-def _picks(basis: Any) -> bool:
-    """Return whether every value is one of the kernel's, or a multiple that is not larger."""
-    if not basis or isinstance(basis[0], int | float):
-        return sum(bool(x) for x in basis) <= 1 and all(abs(x) <= 1 for x in basis)
-    return all(_picks(row) for row in basis)
+#: Renewals from which on compiling their start takes less time than it saves.
+_MANY = 50
 
 
 class RenewalFailed(Exception):
@@ -66,8 +63,9 @@ class Run:
         self.start_evaluations, self.finish_evaluations = start.evaluations, 0
         self.kernel, self.notices, self.too_large = "", [], False
         self.renew, self.again, self.renewals = 0, None, 0
-        #: Kernel of the finishing method, where there is one.
+        #: Kernels of the finishing method, and of the start that renews, where there are any.
         self.finishing: Map | None = None
+        self.starting: Map | None = None
         #: Step and values from which the steps so far followed: those of the last renewal.
         self.base = (0, start.values)
         #: What looks for a parasitic part that grows, and the time from which it is large.
@@ -91,51 +89,55 @@ class Run:
         RenewalFailed
             Where start or finish has no value.
         """
-        arithmetic = self.reference.arithmetic
+        arithmetic, finishing = self.reference.arithmetic, self.method.finishing
         h = arithmetic.number(self.h)
         t = arithmetic.number(self.problem.t_span[0]) + n * h
-        finishing = self.method.finishing
         try:
             y = self.reference.solution(values)
-            made = self._finished_once(t, y)
+            made, cost = self._mapped(self.finishing, t, y)
             if made is not None:
-                y = made
+                y = made[0]
             elif finishing is not None:
                 y, cost = apply_finish(finishing, self.reference, t, y, h)
-                self.finish_evaluations += cost
-            again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
-            if not all_finite(again.values):
+            self.finish_evaluations += cost
+            made, cost = self._mapped(self.starting, t, y)
+            if made is None:
+                again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
+                made, cost = again.values, again.evaluations
+            if not all_finite(made):
                 raise ArithmeticError("the values are not finite")
         except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
             raise RenewalFailed(error) from error
-        self.start_evaluations += again.evaluations
-        self.base, self.renewals = (n, again.values), self.renewals + 1
-        return again.values
+        self.start_evaluations += cost
+        self.base, self.renewals = (n, made), self.renewals + 1
+        return made
 
-    def _finished_once(self, t: Any, y: np.ndarray) -> np.ndarray | None:
-        """Return y as the kernel of the finishing method makes it, ``None`` where it makes none."""
-        if self.finishing is None:
-            return None
-        out = np.array(y, dtype=float)[None, None]
-        good, cost = self.finishing(out, float(t), self.h)
-        self.finish_evaluations += cost
-        return out[0, 0] if good else None
+    def _mapped(self, kernel: Map | None, t: Any, y: np.ndarray) -> tuple[np.ndarray | None, int]:
+        """Return the values (r, d) that a kernel makes of y, ``None`` for none, and their cost."""
+        if kernel is None:
+            return None, 0
+        out = np.zeros((1, kernel.values, len(y)))
+        out[0, 0] = y
+        good, cost = kernel(out, float(t), self.h)
+        return (out[0], cost) if good else (None, 0)
 
     def _renewed(self, kernel: Kernel, state: State) -> State:
         """Return the state of a kernel after a renewal; the counts go on."""
         values = self._renewal(state.step, kernel.values(state))
         t = float(self.problem.t_span[0]) + state.step * self.h
-        other = kernel.state(values, self._slope(t, values), self.h)
+        other = self._state(kernel, t, values)
         other.tally[:] = state.tally
         self.start_evaluations += bool(kernel.form.memory)
         return other
 
-    def _slope(self, t: float, values: np.ndarray) -> np.ndarray:
-        try:
-            return self.reference.slope(t, self.reference.solution(values))
-        except (ArithmeticError, ValueError):
-            # a method may not evaluate there
-            return np.full(self.problem.dimension, np.nan)
+    def _state(self, kernel: Kernel, t: float, values: np.ndarray) -> State:
+        """Return the state of a kernel at a time, with what it remembers of a step before."""
+        slope = np.full(self.problem.dimension, np.nan)
+        # a method may not evaluate there
+        with contextlib.suppress(ArithmeticError, ValueError):
+            if kernel.form.memory:
+                slope = self.reference.slope(t, self.reference.solution(values))
+        return kernel.state(values, slope, self.h)
 
     def _not_renewed(self, error: RenewalFailed) -> None:
         self.outcome, why = outcome_of(error.why)
@@ -239,7 +241,6 @@ class Run:
     def by_kernel(self, arithmetic: str, form: str, solver: str, *, interpreted: bool) -> None:
         """Take the steps in a compiled loop."""
         t0 = float(self.problem.t_span[0])
-        slope = self._slope(t0, self.start)
         problem = expressed(self.problem)
         kernel = prepare(
             self.method, problem, h=self.h, arithmetic=arithmetic, form=form, solver=solver,
@@ -248,8 +249,11 @@ class Run:
         self._adopt(kernel)
         if kernel.built.engine == "native" or interpreted:
             self.finishing = map_of(self.method.finishing, self.problem, interpreted=interpreted)
+            start = self.method.starting if self.again is None else self.again
+            if self.renew and self.plan.steps > _MANY * self.renew and isinstance(start, Method):
+                self.starting = map_of(start, self.problem, interpreted=interpreted, seldom=True)
         self.start_evaluations += bool(kernel.form.memory)
-        state = kernel.state(self.start, slope, self.h)
+        state = self._state(kernel, t0, self.start)
         if self.plan.rows[0] == 0:
             self._keep(0, self.start)
         # the kernel writes its rows where they stay
@@ -320,12 +324,13 @@ class Run:
         first, every, written = state.step, self.plan.every, int(state.tally[5])
         values, outcome = self._successive(kernel, state, t0)
         state.tally[5] = written
-        for n, row in enumerate(values[1:], first + 1):
-            if every and n % every == 0:
-                out[state.tally[5]] = row
-                state.tally[5] += 1
-            elif not every and n in marks:
-                self._keep(n, row)
+        taken = range(first + 1, first + len(values))
+        if every:
+            rows = values[every - first % every :: every]
+            out[written : written + len(rows)] = rows
+            state.tally[5] += len(rows)
+        for n in () if every else sorted(marks.intersection(taken)):
+            self._keep(n, values[n - first])
         if len(values) == WINDOW:
             if self._large(values, state.step):
                 self._locate(kernel, state, t0)
@@ -379,7 +384,7 @@ class Run:
         the given ones are what is left.
         """
         last = self.done if all_finite(self.values) else self.done - 1
-        if not all(_picks(one.from_form) for one in kernel.form.components):
+        if not kernel.form.finite_together:
             written = self.rows[: self.kept]
             wrong = ~np.isfinite(written).all(axis=(1, 2))
             if wrong.any():
@@ -390,9 +395,8 @@ class Run:
         if self.outcome is not Outcome.STAGE_SOLVE_FAILED:
             self.outcome = Outcome.NOT_FINITE
         back, (first, values) = 1, self.base
-        slope = self._slope(t0 + first * self.h, values)
         while last > first:
-            state = kernel.state(values, slope, self.h)
+            state = self._state(kernel, t0 + first * self.h, values)
             state.tally[4] = first
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)

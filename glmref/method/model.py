@@ -162,7 +162,7 @@ class Method:
         """Whether every A is lower triangular (explicit methods included)."""
         return all(linalg.is_lower_triangular(c.A) for c in self.components)
 
-    @property
+    @cached_property
     def is_explicit(self) -> bool:
         """Whether no stage needs an equation solved."""
         return not self.implicit_stages

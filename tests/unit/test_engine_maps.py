@@ -8,6 +8,7 @@ import pytest
 from glmref import Problem, load, problem, solve
 from glmref.engine import maps
 from glmref.engine.maps import Map, map_of
+from glmref.engine.reference import apply_start, stepper
 from glmref.engine.shape import shape_of
 
 
@@ -34,6 +35,37 @@ def test_many_rows_of_a_finished_method_cost_no_more_than_its_steps():
     assert time.process_time() - begin < 1  # 4 s when each row was finished in Python
 
 
+@pytest.mark.parametrize(
+    "name, of",
+    [
+        ("multistep-general-8", "uneven-plane"),  # both halves at one point
+        ("multistep-kinetic-6", "magnetic-bottle"),  # q' = f(p)
+        ("multistep-8", "henon-heiles"),  # q and p at points of their own
+        ("s5i2-w3", "kepler"),
+    ],
+)
+def test_a_start_by_a_kernel_has_the_bits_of_the_reference(name, of):
+    method, system = load(name), problem(of)
+    y0, h = np.array(system.y0, dtype=float), 0.03125
+    wanted, cost = apply_start(method.starting, stepper(method, system), 0.0, y0, h)
+    for interpreted in (False, True):
+        kernel = map_of(method.starting, system, interpreted=interpreted, seldom=True)
+        rows = np.zeros((1, *wanted.shape))
+        rows[0, 0] = y0
+        assert kernel(rows, 0.0, h) == (1, cost)
+        np.testing.assert_array_equal(rows[0], wanted)
+
+
+def test_a_run_with_many_renewals_compiles_their_start(monkeypatch):
+    options = {"h": 0.02, "steps": 4000, "every": 500}
+    few = solve("uneven-plane", "multistep-general-8", renew=100, **options)
+    monkeypatch.setattr("glmref.engine.run._MANY", 10)
+    many = solve("uneven-plane", "multistep-general-8", renew=100, **options)
+    assert many.renewals == few.renewals == 39
+    assert many.start_evaluations == few.start_evaluations == 40 * 24
+    np.testing.assert_array_equal(many.y, few.y)
+
+
 def test_what_needs_python_has_no_kernel():
     def branches(t, y):
         return -y if y[0] > 0 else y
@@ -41,7 +73,6 @@ def test_what_needs_python_has_no_kernel():
     opaque = Problem(f=branches, y0=(1.0,), name="opaque")
     assert map_of(load("s5i2-w3").finishing, opaque) is None
     assert map_of(None, problem("kepler")) is None
-    assert map_of(load("pair-6-8").starting, problem("kepler")) is None  # two components
     assert map_of(load("s5i2-w3").finishing, problem("kepler")) is not None
 
 
