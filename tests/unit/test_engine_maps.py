@@ -36,7 +36,7 @@ def test_many_rows_of_a_finished_method_cost_no_more_than_its_steps():
 
 
 @pytest.mark.parametrize(
-    "name, of",
+    ("name", "of"),
     [
         ("multistep-general-8", "uneven-plane"),  # both halves at one point
         ("multistep-kinetic-6", "magnetic-bottle"),  # q' = f(p)

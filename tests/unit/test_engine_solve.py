@@ -169,10 +169,8 @@ def test_evaluations_are_counted_exactly(name):
 
     pendulum = Problem(f=f, y0=(1.2, 0.0), name="counted")
     run = solve(pendulum, name, h=0.1, steps=25, engine="interpreted", solver="fixed-point")
-    # solve itself calls f twice more: the predictor's start is among start_evaluations, the
-    # slope is computed for explicit methods as well; CALLS look at the function
-    implicit = name != "rk4"
-    assert calls[0] == run.total_evaluations + (0 if implicit else 1) + CALLS
+    # the predictor's start is among start_evaluations; CALLS look at the function
+    assert calls[0] == run.total_evaluations + CALLS
     calls[0] = 0
     slow = solve(pendulum, name, h=0.1, steps=25, engine="reference")
     assert calls[0] == slow.total_evaluations + CALLS
