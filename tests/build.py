@@ -20,6 +20,9 @@ from glmref.method import GLM, as_matrix
 #: Where a made-up method comes from.
 SOURCE = {"citation": "a test", "where": "here", "status": "derived"}
 
+#: Small sources of other codes, and the cases of the audit.
+SOURCES = Path(__file__).with_name("sources")
+
 
 def method_document(kind: str, claims: Mapping[str, Any], **keys: Any) -> dict[str, Any]:
     """Return a method document with these claims."""
@@ -52,7 +55,7 @@ def conjugated_rk4() -> GLM:
 
 def source(name: str) -> str:
     """Return a small source of another code, as the audit reads them, from ``tests/sources``."""
-    return (Path(__file__).with_name("sources") / name).read_text(encoding="utf-8")
+    return (SOURCES / name).read_text(encoding="utf-8")
 
 
 def scene_text(
