@@ -15,7 +15,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import glmref
-from glmref.errors import UsageError
 from glmref.exchange.tree_problems import KINDS, TreeProblem, tree_problem, tree_problems
 from glmref.method.component import SEPARABLE
 from glmref.theory.trees import Tree, trees, trees_up_to
@@ -165,25 +164,3 @@ def test_a_separable_problem_is_solved_as_one() -> None:
     assert shown.problem.separable
     end = glmref.solve(shown.problem, "forest-ruth-4", h=1 / 8, steps=8).y[-1]
     assert end == pytest.approx([float(x) for x in shown.solution(Fraction(1))], abs=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("tree", "kind", "said"),
-    [
-        ("o", "timed", "a problem of kind timed takes a tree of two vertices or more"),
-        ("f[k]", "stiff", "a problem of kind stiff takes a tree of one colour, got 'f[k]'"),
-        (
-            "f[f]",
-            "separable",
-            "a separable problem takes a tree of alternating f and k, got 'f[f]'",
-        ),
-        (
-            "[o]",
-            "linear",
-            "`kind` must be one of autonomous, timed, stiff, separable, got 'linear'",
-        ),
-    ],
-)
-def test_what_is_no_problem_is_refused(tree: str, kind: str, said: str) -> None:
-    with pytest.raises(UsageError, match=f"^{said}".replace("[", r"\[")):
-        tree_problem(tree, kind)

@@ -11,7 +11,6 @@ import pytest
 import glmref
 from glmref.catalogue.lookup import document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
-from glmref.cli import main
 from glmref.engine.ensemble import solve_ensemble
 from glmref.errors import DataError, UsageError
 from tests.build import refused
@@ -29,22 +28,6 @@ def test_a_shipped_name_wins_over_a_file_of_that_name(
 def test_a_near_miss_names_what_was_meant() -> None:
     refused(UsageError, "did you mean gauss-2", load, "gaus-2")
     refused(UsageError, "see `glmref list`", load, "completely-different")
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("no/such/file", "does not exist"),
-        ("nothing.json", "does not exist"),
-        (".", "is a folder"),
-        ("", "there is no method named"),
-        ("/dev/null", "is a device"),
-        ("a" * 3000 + ".json", "cannot be read"),
-        ("a\0b", "there is no method named|cannot be read"),
-    ],
-)
-def test_what_is_no_file_is_a_usage_error(name: str, message: str) -> None:
-    refused(UsageError, message, path_of, name)
 
 
 def test_a_file_without_an_object_is_a_data_error(tmp_path: Path) -> None:
@@ -93,27 +76,6 @@ def test_an_ensemble_says_so_too() -> None:
     found = solve_ensemble("kepler", load("yoshida-4-sign"), initial, h=0.01, steps=2)
     assert found.notices[0].startswith("yoshida-4-sign is wrong on purpose: ")
     assert solve_ensemble("kepler", "yoshida-4", initial, h=0.01, steps=2).notices == ()
-
-
-@pytest.mark.parametrize(
-    ("words", "hint"),
-    [
-        (["show", "gaus-2"], "did you mean gauss-2"),
-        (["run", "keplr"], "did you mean kepler"),
-        (["derive", "ordr6"], "did you mean order6"),
-        (["derive", "order6", "--strt", "no"], "did you mean start"),
-        (["probe", "scpy"], "did you mean scipy"),
-        (["probe", "scipy", "--method", "dormand-prince"], "did you mean dormand-prince-5"),
-        (["errata", "--method", "gsymplectic-m"], "or gsymplectic-n"),
-        (["errata", "3.0.5-referense"], "did you mean 3.0.5-reference"),
-    ],
-)  # fmt: skip
-def test_a_name_that_is_not_known_is_answered_with_the_nearest(
-    words: list[str], hint: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(words) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and hint in err and len(err.splitlines()) == 1
 
 
 def test_the_nearest_problem_and_parameter_are_named() -> None:

@@ -101,28 +101,6 @@ def test_an_old_name_does_what_the_new_one_does(
     assert first[:2] == second[:2]
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("verify rk4 gauss-2 --order 3", "--order and --digits are for one plain tableau"),
-        ("verify rk4 --order 3", "--order is for a plain tableau, and rk4 has a format"),
-        ("verify rk4 gauss-2 --certificates -", "--certificates - is for one method"),
-        ("list order", "choose among --errata"),
-        ("list --errata --broken", "--errata lists no methods"),
-        ("show rk4 gauss-2 --plot a.svg", "--plot draws one method"),
-        ("show rk4 --bibtex --decimal 3", "--bibtex writes no tableau"),
-        ("convert rk4", "say what to write with --to, or whose table it is with --from"),
-        ("convert a.csv --from csv --digits 3", "--digits is for --to"),
-        ("run kepler --pages", "--pages is for a campaign"),
-        ("run resonance-map kepler", "a campaign is run by its name"),
-        ("run resonance-map --format csv", "a campaign is run by its name"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(run: Run, line: str, said: str) -> None:
-    code, out, err = run(*line.split())
-    assert (code, out) == (2, "") and said in err and err.count("\n") == 1
-
-
 def test_a_table_of_one_package_is_converted_for_another(run: Run, tmp_path: Path) -> None:
     table = tmp_path / "rk4.csv"
     table.write_text(run("convert", "rk4", "--to", "csv")[1])

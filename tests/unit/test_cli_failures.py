@@ -394,16 +394,6 @@ def test_a_file_that_kills_its_process_costs_only_its_own_result() -> None:
     assert "internal error while checking rk4" in results[2].error
 
 
-@pytest.mark.parametrize(
-    ("word", "answer"), [("solve", "glmref compare PROBLEM"), ("plot", "--plot FILE.svg")]
-)
-def test_a_word_that_is_no_command_is_answered_with_what_does_it(
-    word: str, answer: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([word, "kepler", "rk4"]) == 2
-    assert answer in capsys.readouterr().err
-
-
 @posix
 @pytest.mark.slow
 def test_tests_that_run_in_the_background_can_interrupt_programs(tmp_path: Path) -> None:

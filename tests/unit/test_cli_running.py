@@ -98,21 +98,6 @@ def test_shipped_scenes_are_listed_with_their_questions(capsys):
     assert "parasitism" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ([], "name a scene, or --all"),
-        (["pendulun"], "did you mean pendulum"),
-        (["none.toml"], "does not exist"),
-    ],
-)
-def test_bad_requests_end_with_code_2_and_one_sentence(arguments, said, capsys):
-    assert main(["run", *arguments]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert said in captured.err and captured.err.count("\n") == 1
-
-
 @pytest.mark.slow
 def test_a_failing_method_makes_code_3_and_no_traceback(scene, tmp_path, capsys):
     scene.write_text(

@@ -133,18 +133,6 @@ def test_without_a_good_reference_the_energy_judges():
     refused(UsageError, "shorten `t_end`", compare, wild, methods=["rk4"])
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [(("pendulum", [], 1e-6), "`methods` is empty"),
-     (("pendulum", ["yoshida-4-sign"], 1e-6), "wrong on purpose"),
-     (("pendulum", None, 0), "`tolerance` must lie"),
-     ((3, None, 1e-6), "`problem` must be")],
-)  # fmt: skip
-def test_what_does_not_fit_is_refused(arguments, message):
-    subject, methods, tolerance = arguments
-    refused(UsageError, message, compare, subject, methods=methods, tolerance=tolerance)
-
-
 def test_the_command_writes_pictures_and_numbers(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     path.write_text('H = "p**2/2 - cos(q)"\ny0 = { q = 1, p = 0 }\nt_end = 5\n')

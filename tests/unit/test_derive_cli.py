@@ -48,27 +48,6 @@ def test_help_after_a_recipe_is_that_of_the_recipe(
     assert ":mod:" not in text
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["missing.toml"], "the ansatz 'missing.toml' cannot be read (missing.toml: "),
-        (["order9"], "there is no recipe 'order9'"),
-        (["order9", "--help"], "there is no recipe 'order9'"),
-        (["order6", "--c2"], "the option --c2 needs a value"),
-        (["order6", "c2"], "'c2' is out of place"),
-        (["order6", "--start", "maybe"], "`start` must be auto, yes or no, got 'maybe'"),
-    ],
-)
-def test_bad_input_is_one_sentence(
-    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["derive", *words]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1
-    assert sentence in lines[0]
-    assert "Errno" not in lines[0] and "Traceback" not in lines[0]
-
-
 def test_an_ansatz_that_is_not_toml_is_one_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -150,19 +150,3 @@ def test_two_steps_with_one_kick_are_one_with_two() -> None:
     a = solve(target, one, h=0.05, steps=100).y[-1]
     b = solve(target, two, h=0.1, steps=50).y[-1]
     assert np.allclose(a, b, rtol=0, atol=1e-10)  # round-off of the weights of the start
-
-
-@pytest.mark.parametrize(
-    ("changed", "words"),
-    [
-        ({"slopes": "1"}, "one slope"),
-        ({"p": "1/2 1/2"}, "different"),
-        ({"p": "1/2 2"}, "between -1 and 1"),
-        ({"weight": "x"}, "fractions"),
-        ({"q": "1/3 1/5"}, "no `q`"),
-    ],
-)
-def test_numbers_of_no_method_with_two_kicks_are_refused(
-    changed: dict[str, str], words: str
-) -> None:
-    refused(UsageError, words, recipes.run, "multistep", {**TWO, **changed})

@@ -22,44 +22,13 @@ REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
 ENGINES = ["compiled", "reference", "interpreted"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"h": 5e-324}, "at most 2\\*\\*53 can be counted"),
-        ({"h": 5e-324, "t_end": 1.0}, "t_end is inf steps of h = 5e-324"),
-        ({"h": 1e-30}, "t_end is 1e\\+32 steps"),
-        ({"h": 10**400, "steps": 1}, "`h` must be finite"),
-        ({"h": math.inf, "steps": 1}, "`h` must be finite"),
-        ({"h": None, "steps": 1}, "`h` must be a number"),
-        ({"h": 1e308, "steps": 9}, "beyond the range of double precision"),
-        ({"h": 0.1, "steps": 10**30}, "`steps` must be at most 2\\*\\*53"),
-        ({"h": 0.1, "steps": True}, "`steps` must be a whole number"),
-        ({"h": 0.1, "t_end": "soon"}, "`t_end` must be a number"),
-        ({"h": 0.1, "t_end": math.nan}, "`t_end` must be finite"),
-        ({"h": 0.1, "t_end": -1.0}, "t_end is before t0 = 0.0"),
-        ({"h": -0.1, "t_end": 1.0}, "t_end is after t0 = 0.0"),
-        ({"h": 0.3, "t_end": 1.0}, "with h = 0.3333333333333333 it would be"),
-        ({"h": 0.1, "times": 3.0}, "`times` must be a list of numbers"),
-        ({"h": 0.1, "times": "12"}, "`times` must be a list of numbers"),
-        ({"h": 0.1, "times": ["soon"]}, "`times` must be a number"),
-        ({"h": 0.1, "times": [math.nan]}, "`times` must be finite"),
-        ({"h": 0.1, "times": np.array(0.1)}, "`times` must be a list of numbers"),
-        ({"h": 0.1, "digits": "x"}, "`digits` must be a whole number from 1"),
-        ({"h": 0.1, "digits": 2.5}, "`digits` must be a whole number from 1"),
-        ({"h": 0.1, "cancel": 0}, "`cancel` must be a function, got 0"),
-        ({"h": 0.1, "progress": []}, "`progress` must be a function"),
-        ({"h": 0.1, "times": [0.2, 0.2]}, "0.2 comes after 0.2"),
-        ({"h": 0.1, "times": [0.2, 0.1]}, "0.1 comes after 0.2"),
-        ({"h": 0.1, "times": [-0.1]}, "t = -0.1 is before t0"),
-        ({"h": 0.1, "steps": 2**50, "every": 1}, "the 1125899906842625 rows asked for need"),
-        ({"h": 0.1, "steps": 1, "start": [[None, None]]}, "starting values must be finite"),
-        ({"h": 0.1, "steps": 1, "start": [[1.0], [1.0, 2.0]]}, "starting values"),
-        ({"h": 0.1, "steps": 1, "start": [[1j, 0.0]]}, "starting values must be real"),
-    ],
-)
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_request_at_the_edge_is_refused_in_one_sentence(arguments, message, engine):
-    refused(UsageError, message, solve, "pendulum", "rk4", engine=engine, **arguments)
+def test_arrays_and_complex_numbers_at_the_edge_are_refused_in_one_sentence(engine):
+    request = {"engine": engine, "h": 0.1}
+    lists = "`times` must be a list of numbers"
+    refused(UsageError, lists, solve, "pendulum", "rk4", times=np.array(0.1), **request)
+    start, real = [[1j, 0.0]], "starting values must be real"
+    refused(UsageError, real, solve, "pendulum", "rk4", steps=1, start=start, **request)
 
 
 def test_a_step_that_rounding_swallows_is_refused():

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from glmref import Solution, solve
 from glmref.engine.gauge import FEWEST, Gauge
-from glmref.errors import UsageError
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -95,20 +94,3 @@ def test_the_gauge_is_saved_with_the_solution(tmp_path: Path) -> None:
 def test_short_runs_take_no_pilot_orbit() -> None:
     found = solve("shear", METHOD, h=0.02, steps=FEWEST - 1, gauge="auto")
     assert found.gauge == Gauge(((0.0,),), 0.0, 0.0, False, 0)
-
-
-@pytest.mark.parametrize(
-    ("name", "method", "options", "what"),
-    [
-        ("shear", "gauss-4", {}, "partitioned methods only"),
-        ("magnetic-trap", METHOD, {}, "needs Hamilton's equations in expressions"),
-        ("shear", METHOD, {"gauge": "landau"}, '`gauge` must be "auto" or None'),
-        ("shear", METHOD, {"digits": 30, "engine": "reference"}, "double precision"),
-        ("shear", METHOD, {"start": np.zeros((9, 2))}, "`start` gives values in those"),
-    ],
-)
-def test_what_has_no_gauge_is_refused(
-    name: str, method: str, options: dict[str, object], what: str
-) -> None:
-    with pytest.raises(UsageError, match=what):
-        solve(name, method, **{"h": 0.02, "steps": 200, "gauge": "auto", **options})  # type: ignore[arg-type]

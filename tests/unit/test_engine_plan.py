@@ -48,111 +48,6 @@ def test_steps_and_rows(given: dict[str, Any], plan: tuple[Any, ...]) -> None:
     assert planned(**given) == plan
 
 
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        # a run of no steps was completed, at t0
-        (
-            {"t_end": 3.0, "h": 1e12},
-            "t_end is 3.0, less than a step of h = 1000000000000.0 from t0 = 1.0",
-        ),
-        ({"steps": -1}, "`steps` must be a whole number >= 0, got -1"),
-        ({"every": True}, "`every` must be a whole number >= 0, got True"),
-        ({"limit": 1.5}, "`step_limit` must be a whole number >= 0, got 1.5"),
-        ({"steps": 1, "t_end": 2.0}, "give `steps` or `t_end`, not both"),
-        (
-            {"steps": 1, "times": [2.0]},
-            "give `times`, or `every` with `t_end` or `steps`, not both",
-        ),
-        (
-            {"every": 1, "times": [2.0]},
-            "give `times`, or `every` with `t_end` or `steps`, not both",
-        ),
-        (
-            {"t_end": 2, "times": [2.0]},
-            "give `times`, or `every` with `t_end` or `steps`, not both",
-        ),
-        ({"steps": MOST_STEPS + 1}, "`steps` must be at most 2**53, got 9007199254740993"),
-        ({"steps": 10**30}, "`steps` must be at most 2**53, got a number of 100 bits"),
-        ({"h": -0.25}, "going back in time needs `t_end` or `steps`"),
-        ({"t_end": "x"}, "`t_end` must be a number, got 'x'"),
-        ({"t_end": math.inf}, "`t_end` must be finite, got inf"),
-        ({"times": "1"}, "`times` must be a list of numbers, got '1'"),
-        ({"times": 3}, "`times` must be a list of numbers, got 3"),
-        ({"times": []}, "`times` must be a nonempty list in the direction of h"),
-        (
-            {"times": [1.5, 1.25]},
-            (
-                "`times` must be a nonempty list in the direction of h, each time once; 1.25 comes "
-                "after 1.5"
-            ),
-        ),
-        (
-            {"times": [1.5, 1.5]},
-            (
-                "`times` must be a nonempty list in the direction of h, each time once; 1.5 comes "
-                "after 1.5"
-            ),
-        ),
-        (
-            {"t_end": 0.5},
-            "t_end is before t0 = 1.0, which steps of h = 0.25 do not reach; change the sign of h",
-        ),
-        (
-            {"times": [2.0], "h": -0.25},
-            "t = 2.0 is after t0 = 1.0, which steps of h = -0.25 do not reach; change the sign of h",
-        ),
-        (
-            {"t_end": 1.4},
-            (
-                "t_end is 0.3999999999999999 from t0, which is not a whole number of steps of h = 0.25; "
-                "with h = 0.19999999999999996 it would be"
-            ),
-        ),
-        (
-            {"t_end": 1.1},
-            "t_end is 0.10000000000000009 from t0, which is not a whole number of steps of h = 0.25",
-        ),
-        (
-            {"t_end": 1 + 0.25 * (4 + 4.1e-9)},
-            (
-                "t_end is 1.000000001025 from t0, which is not a whole number of steps of h = 0.25; with "
-                "h = 0.25000000025625 it would be"
-            ),
-        ),
-        (
-            {"t_end": 2.0, "h": 1e-300},
-            (
-                "t_end is 1e+300 steps of h = 1e-300 away from t0 = 1.0; at most 2**53 can be counted, "
-                "give another h"
-            ),
-        ),
-        (
-            {"steps": 10, "h": 1e308},
-            (
-                "10 steps of h = 1e+308 from t0 = 1.0 lead beyond the range of double precision; take "
-                "fewer or smaller steps"
-            ),
-        ),
-        (
-            {"steps": 2, "h": 1e-17},
-            (
-                "h = 1e-17 is lost in rounding when it is added to t = 1.0; give a larger h, or begin "
-                "nearer to t = 0"
-            ),
-        ),
-    ],
-)
-def test_what_cannot_be_is_said(given: dict[str, Any], sentence: str) -> None:
-    found = refused(UsageError, "", planned, **given)
-    assert (
-        found.replace("1.0000000010250001", "1.000000001025").replace(
-            "0.25000000025625003", "0.25000000025625"
-        )
-        == sentence
-    )
-
-
 def test_time_that_stands_still_at_the_end_is_refused() -> None:
     of = Problem(f=("y[0]",), y0=(1.0,), t_span=(0.0, 1.0))
     late = Problem(f=("y[0]",), y0=(1.0,), t_span=(2.0**53 - 10, 2.0**53))
@@ -178,18 +73,7 @@ def test_a_grid_is_a_sequence() -> None:
                     grid[outside]
 
 
-@pytest.mark.parametrize(
-    ("h", "sentence"),
-    [
-        ("a", "`h` must be a number, got 'a'"), (None, "`h` must be a number, got None"),
-        (10**400, "`h` must be finite, got a number beyond double precision"),
-        (0, "`h` must be finite and not zero, got 0"), (-0.0, "`h` must be finite and not zero, got -0.0"),
-        (math.nan, "`h` must be finite, got nan"),
-    ],
-)  # fmt: skip
-def test_a_step_size_is_a_number_that_is_not_zero(h: Any, sentence: str) -> None:
-    found = refused(UsageError, "", step_size, h)
-    assert found == sentence
+def test_a_step_size_may_be_a_text_and_tiny() -> None:
     assert step_size("0.5") == 0.5 and step_size(-5e-324) == -5e-324
 
 

@@ -243,38 +243,6 @@ def test_fused_sums_are_compensated_all_the_same(method, steps):
     assert deviation("naive") > walk
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"h": 0.0, "steps": 1}, "`h` must be finite and not zero"),
-        ({"h": math.nan, "steps": 1}, "`h` must be finite"),
-        ({"h": "x", "steps": 1}, "`h` must be a number"),
-        ({"h": 0.3, "t_end": 1.0}, "not a whole number of steps"),
-        ({"h": 0.1, "t_end": -1.0}, "t_end is before t0"),
-        ({"h": 0.1, "steps": 3, "t_end": 0.3}, "`steps` or `t_end`, not both"),
-        ({"h": 0.1, "steps": -1}, "`steps` must be a whole number"),
-        ({"h": 0.1, "steps": 2.5}, "`steps` must be a whole number"),
-        ({"h": 0.1, "steps": 3, "every": -1}, "`every` must be a whole number"),
-        ({"h": 0.1, "times": [0.25]}, "not a whole number of steps"),
-        ({"h": 0.1, "times": []}, "`times` must be a nonempty list"),
-        ({"h": 0.1, "times": [0.2, 0.1]}, "`times` must be"),
-        ({"h": 0.1, "times": [0.2], "steps": 2}, "not both"),
-        ({"h": -0.1}, "going back in time"),
-        ({"h": 0.1, "steps": 1, "engine": "fast"}, "`engine` must be one of"),
-        ({"h": 0.1, "steps": 1, "digits": 30}, "`digits`"),
-        ({"h": 0.1, "steps": 1, "arithmetic": "Fused"}, "`arithmetic` must be one of"),
-        ({"h": 0.1, "steps": 1, "engine": "reference", "arithmetic": "x"}, "`arithmetic` must be"),
-        ({"h": 0.1, "steps": 1, "arithmetic": "exact"}, "`arithmetic` must be one of"),
-        ({"h": 0.1, "steps": 1, "solver": "magic"}, "`solver` must be one of"),
-        ({"h": 0.1, "steps": 1, "form": "magic"}, "`form` must be"),
-        ({"h": 0.1, "steps": 1, "start": "magic"}, "`start` must be"),
-        ({"h": 0.1, "steps": 1, "start": np.zeros((2, 2))}, "shape \\(r, d\\)"),
-    ],
-)
-def test_a_bad_argument_is_one_sentence(arguments, message):
-    refused(UsageError, message, solve, "pendulum", "gauss-2", **arguments)
-
-
 def test_what_is_not_a_problem_or_method_is_refused():
     refused(UsageError, "`problem` must be a Problem", solve, 3, "rk4", h=0.1, steps=1)
     refused(UsageError, "`method` must be a method", solve, "pendulum", 3, h=0.1, steps=1)

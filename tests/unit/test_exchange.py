@@ -46,28 +46,6 @@ def test_every_target_names_method_source_and_version(target: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "target", "reason"),
-    [
-        ("g6245", "sundials", "carries 4 values"),
-        ("stormer-verlet", "petsc", "is a pair"),
-        ("gauss-2", "sundials", "fully implicit"),
-        ("gauss-2", "petsc", "fully implicit"),
-        ("tr-bdf2", "diffrax", "predictor"),
-        ("euler", "diffrax", "two stages"),
-        ("sdirk-2", "ordinarydiffeq", "implicit"),
-        ("g6245-w3-complex", "c", "complex"),
-        ("g6245-w3-complex", "rungekutta.jl", "carries 4 values"),
-    ],
-)
-def test_what_a_format_cannot_hold_is_refused_in_one_sentence(
-    name: str, target: str, reason: str
-) -> None:
-    refusal = refused(UsageError, reason, export, name, to=target)
-    assert name in refusal
-    assert "\n" not in refusal
-
-
-@pytest.mark.parametrize(
     ("name", "target", "absent"),
     [
         ("dormand-prince-8-5-3", "sundials", ["the embedded row order-3"]),
@@ -385,44 +363,6 @@ def test_a_comment_that_contradicts_the_table_is_not_believed() -> None:
         import_tables.read_table(text.replace("exact b: sqrt(2)/2;", "exact b:"), "petsc")
 
 
-@pytest.mark.parametrize(
-    ("form", "text", "reason"),
-    [
-        ("json", "{", "is not JSON"),
-        ("json", "[1]", "one object"),
-        ("json", '{"A": [["0"]]}', "is missing"),
-        ("json", '{"A": [["0"]], "b": [["x y"]]}', "`b"),
-        ("json", '{"A": [["__import__(1)"]], "b": ["1"]}', "is not known"),
-        ("json", '{"A": [["0", "1"]], "b": ["1"]}', "must have shape"),
-        ("json", "[" * 100_000, "deep"),
-        ("csv", "a,b\n", "line 1 must have the columns"),
-        ("csv", "A,1,2,0\nb,,1,1\n", r"the entry \(1, 1\) of the block \"A\" is missing"),
-        ("csv", "A,1,1,0\nA,1,1,7\nb,,1,1\n", "occurs twice"),
-        ("csv", "A,0,1,0\n", "whole numbers"),
-        ("csv", "A,\u0661,1,0\n", "whole numbers"),
-        ("csv", "source,,,x\nsource.doi,,,y\n", "said in two ways"),
-        ("csv", f"name,,,{'x' * 200_000}\n", "is no CSV"),
-        ("petsc", "int main;", "no arrays"),
-        ("petsc", "A[] = {0, 1}; b[] = {1};", "1 times 1 entries"),
-        ("petsc", "A[] = {0; b[] = {1}", "bracket is not closed|no arrays|times"),
-        ("petsc", "A[] = {0}; A[] = {1}; b[] = {1};", "keep one table"),
-        ("sundials", "A[] = {system(1)}; b[] = {1};", "is not known|no number"),
-        ("sundials", "A[] = {1.0/0.0}; b[] = {1};", "division by zero"),
-        ("sundials", "A[] = {1e99999}; b[] = {1};", "more digits"),
-        ("diffrax", "def", "is no Python"),
-        ("diffrax", "x = 1", "one call of ButcherTableau"),
-        ("diffrax", "ButcherTableau(c=1, b_sol=2, a_lower=3)", "a list of numbers"),
-        ("diffrax", "ButcherTableau(c=[], b_sol=[open('x')], a_lower=())", "no number"),
-        ("ordinarydiffeq", "A = [0, 0]\nα = [1]", "blanks between"),
-        ("ordinarydiffeq", "A = [0\nα = [1]", "not closed|needs A and b"),
-        ("rungekutta.jl", "a = [run(`x`)]; b = [1]", "no number"),
-    ],
-)
-def test_what_is_no_table_is_refused_in_one_sentence(form: str, text: str, reason: str) -> None:
-    refusal = refused(DataError, reason, import_tables.read_table, text, form, where="mine.txt")
-    assert refusal.startswith("mine.txt")
-
-
 def test_the_commands_write_files_and_say_what_is_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -470,6 +410,8 @@ def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: st
 @pytest.mark.parametrize(
     ("form", "text", "said"),
     [
+        ("json", "[" * 100_000, "deep"),
+        ("csv", f"name,,,{'x' * 200_000}\n", "is no CSV"),
         ("petsc", f"A[] = {{{'9' * 10**6}}}; b[] = {{1}};", "1000000 characters"),
         ("petsc", "A[] = {1e9999}; b[] = {1};", "more digits than are read"),
         ("rungekutta.jl", f"a = [{'1 ' * 50_000}]; b = [1]", "more than 40000 entries"),

@@ -86,45 +86,15 @@ def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> 
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("", "an empty string is no number"),
-        ("1 2", "'2' is out of place"),
-        ("(1", "')' is missing"),
-        ("1)", "')' is out of place"),
-        ("*1", "'*' is out of place"),
-        ("1+", "ends too early"),
-        ("sqrt 2", "'(' is missing"),
-        ("sqrt()", "')' is out of place"),
-        ("root(2)", "',' is missing"),
-        ("root(2,1)", "a whole number n from 2 to 12"),
-        ("root(2,13)", "a whole number n from 2 to 12"),
-        ("root(-1,3)", "a positive real x"),
-        ("root(i,3)", "a positive real x"),
-        ("1/0", "a division by zero"),
-        ("1/(sqrt(8)-2*sqrt(2))", "a division by zero"),
-        ("exp(1)", "a rational multiple of pi"),
-        *(
-            (f"exp({x})", "a rational multiple of pi")
-            for x in (
-                "i", "2*i", "i/pi", "pi*pi*i", "pi*i+i", "i*pi*sqrt(pi)", "2*i*pi/(1+pi)",
-                "sqrt(pi)*i",
-            )
-        ),
-        ("exp(sqrt(2)*pi*i)", "a rational multiple of pi"),
-        ("exp(2*pi*i/31)", "denominator at most 30"),
-        ("2^3", "the character '^' is not allowed"),
-        ("1\u00a0", "the character '\\xa0' is not allowed"),
-        ("٣", "the character '٣' is not allowed"),
         ("9" * 1001, "more than 1000 digits"),
         ("(" * 41 + "1" + ")" * 41, "nested deeper than 40"),
         ("-" * 41 + "1", "nested deeper than 40"),
-        ("sqrt(" * 5 + "2" + ")" * 5, "nested 5 deep"),
         ("+".join(["sqrt(2)"] * (MAX_RADICALS + 1)), f"{MAX_RADICALS + 1} roots"),
         ("1" * (MAX_LENGTH + 1), f"at most {MAX_LENGTH} are read"),
     ],
-)  # fmt: skip
-def test_wrong_expression_is_refused_with_its_reason(text: str, what: str) -> None:
-    caught = refused(DataError, "", parse, text)
-    assert what in caught
+)
+def test_an_expression_just_beyond_a_limit_is_refused(text: str, what: str) -> None:
+    refused(DataError, what, parse, text)
 
 
 def test_what_is_just_inside_the_limits_is_read() -> None:

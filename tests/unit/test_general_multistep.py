@@ -146,22 +146,6 @@ def test_the_recipe_takes_other_roots() -> None:
     assert found["claims"]["order"] == 4
 
 
-@pytest.mark.parametrize(
-    ("given", "what"),
-    [
-        ({"q": "1/2 -1", "p": "1/2 -1/4"}, "no root but 1 in common"),
-        ({"q": "1/2", "p": "1/3 -1/4"}, "orders 2 and 4"),
-        ({"q": "3/2 -1", "p": "1/3 -1/4"}, "between -1 and 1"),
-        ({"q": "a", "p": "1/3"}, "`q` must be fractions"),
-        ({"name": "multistep-8"}, "`name` must be one of"),
-        ({"match": "q"}, "`match` must be p"),
-    ],
-)
-def test_other_roots_are_refused(given: dict[str, str], what: str) -> None:
-    with pytest.raises(UsageError, match=what):
-        recipes.run("general-multistep", given)
-
-
 def test_the_growth_parameters_are_the_residues() -> None:
     found = residues(method(Q4, P4))
     q = [x.mu.as_fraction() for x in found["f"]]

@@ -28,26 +28,6 @@ def test_other_entries_are_refused_by_place(entry: object) -> None:
         midpoint(A=[[entry]])
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"A": [["1", "2"]]}, r"`A` must have shape \(s, s\) = \(1, 1\), got \(1, 2\)"),
-        ({"U": [["1"], ["1"]]}, r"`U` must have shape \(s, r\) = \(1, 1\), got \(2, 1\)"),
-        ({"B": [["1", "1"]]}, r"`B` must have shape \(r, s\)"),
-        ({"V": [["1", "1"]]}, r"`V` must have shape \(r, r\)"),
-        ({"G": [["1", "0"], ["0", "1"]]}, r"`G` must have shape \(r, r\)"),
-        ({"D": ["1", "1"]}, "`D` must have s = 1 entries, got 2"),
-        ({"A": []}, "`A` must be a list of rows"),
-        ({"A": "1/2"}, "`A` must be a list of rows"),
-        ({"A": [[]]}, "`A` must be rectangular"),
-        ({"A": ["1/2"]}, r"`A\[1\]` must be a list of entries"),
-        ({"A": [["1", "1"], ["1"]]}, "row 2 is 1 long and row 1 is 2 long"),
-    ],
-)
-def test_wrong_shape_is_named(changes: dict[str, Any], message: str) -> None:
-    refused(DataError, message, midpoint, **changes)
-
-
 def test_a_method_is_frozen() -> None:
     with pytest.raises(FrozenInstanceError):
         midpoint().A = ()  # type: ignore[misc]
@@ -128,28 +108,6 @@ def test_complex_methods_round_to_complex_arrays() -> None:
 def pair(**changes: Any) -> PartitionedGLM:
     hats = {f"{key}_hat": value for key, value in HALF.items()}
     return PartitionedGLM(**{**HALF, **hats, **changes})
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"A_hat": [["0", "1"]]}, r"`A_hat` must have shape \(n_P, n_Q\)"),
-        ({"U_hat": [["0", "1"]]}, r"`U_hat` must have shape \(n_P, r\^\)"),
-        ({"G": [["1", "0"]]}, r"`G` must have shape \(r, r\^\)"),
-        ({"D_P": ["1", "1"]}, "`D_P` must have 1 entries, got 2"),
-        (
-            {
-                "A": [["0"], ["1"]],
-                "U": [["1"], ["1"]],
-                "A_hat": [["1", "1"]],
-                "B_hat": [["1", "1"]],
-            },
-            "for separable systems: say `separable: true`",
-        ),
-    ],
-)
-def test_wrong_shape_of_a_pair_is_named(changes: dict[str, Any], message: str) -> None:
-    refused(DataError, message, pair, **changes)
 
 
 def test_vectors_and_matrices_are_read_or_refused_by_name() -> None:

@@ -142,46 +142,9 @@ def test_double_sums_masses_and_wrapped_indices():
     np.testing.assert_array_equal(ours.y, solve(own, "gauss-2", engine="interpreted", **options).y)
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({}, "must give one of `H`, `f` and `file`"),
-        ({"H": "p", "f": ["1"]}, "got H and f"),
-        ({"H": "p**2"}, "`y0` is missing"),
-        ({"H": "p**2/2", "y0": {"q": 1}}, "`y0` lacks p"),
-        ({"H": "p**2/2 + r", "y0": {"q": 1, "p": 0}}, "unknown name 'r'; give it in"),
-        ({"H": "p^2", "y0": {"q": 1, "p": 0}}, r"\*\* for powers"),
-        ({"H": "p**2/2 + open(q)", "y0": {"q": 1, "p": 0}}, "`H`.*calls open"),
-        ({"H": "p.real", "y0": {"q": 1, "p": 0}}, "Attribute"),
-        ({"H": "p +", "y0": {"q": 1, "p": 0}}, "cannot be read"),
-        ({"H": "-" * 3000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
-        ({"H": "q*" * 2000 + "p", "y0": {"q": 1, "p": 0}}, "cannot be read|nested"),
-        ({"H": "p**2/2", "y0": {"q": 1, "x": 0}}, "x, where every q... needs its p"),
-        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameters": {"q": 1}}, "has two meanings"),
-        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "parameter": {}}, "did you mean 'parameters'"),
-        ({"H": "p**2/2", "y0": {"q": 1, "p": 0}, "t_end": 0}, "`t_end` must differ"),
-        ({"H": "p**2/2", "y0": {"q": "x", "p": 0}}, "unknown name 'x'"),
-        ({"f": {"x": "y[1]"}, "y0": {"x": 1}}, "`f` uses component 1"),
-        ({"f": {"x": "v"}, "y0": {"x": 1}}, "unknown name 'v'"),
-        ({"f": ["y[1]", "y[2]"], "y0": [1, 2]}, "component 2"),
-        ({"H": "sum(p[i]**2 for i in range(n+1))", "y0": {"q": [1, 2], "p": [0, 0]}}, "index 2"),
-        ({"H": "sum(p[i-1]**2 for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]}}, "index -1"),
-        ({"H": "sum(p[i]**2 for i in q)", "y0": {"q": [1, 2], "p": [0, 0]}}, "loops over"),
-        ({"H": "q[0]*sum(p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]}}, "factor"),
-        ({"H": "sum(m[i]*p[i] for i in range(n))", "y0": {"q": [1, 2], "p": [0, 0]},
-          "parameters": {"m": [1]}}, "m has 1 entries"),
-        ({"H": "p**2/2", "y0": {"q": [1], "p": [1, 2]}}, "lists q and p of one length"),
-        ({"H": 3, "y0": {"q": 1, "p": 0}}, "must be an expression"),
-        ({"H": "p**2/2", "y0": 3}, "`y0` must be a list or a table of numbers, got 3"),
-        ({"f": ["y[0]"], "y0": 0.5}, "`y0` must be a list or a table"),
-        ({"f": 7, "y0": [1]}, "`f` must be a list or a table of expressions, got 7"),
-        ({"H": "p**2/2", "y0": [1, 0], "coordinates": 1, "momenta": ["p"]}, "`coordinates` must"),
-        ({"file": "nothing.py:make"}, "no Python file"),
-        ({"file": "nothing.py"}, "must be like"),
-    ],
-)  # fmt: skip
-def test_what_does_not_fit_is_said_in_one_sentence(table, message):
-    refused(UsageError, message, from_table, table)
+@pytest.mark.parametrize("H", ["-" * 3000 + "p", "q*" * 2000 + "p"])
+def test_expressions_that_are_nested_too_deeply_are_refused(H):
+    refused(UsageError, "cannot be read|nested", from_table, {"H": H, "y0": {"q": 1, "p": 0}})
 
 
 MAKER = """
@@ -295,22 +258,6 @@ def test_a_velocity_that_is_p_and_a_constant_is_no_second_order_form(extra):
     assert slope != 0 and own.dq(own.y0[1:]) == pytest.approx([slope])
     exact = solve(own, "gauss-5", h=0.05, steps=40).y[-1]
     assert solve(own, "blanes-moan-6", h=0.05, steps=40).y[-1] == pytest.approx(exact, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("H", "parameters", "words"),
-    [
-        ("p**2/2 + Sin(q)", {}, "did you mean sin?"),
-        ("p**2/2 + abs(q)", {}, r"write sqrt\(x\*\*2\)"),
-        ("p**2/2 + strenth*q", {"strength": 1}, "did you mean strength?"),  # codespell:ignore
-        ("p**2/2", {"lambda": 1}, "a word of Python"),
-        ("p**2/2", {"k [N/m]": 1}, "letters, digits and _"),
-        ("p**2/2", {"t": 1}, "has another meaning"),
-        ("p**2/2", {"sin": 1}, "has another meaning"),
-    ],
-)
-def test_a_wrong_name_is_answered_with_what_to_do(H, parameters, words):
-    refused(UsageError, words, Problem.from_hamiltonian, H, {"q": 1, "p": 0}, parameters=parameters)
 
 
 SPRINGS = "sum(p[i]**2/2 for i in range(n)) + sum((q[i+1] - q[i])**2/2 for i in range(n - 1))"

@@ -26,41 +26,6 @@ def test_parameters_are_exact():
     assert double == context.mpf(0.1)
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("__import__('os')", "calls __import__"),
-        ("y.real", "contains Attribute"),
-        ("y[0] if t else 1", "contains IfExp"),
-        ("z + 1", "unknown name 'z'"),
-        ("y[i]", "components as y[0]"),
-        ("y + 1", "components as y[0]"),
-        ("y[-1]", "components as y[0]"),
-        ("t[0]", "components as y[0]"),
-        ("'a'", "not a number"),
-        ("True", "not a number"),
-        ("1j", "not a number"),
-        ("abs(y[0])", "known are sqrt"),
-        ("sin(y[0]", "cannot be read"),
-        ("lambda: 1", "contains Lambda"),
-        ("(1, 2)", "contains Tuple"),
-        ("sin(*y)", "contains Starred"),
-        ("sin", "unknown name 'sin'"),
-        ("sin(y[0], y[1])", "takes 1"),
-        ("9**9**9**9", "exponent"),
-        ("(-1)**0.5", "the part '(-1) ** 0.5' of the expression '(-1)**0.5' has no real value"),
-        ("sqrt((1-pi)**(1/2))", "has no real value"),
-        ("exp(" + "9" * 500 + ")", "has no real value in the range of double precision"),
-        ("exp(10**200*10**200)", "has no real value"),
-        ("10.0**999", "has no real value"),
-        ("1e400", "has no real value"),
-    ],
-)
-def test_expressions_are_arithmetic_and_nothing_else(text, says):
-    error = refused(UsageError, r".", Formula((text,)), 0.0, [1.0, 2.0])
-    assert says in error
-
-
 @pytest.mark.filterwarnings("ignore:invalid value")
 @pytest.mark.parametrize("text", ["(t-1)**0.5", "(-a)**1.5", "sqrt((t-a)**-0.5)", "(-y[0])**(1/3)"])
 def test_a_negative_number_has_no_power_that_is_not_whole(text):

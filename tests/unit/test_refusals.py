@@ -1,0 +1,73 @@
+"""What is refused, as rows of ``refusals.toml``: calls and command lines, and a part of the sentence."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from functools import reduce
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from glmref import errors
+from glmref.cli import main
+from tests.build import refused
+
+ROWS = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
+
+
+def _filled(given: Any, values: list[Any]) -> Any:
+    """Return what is given with @1, @2, .. replaced by the values of a row, and @none by None."""
+    if isinstance(given, list):
+        return [_filled(x, values) for x in given]
+    if isinstance(given, dict):
+        return {key: _filled(x, values) for key, x in given.items()}
+    if given == "@none":
+        return None
+    if isinstance(given, str) and re.fullmatch("@[1-9]", given):
+        return _filled(values[int(given[1:]) - 1], [])
+    return given
+
+
+def _named(path: str) -> Any:
+    """Return the function of a package, or of a class in it, by its whole name."""
+    module, _, name = path.partition(":")
+    return reduce(getattr, name.split("."), import_module(module))
+
+
+CALLS = [
+    pytest.param(group, row[:-1], row[-1], engine, id=f"{group['about']}, {k}{engine}")
+    for group in ROWS["call"]
+    for k, row in enumerate(group["rows"], 1)
+    for engine in group.get("engines", [""])
+]
+
+
+@pytest.mark.parametrize(("group", "values", "words", "engine"), CALLS)
+def test_a_call_is_refused_in_one_sentence(
+    group: dict[str, Any], values: list[Any], words: str, engine: str
+) -> None:
+    call = _named(group["call"])
+    arguments = _filled(group.get("arguments", []), values)
+    keywords = _filled(group.get("defaults", {}), []) | _filled(group.get("keywords", {}), values)
+    if "made" in group:  # the first argument is made by this
+        arguments[0] = _named(group["made"])(**arguments[0])
+    if "then" in group:  # what is made is called
+        call, arguments = call(*arguments), group["then"]
+    if engine:
+        keywords["engine"] = engine
+    error = getattr(errors, group.get("error", "UsageError"))
+    sentence = refused(error, re.escape(words), call, *arguments, **keywords)
+    assert sentence.startswith(group.get("begins", ""))
+    assert sentence == words or not group.get("whole", False)
+
+
+@pytest.mark.parametrize(("line", "words"), ROWS["command"]["rows"])
+def test_a_command_line_is_refused_with_2_and_one_sentence(
+    line: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(line.split()) == 2
+    out, err = capsys.readouterr()
+    assert words in err and (out, err.count("\n")) == ("", 1)
