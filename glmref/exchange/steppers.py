@@ -9,6 +9,8 @@ replaced, and a part between the lines ``@% if WORD %@``, ``@% elif WORD %@``, `
     enhanced  it needs the enhanced start       plain     it starts from the solution
     finish    it has a finishing method         headed    values that are the solution are picked
     renewed   long runs renew the values
+
+How a language writes arguments and calls for a pair and for y' = f(t, y) stands at its head.
 """
 
 from __future__ import annotations
@@ -73,7 +75,7 @@ def _templates() -> Any:
 def filled(template: str, words: Iterable[str], values: Mapping[str, object]) -> str:
     """Fill a template of the folder ``templates``: see the module's docstring."""
     said = dict.fromkeys(_WORDS, False) | dict.fromkeys(words, True)
-    return _templates().get_template(template).render(said | {k: str(x) for k, x in values.items()})
+    return _templates().get_template(template).render({**said, **values})
 
 
 @dataclass(frozen=True)
@@ -84,8 +86,6 @@ class Language:
     comment: Comment  #: How a comment is written.
     #: Source of the constant tables, from the scheme and its rendered numbers.
     tables: Callable[[Scheme, Numbers], str]
-    #: Further replacements, from the scheme and the identifier.
-    values: Callable[[Scheme, str], Mapping[str, str]]
 
 
 @dataclass(frozen=True)
@@ -140,6 +140,15 @@ def _flat(rows: Sequence[Sequence[str]]) -> list[str]:
     return [x for row in rows for x in row]
 
 
+#: Arguments of functions and calls; a pair knows no time.
+_TIMED = {
+    "calls": "f", "solution_given": "y", "time": "double t, ", "now": "t, ", "next": "t + h, ",
+    "at_n": "t + n * h, ", "at_end": "t + steps * h, ", "from_to": " from time t to t + h",
+    "at": " at time t",
+}  # fmt: skip
+_PAIR = {**dict.fromkeys(_TIMED, ""), "calls": "dq, dp", "solution_given": "q, p"}
+
+
 def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> str:
     """Return the source file of the stepper of a real method with a start, in a language.
 
@@ -160,19 +169,13 @@ def stepper(method: GLM | PartitionedGLM, language: str, digits: int | None) -> 
         "name": name,
         "header": header(method, language, chosen.comment, remark),
         "tables": chosen.tables(scheme, Numbers(digits)),
-        "r": str(scheme.r),
-        "heads": str(len(scheme.heads)),
-        "heads_d": "2 d" if scheme.pair else "d",
-        "passes": str(scheme.passes),
-        "renew": str(scheme.renew),
-        "calls": "dq, dp" if scheme.pair else "f",
-        "solution_given": "q, p" if scheme.pair else "y",
-        **_timed(
-            scheme, time="double t, ", now="t, ", next="t + h, ", at_n="t + n * h, ",
-            at_end="t + steps * h, ", from_to=" from time t to t + h", at=" at time t",
-        ),
-        **chosen.values(scheme, name),
-    }  # fmt: skip
+        "r": scheme.r,
+        "heads": list(scheme.heads),
+        "ordinals": ", ".join(str(k + 1) for k in scheme.heads),
+        "passes": scheme.passes,
+        "renew": scheme.renew,
+        **(_PAIR if scheme.pair else _TIMED),
+    }
     return filled(chosen.template, _words(scheme), values)
 
 
@@ -219,42 +222,6 @@ def _c_tables(scheme: Scheme, numbers: Numbers) -> str:
     return "\n".join(lines)
 
 
-def _timed(scheme: Scheme, **texts: str) -> dict[str, str]:
-    """Return replacements that are empty for a pair, which knows no time."""
-    return {name: "" if scheme.pair else text for name, text in texts.items()}
-
-
-def _c_values(scheme: Scheme, name: str) -> dict[str, str]:
-    calls = ["dq", "dp"] if scheme.pair else ["f"]
-    unused = [*calls, "data", "d", *([] if scheme.pair else ["t"]), "h"]
-    evaluate = "f(t + T->c[i] * h, where, result, data)"
-    if scheme.pair:
-        evaluate = "(T->half[i] ? dp : dq)(where, result, data)"
-    return {
-        "rhs": ", ".join([*(f"{name}_rhs {x}" for x in calls), "void *data"]),
-        "calls": ", ".join([*calls, "data"]),
-        "flag": ", int *newton" if scheme.newton else "",
-        "give": ", newton" if scheme.newton else "",
-        "use_newton": ", int newton" if scheme.newton else "",
-        "evaluate": evaluate,
-        "unused": " ".join(
-            f"(void){x};" for x in [*unused, *(["newton"] if scheme.newton else [])]
-        ),
-    }
-
-
-def _unnamed(scheme: Scheme, named: str, silent: str, **texts: tuple[str, str]) -> dict[str, str]:
-    """Return arguments of start and finish, which are unused where nothing is evaluated there."""
-    found = {}
-    for where, used in (
-        ("start", scheme.begins != "plain"), ("finish", scheme.finish is not None)
-    ):  # fmt: skip
-        found[f"{where}_rhs"] = named if used else silent
-        for key, (used_text, unused_text) in texts.items():
-            found[f"{where}_{key}"] = used_text if used else unused_text
-    return found
-
-
 def _beside(scheme: Scheme, numbers: Numbers) -> dict[str, list[str]]:
     """Return the arrays that C++ and Rust have beside the tableaux; ``head`` is of integers."""
     found: dict[str, list[str]] = {}
@@ -282,29 +249,6 @@ def _cpp_tables(scheme: Scheme, numbers: Numbers) -> str:
     for name, items in _beside(scheme, numbers).items():
         lines += _braces("int" if name == "head" else "double", name, items)
     return "\n".join(lines)
-
-
-def _cpp_values(scheme: Scheme, name: str) -> dict[str, str]:
-    rhs = "const Rhs &dq, const Rhs &dp" if scheme.pair else "const Rhs &f"
-    silent = "const Rhs &, const Rhs &" if scheme.pair else "const Rhs &"
-    evaluate = "f(t + T.c[i] * h, Y[i])"
-    return {
-        "rhs": rhs,
-        "use_newton": ", bool newton" if scheme.newton else "",
-        "const_values": "" if scheme.newton else "const ",
-        "evaluate": "(T.half[i] ? dp : dq)(Y[i])" if scheme.pair else evaluate,
-        "solution": "{q, p}" if scheme.pair else "{y}",
-        "again": "y[0], y[1]" if scheme.pair else "y",
-        "solution_type": "const Vector &q, const Vector &p" if scheme.pair else "const Vector &y",
-        "result": "std::vector<Vector>" if scheme.pair else "Vector",
-        **_unnamed(
-            scheme,
-            rhs,
-            silent,
-            time=("", "") if scheme.pair else ("double t, ", "double, "),
-            h=("h", ""),
-        ),
-    }
 
 
 # --- Rust ----------------------------------------------------------------------------------------
@@ -336,34 +280,6 @@ def _rust_tables(scheme: Scheme, numbers: Numbers) -> str:
     for name, items in _beside(scheme, numbers).items():
         lines += _rust_static(name.upper(), "usize" if name == "head" else "f64", items)
     return "\n".join(lines)
-
-
-def _rust_values(scheme: Scheme, name: str) -> dict[str, str]:
-    rhs = "dq: Rhs, dp: Rhs" if scheme.pair else "f: Rhs"
-    silent = "_dq: Rhs, _dp: Rhs" if scheme.pair else "_f: Rhs"
-    call = "f(t + tab.c[i] * h, &y[i], &mut {})"
-    if scheme.pair:
-        call = "(if tab.half[i] == 1 {{ dp }} else {{ dq }})(&y[i], &mut {})"
-    return {
-        "rhs": rhs,
-        "use_newton": ", newton: bool" if scheme.newton else "",
-        "ref_values": "&mut Values" if scheme.newton else "&Values",
-        "counter": "_" if scheme.pair and not scheme.renew else "n",
-        "no_newton": ", newton: false" if scheme.newton else "",
-        "evaluate_slopes": call.format("slopes[i]"),
-        "evaluate_g": call.format("g[k]"),
-        "solution": "&[q.to_vec(), p.to_vec()]" if scheme.pair else "&[y.to_vec()]",
-        "again": "&y.0, &y.1" if scheme.pair else "&y",
-        "solution_type": "q: &[f64], p: &[f64]" if scheme.pair else "y: &[f64]",
-        "result": "(Vec<f64>, Vec<f64>)" if scheme.pair else "Vec<f64>",
-        **_unnamed(
-            scheme, rhs, silent,
-            time=("", "") if scheme.pair else ("t: f64, ", "_t: f64, "), h=("h", "_h"),
-        ),
-        **_timed(
-            scheme, time="t: f64, ", at_n="t + n as f64 * h, ", at_end="t + steps as f64 * h, "
-        ),
-    }  # fmt: skip
 
 
 # --- Fortran -------------------------------------------------------------------------------------
@@ -420,37 +336,6 @@ def _fortran_tables(scheme: Scheme, numbers: Numbers) -> str:
     return "\n".join(lines)
 
 
-def _fortran_values(scheme: Scheme, name: str) -> dict[str, str]:
-
-    def call(where: str, result: str, margin: str) -> str:
-        if not scheme.pair:
-            return f"call f(time + T%c(i) * h, {where}, {result})"
-        lines = ["if (T%half(i) == 1) then", f"  call dp({where}, {result})", "else"]
-        lines += [f"  call dq({where}, {result})", "end if"]
-        return f"\n{margin}".join(lines)
-
-    silent = ["if (.false.) call dq(y(:,1), lost(:,1))", "if (.false.) call dp(y(:,1), lost(:,1))"]
-    if not scheme.pair:
-        silent = ["if (.false.) call f(time, y(:,1), lost(:,1))"]
-    silent += ["if (.false.) lost = h", *(["newton = newton"] if scheme.newton else [])]
-    at_end = [x.replace("lost", "y").replace("y(:,1), y", "x(:,1), y") for x in silent]
-    at_end += ["if (.false.) y = lost(1,1)"]
-    return {
-        "flag": ", newton" if scheme.newton else "",
-        "use_newton": ", newton" if scheme.newton else "",
-        "base_array": ", base" if scheme.implicit else "",
-        "evaluate_slopes": call("place(:,i)", "slopes(:,i)", " " * 8),
-        "evaluate_g": call("Y(:,i)", "G(:,k)", " " * 8),
-        "head_list": ", ".join(str(x + 1) for x in scheme.heads),
-        "unused": "\n    ".join(silent),
-        "unused_end": "\n    ".join(at_end),
-        **_timed(
-            scheme, now="time, ", next="time + h, ", at_n="time + n * h, ",
-            at_end="time + steps * h, ", from_to=" from time to time + h", at=" at a time",
-        ),
-    }  # fmt: skip
-
-
 # --- Python and JAX ------------------------------------------------------------------------------
 
 
@@ -483,17 +368,6 @@ def _python_tables(scheme: Scheme, numbers: Numbers) -> str:
     return "\n".join(lines)
 
 
-def _python_values(scheme: Scheme, name: str) -> dict[str, str]:
-    evaluate = 'f(t + T["c"][i] * h, Y[i])'
-    return {
-        "use_newton": ", newton" if scheme.newton else "",
-        "evaluate_i": '(dp if T["half"][i] else dq)(Y[i])' if scheme.pair else evaluate,
-        "solution": "[q, p]" if scheme.pair else "[y]",
-        "again": "*y" if scheme.pair else "y",
-        "head_list": str(list(scheme.heads)),
-    }
-
-
 # --- Julia ---------------------------------------------------------------------------------------
 
 
@@ -523,29 +397,15 @@ def _julia_tables(scheme: Scheme, numbers: Numbers) -> str:
     return "\n".join(lines)
 
 
-def _julia_values(scheme: Scheme, name: str) -> dict[str, str]:
-    found = _python_values(scheme, name)
-    evaluate = "f(t + T.c[i] * h, Y[:, i])"
-    return {
-        **found,
-        "module": "".join(x.capitalize() for x in name.split("_")),
-        "use_newton": found["use_newton"],
-        "evaluate_i": "(T.half[i] == 1 ? dp : dq)(Y[:, i])" if scheme.pair else evaluate,
-        "solution": "hcat(q, p)" if scheme.pair else "reshape(collect(Float64, y), :, 1)",
-        "again": "y..." if scheme.pair else "y",
-        "head_list": str([x + 1 for x in scheme.heads]),
-    }
-
-
 _LINES = Comment("", "// ", "")
 _HASH = Comment("", "# ", "")
 
 LANGUAGES: Mapping[str, Language] = {
-    "c": Language("stepper.c.in", Comment("/*", " * ", " */"), _c_tables, _c_values),
-    "c++": Language("stepper.cpp.in", _LINES, _cpp_tables, _cpp_values),
-    "fortran": Language("stepper.f90.in", Comment("", "! ", ""), _fortran_tables, _fortran_values),
-    "julia": Language("stepper.jl.in", _HASH, _julia_tables, _julia_values),
-    "rust": Language("stepper.rs.in", _LINES, _rust_tables, _rust_values),
-    "python": Language("stepper.py.in", _HASH, _python_tables, _python_values),
-    "jax": Language("stepper.jax.in", _HASH, _python_tables, _python_values),
+    "c": Language("stepper.c.in", Comment("/*", " * ", " */"), _c_tables),
+    "c++": Language("stepper.cpp.in", _LINES, _cpp_tables),
+    "fortran": Language("stepper.f90.in", Comment("", "! ", ""), _fortran_tables),
+    "julia": Language("stepper.jl.in", _HASH, _julia_tables),
+    "rust": Language("stepper.rs.in", _LINES, _rust_tables),
+    "python": Language("stepper.py.in", _HASH, _python_tables),
+    "jax": Language("stepper.jax.in", _HASH, _python_tables),
 }
