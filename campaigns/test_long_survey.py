@@ -17,7 +17,7 @@ from campaigns.long_survey import (
 from campaigns.pages import measured
 from campaigns.partitioned.long_runs import ONE_VALUE, labels
 from glmref.derive.recipes.multistep import SHIPPED
-from glmref.derive.recipes.record import GROWS_IN_SURVEY, survey_notes
+from glmref.derive.recipes.sources import GROWS_IN_SURVEY, survey_notes
 
 ROWS = measured("long-survey")["rows"]
 

@@ -18,7 +18,7 @@ from campaigns.order8_search import ANSATZES, SOLVED, STARTS
 from campaigns.pages import measured
 from glmref.catalogue.lookup import data_root, document, load, names
 from glmref.derive.ansatz import Ansatz
-from glmref.derive.recipes.record import GROWS
+from glmref.derive.recipes.sources import GROWS
 from glmref.method import GLM
 from glmref.problems import problem
 from glmref.prove.enclosure import conditions_of

@@ -30,7 +30,7 @@ from campaigns.order6.compare import METHODS
 from campaigns.order6.long_runs import parasitic_part
 from campaigns.pages import markdown
 from glmref.catalogue.lookup import document, load, names
-from glmref.derive.recipes.record import LOST, in_words
+from glmref.derive.recipes.sources import LOST, in_words
 from glmref.engine.outcome import Solution
 from glmref.engine.reference import stepper
 from glmref.engine.solve import solve

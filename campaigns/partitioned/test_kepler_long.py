@@ -25,7 +25,7 @@ from campaigns.partitioned.long_runs import (
 )
 from campaigns.partitioned.tables import RECOMMENDED
 from glmref.catalogue.lookup import data_root, load
-from glmref.derive.recipes.record import (
+from glmref.derive.recipes.sources import (
     GROWS_LATER_ON_KEPLER,
     GROWS_ON_KEPLER,
     LOST,

@@ -27,7 +27,7 @@ from campaigns.partitioned.stages_search import Stages, drifts, interval, ranges
 from glmref.catalogue.lookup import document, load
 from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
-from glmref.derive.recipes.record import survey_notes
+from glmref.derive.recipes.sources import survey_notes
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE, NOTES = ROOT / "docs" / "multivalue.md", Path(__file__).with_name("multistep.md")

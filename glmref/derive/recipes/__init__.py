@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 
 from ...errors import UsageError, did_you_mean
-from .record import Derivation, Progress, Statement
+from .derivation import Derivation, Progress, Statement
 
 __all__ = [
     "Derivation",

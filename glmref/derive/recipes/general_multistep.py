@@ -23,15 +23,9 @@ from ...findings import Proof
 from ...theory.residues import in_order, residues
 from ..general_multistep import general_document, matching_cosine
 from ..halves import EndedHalf, GeneralHalf
-from .record import (
-    Derivation,
-    Progress,
-    Statement,
-    complete_exactly,
-    derived_source,
-    in_turn,
-    shipped_names,
-)
+from .derivation import Derivation, Progress, Statement, complete_exactly, in_turn, shipped_names
+from .multistep import CLAIMS
+from .sources import derived_source
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "match": "", "kind": ""}
 
@@ -80,17 +74,6 @@ SHIPPED: Mapping[str, Shipped] = {
         (_VELOCITIES,),
         semi=True,
     ),
-}
-
-_CLAIMS: Mapping[str, Any] = {
-    "preconsistent": True,
-    "consistent": True,
-    "zero-stable": True,
-    "explicit": True,
-    "g-symplectic": False,
-    "symmetric": True,
-    "parasitism-free": False,
-    "reducible": False,
 }
 
 
@@ -145,8 +128,9 @@ def _complete(
         "order": order,
         "order-identity": order,
         "starting-order": order,
-        **_CLAIMS,
+        **CLAIMS,
         "explicit": not semi,
+        "parasitism-free": False,
         "growth": [str(x.as_fraction()) for x in in_order(found)],
     }
     complete_exactly(

@@ -20,16 +20,8 @@ from typing import Any
 from ...errors import UsageError
 from ...findings import Proof
 from ..multistep import TwoKicks, multistep_document, two_kick_document
-from .record import (
-    Derivation,
-    Progress,
-    Statement,
-    complete_exactly,
-    derived_source,
-    in_turn,
-    shipped_names,
-    survey_notes,
-)
+from .derivation import Derivation, Progress, Statement, complete_exactly, in_turn, shipped_names
+from .sources import derived_source, long_notes
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
 
@@ -105,6 +97,19 @@ SHIPPED: Mapping[str, Shipped] = {
 }
 
 
+#: What is claimed of a symmetric multistep method besides its orders.
+CLAIMS: Mapping[str, Any] = {
+    "preconsistent": True,
+    "consistent": True,
+    "zero-stable": True,
+    "explicit": True,
+    "g-symplectic": False,
+    "symmetric": True,
+    "parasitism-free": True,
+    "reducible": False,
+}
+
+
 def title_of(order: int, *, second: bool, forces: int = 1) -> str:
     """Return one line for the file."""
     systems = "second-order" if second else "separable"
@@ -129,17 +134,7 @@ def claims_of(order: int, *, second: bool) -> dict[str, Any]:
         if second
         else {"order": order, "order-identity": order, "starting-order": order}
     )
-    return {
-        **orders,
-        "preconsistent": True,
-        "consistent": True,
-        "zero-stable": True,
-        "explicit": True,
-        "g-symplectic": False,
-        "symmetric": True,
-        "parasitism-free": True,
-        "reducible": False,
-    }
+    return {**orders, **CLAIMS}
 
 
 def _complete(
@@ -194,7 +189,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
             _complete,
             name,
             SHIPPED[name],
-            [*SHIPPED[name].notes, *survey_notes(name)],
+            [*SHIPPED[name].notes, *long_notes(name)],
             f"recipe multistep, name = {name}",
         )
         for name in shipped_names(options["name"], SHIPPED)

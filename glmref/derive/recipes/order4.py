@@ -26,15 +26,8 @@ from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
 from ..polish import polish
 from ..recognise import exact_text, surds
-from .record import (
-    Derivation,
-    Progress,
-    Statement,
-    derived_source,
-    proved_exactly,
-    rational_option,
-    thesis_source,
-)
+from .derivation import Derivation, Progress, Statement, proved_exactly, rational_option
+from .sources import derived_source, thesis_source
 
 OPTIONS: Mapping[str, str] = {
     "family": "thesis",

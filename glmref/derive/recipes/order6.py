@@ -22,20 +22,10 @@ from ...findings import Proof
 from ...prove.starting import target_of
 from ...theory.second_order import second_order
 from ..recognise import exact_text
+from .derivation import Derivation, Progress, Statement, proved_exactly, rational_option
 from .order6_family import Family, Forms, family, least_growth, solve_forms
-from .record import (
-    GROWS,
-    Derivation,
-    Progress,
-    Statement,
-    derived_source,
-    kepler_notes,
-    proved_exactly,
-    rational_option,
-    survey_notes,
-    thesis_source,
-)
 from .solved import rough_starts, with_start
+from .sources import GROWS, derived_source, long_notes, thesis_source
 
 OPTIONS: Mapping[str, str] = {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "auto"}
 
@@ -133,7 +123,7 @@ def _document(member: Family, forms: Forms, z_text: str, z: Exact) -> dict[str, 
     alpha1 = Exact(forms.alpha_square).sqrt()
     half, name = z_text == "i", _name(member.c2, z_text)
     said = [GROWS.format(_GROWTH[name])] if name in _GROWTH else []
-    said += kepler_notes(name) + survey_notes(name)
+    said += long_notes(name)
     notes = {"notes": said} if said else {}
     return {
         "format": "glmref-method-1",

@@ -26,19 +26,9 @@ from ...theory.stability import parasitic_curvature
 from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
 from ..search import Found
-from .record import (
-    Derivation,
-    Progress,
-    Statement,
-    derived_source,
-    in_turn,
-    kepler_notes,
-    searched,
-    shipped_names,
-    stored,
-    survey_notes,
-)
+from .derivation import Derivation, Progress, Statement, in_turn, searched, shipped_names
 from .shipped_pairs import SHIPPED, Shipped
+from .sources import derived_source, long_notes, stored
 
 OPTIONS: Mapping[str, str] = {
     "name": "",
@@ -80,7 +70,7 @@ def _complete(shipped: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
         shipped.ansatz,
         shipped.start.split(),
         source=derived_source(f"recipe pairs, name = {name}", "pairs", _PAGE),
-        notes=[*shipped.notes, *kepler_notes(name), *survey_notes(name)],
+        notes=[*shipped.notes, *long_notes(name)],
     )
     half = rough_pair_starts().get(name)
     if half is not None:

@@ -13,7 +13,7 @@ from fractions import Fraction
 from ...exact import Exact, linalg
 from ...findings import Proof
 from ...method import as_matrix, as_vector
-from .record import Derivation, Progress, Statement
+from .derivation import Derivation, Progress, Statement
 
 OPTIONS: Mapping[str, str] = {}
 

@@ -19,7 +19,7 @@ from ..ansatz import Ansatz
 from ..parameters import fix_parameters
 from ..search import Found
 from ..search_tasks import carry_out, ends_of, tasks_of
-from .record import Derivation, Progress, Statement, searched
+from .derivation import Derivation, Progress, Statement, searched
 from .solved import Rough, finish
 
 OPTIONS: Mapping[str, str] = {

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..partitioned import PairAnsatz
-from .record import stored
+from .sources import stored
 
 
 @dataclass(frozen=True)

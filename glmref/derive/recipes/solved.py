@@ -19,17 +19,8 @@ from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
 from ..polish import polish
-from .record import (
-    GROWS,
-    Derivation,
-    Progress,
-    Statement,
-    derived_source,
-    in_turn,
-    kepler_notes,
-    stored,
-    survey_notes,
-)
+from .derivation import Derivation, Progress, Statement, in_turn
+from .sources import GROWS, derived_source, long_notes, stored
 
 
 @dataclass(frozen=True)
@@ -113,8 +104,7 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
     }
     document["source"] = derived_source(rough.where)
     notes = [GROWS.format(rough.grows)] if rough.grows else []
-    notes += kepler_notes(document["name"]) + survey_notes(document["name"])
-    if notes:
+    if notes := notes + long_notes(document["name"]):
         document["notes"] = notes
     statements = [_statement(document, enclosure)]
     if start and document["name"] in rough_starts():

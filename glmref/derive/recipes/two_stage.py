@@ -31,7 +31,8 @@ from ...errors import ExactnessError
 from ...exact import Exact
 from ...findings import Proof
 from ...prove.enclosure import gaps_of
-from .record import Derivation, Progress, Statement, thesis_source
+from .derivation import Derivation, Progress, Statement
+from .sources import thesis_source
 
 OPTIONS: Mapping[str, str] = {}
 

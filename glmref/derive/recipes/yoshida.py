@@ -19,7 +19,7 @@ from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
 from ..ansatz import Ansatz
 from ..polish import polish
-from .record import Derivation, Progress, Statement
+from .derivation import Derivation, Progress, Statement
 
 OPTIONS: Mapping[str, str] = {"solution": "A"}
 
