@@ -12,7 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..errors import DataError, UsageError, did_you_mean
+from ..errors import DataError, UsageError
+from ..system.arguments import no_such
 from .files import data_root
 from .strict_json import read_json, shown
 
@@ -121,8 +122,7 @@ def erratum(name: str) -> Erratum:
     known = {record.id: record for record in load_errata()}
     if name in known:
         return known[name]
-    hint = did_you_mean(name, known, otherwise="see `glmref list --errata`")
-    raise UsageError(f"there is no erratum named {name!r}; {hint}")
+    raise no_such("erratum", name, known, "see `glmref list --errata`")
 
 
 def find_errata(

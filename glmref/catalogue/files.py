@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from ..errors import DataError, UsageError, did_you_mean
+from ..system.arguments import no_such
 from ..system.files import given_file, read_text
 from .keys import is_plain
 from .strict_json import MAX_BYTES, Double, parse_json, read_json, shown
@@ -94,8 +95,29 @@ def path_of(name: str | Path) -> Path:
     if found is not None:
         return found
     # what is wrong on purpose is not proposed to somebody who did not ask for it
-    hint = did_you_mean(text, names("methods"), otherwise="see `glmref list`")
-    raise UsageError(f"there is no method named {shown(text)}; {hint}")
+    raise no_such("method", text, names("methods"), "see `glmref list`")
+
+
+def tables_of(kind: str) -> list[str]:
+    """Return names of the shipped files in TOML of a kind, ``"scene"`` or ``"campaign"``."""
+    return sorted(path.stem for path in (data_root() / f"{kind}s").glob("*.toml"))
+
+
+def table_path(kind: str, name: str) -> Path:
+    """Return the path of a shipped scene or campaign, or of the user's file.
+
+    Raises
+    ------
+    UsageError
+        When there is neither, naming the nearest shipped names.
+    """
+    shipped = tables_of(kind)
+    if name in shipped:
+        return data_root() / f"{kind}s" / f"{name}.toml"
+    found = given_file(name, ".toml", shown(name), f"a {kind} file or one of {', '.join(shipped)}")
+    if found is None:
+        raise no_such(kind, name, shipped)
+    return found
 
 
 def document(name: str | Path) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from .output import (
     Word,
     complain,
     complete_method,
+    count_option,
     format_option,
     on_option,
     say,
@@ -44,17 +45,11 @@ class Notation(Word):
         return None if value in ("python", "gsl") else super().convert(value, param, ctx)
 
 
-order_option = click.option(
-    "--order",
-    type=click.IntRange(1, 100),
-    metavar="N",
-    help="Of a plain tableau: the order to check; default: its key.",
+order_option = count_option(
+    "--order", 100, "Of a plain tableau: the order to check; default: its key."
 )
-digits_option = click.option(
-    "--digits",
-    type=click.IntRange(1, 150),
-    metavar="N",
-    help="Of a plain tableau: digits after the point to which its decimals are known.",
+digits_option = count_option(
+    "--digits", 150, "Of a plain tableau: digits after the point to which its decimals are known."
 )
 
 

@@ -13,9 +13,9 @@ from ..catalogue.claims import meant_order
 from ..catalogue.keys import BLOCKS
 from ..errors import UsageError
 from ..system.shown import Drawing
-from ..views.tables import Style, columns, csv_text, json_text, one_line
+from ..views.tables import Style, json_text, one_line
 from .describing import list_errata, method_option, verdict_option
-from .output import HOLDS, Word, complete_method, format_option, say
+from .output import HOLDS, Word, complete_method, count_option, format_option, say, say_rows
 
 _METHODS = ("name", "class", "order", "status", "title")
 _BROKEN = ("name", "class", "refutes", "flag", "title")
@@ -59,10 +59,8 @@ def list_(
     cells = [["" if row[k] is None else str(row[k]) for k in keys] for row in rows]
     if form == "json":
         say(json_text({"format": "glmref-list-1", "methods": rows}))
-    elif form == "csv":
-        say(csv_text([keys, *cells]))
     else:
-        say(columns(cells, style=Style.of(sys.stdout), head=keys))
+        say_rows(form, keys, cells)
     return HOLDS
 
 
@@ -87,12 +85,7 @@ def _row(doc: Mapping[str, Any]) -> dict[str, Any]:
     "names", nargs=-1, required=True, metavar="NAME|FILE...", shell_complete=complete_method
 )
 @click.option("--bibtex", is_flag=True, help="BibTeX of the sources and of the files instead.")
-@click.option(
-    "--decimal",
-    type=click.IntRange(1, 150),
-    metavar="N",
-    help="Decimals with N significant digits instead of exact expressions.",
-)
+@count_option("--decimal", 150, "Decimals with N significant digits instead of exact expressions.")
 @click.option(
     "--plot",
     type=click.Path(dir_okay=False, writable=True, path_type=Path),

@@ -13,7 +13,7 @@ from ..system.files import make_folder, write_text
 from ..system.shown import Drawing
 from ..system.terminal import saying
 from ..views.tables import Style, columns, csv_text, json_text, one_line
-from .output import HOLDS, complete_problem, format_option, say
+from .output import HOLDS, complete_problem, format_option, say, say_rows
 
 
 @click.command(short_help="List the shipped problems, with formulas.")
@@ -42,12 +42,8 @@ def problems(names: tuple[str, ...], form: str) -> int:
         style = Style.of(sys.stdout)
         say("\n\n".join(columns(page(*one), style=style) for one in chosen))
     else:
-        head = ("name", "dimension", "kind", "about")
         rows = [[p.name, str(p.dimension), kind_of(p), about] for p, about in chosen]
-        if form == "csv":
-            say(csv_text([head, *rows]))
-        else:
-            say(columns(rows, style=Style.of(sys.stdout), head=head))
+        say_rows(form, ("name", "dimension", "kind", "about"), rows)
     return HOLDS
 
 

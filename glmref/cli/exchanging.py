@@ -10,7 +10,7 @@ import click
 from ..errors import UsageError
 from ..system.files import one_name, read_text, write_text
 from ..views.tables import one_line
-from .output import HOLDS, Word, complain, complete_method, say
+from .output import HOLDS, Word, complain, complete_method, count_option, file_option, say
 
 #: Repeated from :data:`glmref.exchange.export.TARGETS` and
 #: :data:`glmref.exchange.import_tables.READ`, so that ``--help`` loads neither; a test compares
@@ -37,18 +37,8 @@ class _Target(Word):
 @click.argument("name", metavar="NAME|FILE", shell_complete=complete_method)
 @click.option("--from", "form", type=Word(READ), help="Whose table FILE is; else a method file.")
 @click.option("--to", "target", type=_Target(TARGETS), help="What to write; else a method file.")
-@click.option(
-    "--digits",
-    type=click.IntRange(1, 150),
-    metavar="N",
-    help="Decimals with N digits; by default what the target holds best.",
-)
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write to this file instead of stdout.",
-)
+@count_option("--digits", 150, "Decimals with N digits; by default what the target holds best.")
+@file_option("--output", "Write to this file instead of stdout.")
 def convert(
     name: str, form: str | None, target: str | None, digits: int | None, output: Path | None
 ) -> int:

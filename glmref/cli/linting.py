@@ -9,7 +9,7 @@ import click
 from ..views import sarif as formats
 from ..views.sarif import Level
 from ..views.tables import counted
-from .output import BAD_INPUT, FAILED, HOLDS, complain, format_option, say
+from .output import BAD_INPUT, FAILED, HOLDS, complain, file_option, format_option, say
 
 _FORMATS = {"table": formats.text, "github": formats.github, "sarif": formats.sarif}
 
@@ -19,13 +19,8 @@ _FORMATS = {"table": formats.text, "github": formats.github, "sarif": formats.sa
 @click.option("--since", metavar="COMMIT", help="Only tables with lines changed since COMMIT.")
 @click.option("--strict", is_flag=True, help="Show notes; exit with 1 for them and for warnings.")
 @format_option(tuple(_FORMATS))
-@click.option("--sarif", type=click.Path(path_type=Path), metavar="FILE", help="Write SARIF, too.")
-@click.option(
-    "--badge",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write the JSON of a shields.io endpoint, too.",
-)
+@file_option("--sarif", "Write SARIF, too.")
+@file_option("--badge", "Write the JSON of a shields.io endpoint, too.")
 @click.option("--allow-empty", is_flag=True, help="Exit with 0 where no table is read.")
 def lint(
     places: tuple[Path, ...],

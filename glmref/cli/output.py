@@ -7,13 +7,14 @@ import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from contextlib import contextmanager, nullcontext, suppress
+from pathlib import Path
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
 from ..errors import did_you_mean
-from ..views.tables import one_line
+from ..views.tables import Style, columns, csv_text, one_line
 
 HOLDS, FAILED, BAD_INPUT, INTERNAL = 0, 1, 2, 3
 
@@ -76,6 +77,16 @@ def format_option(
     return click.option("--format", "form", type=Word(formats), default="table", help=said)
 
 
+def count_option(name: str, most: int, said: str) -> Callable[[Any], Any]:
+    """Return an option that takes a whole number from 1 on."""
+    return click.option(name, type=click.IntRange(1, most), metavar="N", help=said)
+
+
+def file_option(name: str, said: str) -> Callable[[Any], Any]:
+    """Return an option that takes a file to write."""
+    return click.option(name, type=click.Path(path_type=Path), metavar="FILE", help=said)
+
+
 on_option = click.option(
     "--on",
     metavar="WHERE",
@@ -88,6 +99,14 @@ def say(text: str) -> None:
     """Write a result to stdout, at once, so that an interruption keeps it."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()
+
+
+def say_rows(form: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Write rows under their headings, as CSV or for the eye."""
+    if form == "csv":
+        say(csv_text([head, *rows]))
+    else:
+        say(columns(rows, style=Style.of(sys.stdout), head=head))
 
 
 def complain(text: str) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-from ..errors import UsageError, did_you_mean
 from ..findings import Finding, Verdict
+from ..system.arguments import no_such
 from ..views.tables import one_line
 from .adapter import SHIPPED
 from .checks import RESTS_ON, claim_of
@@ -126,10 +126,7 @@ def _release(name: str) -> str:
 
 def _check_shipped(name: str) -> None:
     if name not in SHIPPED:
-        raise UsageError(
-            f"there is no adapter {name!r}; one of {', '.join(SHIPPED)}"
-            f"{did_you_mean(name, SHIPPED, '; ')}"
-        )
+        raise no_such("adapter", name, SHIPPED)
 
 
 def recipe(name: str) -> str:

@@ -23,6 +23,7 @@ from ..compute.records import finite
 from ..errors import UsageError
 from ..problems.formula import FUNCTIONS
 from ..problems.model import Problem
+from ..system.arguments import no_such
 from .longtime import energy_deviation
 from .timing import repeat
 from .work_precision import SAMPLES, judged_state
@@ -269,7 +270,7 @@ def package_of(name: str) -> str:
         For an unknown peer.
     """
     if name not in _ADAPTERS:
-        raise UsageError(f"there is no peer named {str(name)[:80]!r}; known are {', '.join(NAMES)}")
+        raise no_such("peer", name, NAMES)
     return _ADAPTERS[name][0]
 
 

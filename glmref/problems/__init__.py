@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..errors import DataError, UsageError, did_you_mean
-from ..system.arguments import shown
+from ..system.arguments import no_such, shown
 from .model import Problem
 from .table import OWN, from_table, table_of
 
@@ -113,8 +113,7 @@ def _builder(name: str) -> Callable[..., Problem]:
         hint = "`glmref problems` lists them, and so does glmref.problems.names()"
         if shown(name, str).endswith(".py"):
             hint = 'write file = "FILE.py:FUNCTION" into a TOML file, and give that file'
-        hint = did_you_mean(shown(name, str), _HOME, otherwise=hint)
-        raise UsageError(f"there is no problem named {shown(name)}; {hint}")
+        raise no_such("problem", name, _HOME, hint)
     module = import_module(f".{_HOME[name]}", __name__)
     if _HOME[name] == "named":
         return module.builder(name)

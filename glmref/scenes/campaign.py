@@ -29,9 +29,9 @@ from typing import Any
 
 import numpy as np
 
-from ..catalogue.lookup import data_root, document
+from ..catalogue.files import table_path, tables_of
+from ..catalogue.lookup import document
 from ..catalogue.lookup import names as method_names
-from ..catalogue.strict_json import shown
 from ..compute import Limits
 from ..errors import DataError, GlmrefError, UsageError
 from ..problems import names as problem_names
@@ -158,7 +158,7 @@ def _radical_inverse(number: int, base: int) -> float:
 
 def campaign_names() -> list[str]:
     """Return names of the shipped campaigns, sorted."""
-    return sorted(path.stem for path in (data_root() / "campaigns").glob("*.toml"))
+    return tables_of("campaign")
 
 
 def is_campaign(name: str) -> bool:
@@ -184,13 +184,7 @@ def load_campaign(name: str) -> Campaign:
     DataError
         For a file that is not a campaign; the sentence names the line.
     """
-    known = campaign_names()
-    path = data_root() / "campaigns" / f"{name}.toml" if name in known else Path(name)
-    if name not in known and not path.is_file():
-        raise UsageError(
-            f"there is no campaign and no file {shown(name)}; the campaigns are {', '.join(known)}"
-        )
-    return _CampaignReader(path).campaign()
+    return _CampaignReader(table_path("campaign", name)).campaign()
 
 
 class _CampaignReader(Reader):

@@ -13,17 +13,18 @@ from pathlib import Path
 from tomllib import TOMLDecodeError
 from typing import Any
 
-from ..catalogue.lookup import data_root, document, is_broken, is_shipped
+from ..catalogue.files import table_path, tables_of
+from ..catalogue.lookup import document, is_broken, is_shipped
 from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
 from ..catalogue.strict_toml import loads
-from ..errors import DataError, UsageError, did_you_mean
+from ..errors import DataError, UsageError
 from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
 from ..problems.table import OWN, from_table
-from ..system.files import given_file, named_in, read_bytes, read_text
+from ..system.files import named_in, read_bytes, read_text
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
 _TEXTS = ("format", "name", "title", "question")
@@ -62,8 +63,7 @@ _LONGEST_LINE = 1_000
 
 def names() -> list[str]:
     """Return names of the shipped scenes, sorted."""
-    folder = data_root() / "scenes"
-    return sorted(path.stem for path in folder.glob("*.toml"))
+    return tables_of("scene")
 
 
 def load_scene(name: str | Path, *, quick: bool = False) -> Scene:
@@ -76,19 +76,7 @@ def load_scene(name: str | Path, *, quick: bool = False) -> Scene:
     DataError
         For a file that is not a scene, naming the line.
     """
-    path = _path_of(str(name))
-    return Reader(path).scene(quick=quick)
-
-
-def _path_of(text: str) -> Path:
-    shipped = names()
-    if text in shipped:
-        return data_root() / "scenes" / f"{text}.toml"
-    what = f"a scene file or one of {', '.join(shipped)}"
-    if (found := given_file(text, ".toml", shown(text), what)) is not None:
-        return found
-    hint = did_you_mean(text, shipped, otherwise=f"the scenes are {', '.join(shipped)}")
-    raise UsageError(f"there is no scene named {shown(text)}; {hint}")
+    return Reader(table_path("scene", str(name))).scene(quick=quick)
 
 
 def _lines(text: str) -> dict[tuple[str, ...], int]:

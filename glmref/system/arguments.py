@@ -8,7 +8,7 @@ from operator import index
 from pathlib import Path
 from typing import Any
 
-from ..errors import GlmrefError, UsageError, shortened
+from ..errors import GlmrefError, UsageError, did_you_mean, shortened
 
 
 def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> str:
@@ -37,6 +37,13 @@ def one_of(
     if not isinstance(value, str) or value not in known:
         raise error(f"`{name}` must be one of {', '.join(known)}, got {shown(value)}")
     return str(value)
+
+
+def no_such(kind: str, name: object, known: Collection[str], otherwise: str = "") -> UsageError:
+    """Return the refusal of a name: it proposes the nearest ones known, or else what is said."""
+    otherwise = otherwise or f"there are {', '.join(known)}"
+    hint = did_you_mean(shown(name, str, 80), known, otherwise=otherwise)
+    return UsageError(f"there is no {kind} named {shown(name)}; {hint}")
 
 
 def listed(

@@ -102,7 +102,7 @@ def test_a_recipe_names_what_the_line_of_the_list_names(capsys: Any) -> None:
 
 def test_a_name_that_is_no_adapter_is_refused(tmp_path: Path, capsys: Any) -> None:
     assert main(["board", "--output", str(tmp_path / "board"), "exported-pyton"]) == 2
-    assert "there is no adapter 'exported-pyton'" in capsys.readouterr().err
+    assert "there is no adapter named 'exported-pyton'" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -46,7 +46,7 @@ def test_documents_are_the_files_byte_for_byte() -> None:
 def test_what_is_wrong_on_purpose_is_named_only_where_it_is_asked_for() -> None:
     wrong = set(names("broken"))
     assert "yoshida-4-sign" in wrong and not wrong & set(glmref.names())
-    with pytest.raises(UsageError, match=r"no method named \"yoshida-4-sgin\"; .*") as refusal:
+    with pytest.raises(UsageError, match=r"no method named 'yoshida-4-sgin'; .*") as refusal:
         load("yoshida-4-sgin")
     assert "yoshida-4-sign" not in str(refusal.value)
     for name in wrong:  # one letter less: no file that is wrong on purpose is proposed

@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 
 from ...errors import UsageError, did_you_mean
+from ...system.arguments import no_such
 from .derivation import Derivation, Progress, Statement
 
 __all__ = [
@@ -51,8 +52,7 @@ def names() -> list[str]:
 
 def _module(name: str) -> object:
     if name not in _MODULES:
-        hint = did_you_mean(name, _MODULES, "; ")
-        raise UsageError(f"there is no recipe {name!r}; there are {', '.join(_MODULES)}{hint}")
+        raise no_such("recipe", name, _MODULES)
     return import_module(f"{__name__}.{_MODULES[name]}")
 
 
