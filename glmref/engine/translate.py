@@ -150,9 +150,7 @@ class _Function(Expressions):
 
     def _If(self, node: ast.If) -> None:
         condition = self._truth(node.test)
-        then = self.function.append_basic_block("then")
-        other = self.function.append_basic_block("else")
-        after = self.function.append_basic_block("after")
+        then, other, after = self._blocks("then", "else", "after")
         self.b.cbranch(condition, then, other)
         for block, body in ((then, node.body), (other, node.orelse)):
             self.b.position_at_end(block)
@@ -162,17 +160,21 @@ class _Function(Expressions):
         self.b.position_at_end(after)
 
     def _While(self, node: ast.While) -> None:
-        head = self.function.append_basic_block("loop")
-        body = self.function.append_basic_block("in")
-        after = self.function.append_basic_block("out")
-        self.b.branch(head)
-        self.b.position_at_end(head)
+        head, body, after = self._blocks("loop", "in", "out")
+        self._enter(head)
         if isinstance(node.test, ast.Constant) and node.test.value is True:
             self.b.branch(body)
         else:
             self.b.cbranch(self._truth(node.test), body, after)
         self._inside(body, node.body, head, after)
         self.b.position_at_end(after)
+
+    def _blocks(self, *names: str) -> list[Any]:
+        return [self.function.append_basic_block(name) for name in names]
+
+    def _enter(self, block: Any) -> None:
+        self.b.branch(block)
+        self.b.position_at_end(block)
 
     def _inside(self, block: Any, body: Sequence[ast.stmt], again: Any, after: Any) -> None:
         self.exits.append(after)
@@ -195,12 +197,8 @@ class _Function(Expressions):
         # the counter is its own, so that the loop variable may be assigned to
         counter = self.ir.IRBuilder(self.entry).alloca(self.integer, name=f"{name}.count")
         self.b.store(start, counter)
-        head = self.function.append_basic_block("for")
-        body = self.function.append_basic_block("each")
-        more = self.function.append_basic_block("next")
-        after = self.function.append_basic_block("done")
-        self.b.branch(head)
-        self.b.position_at_end(head)
+        head, body, more, after = self._blocks("for", "each", "next", "done")
+        self._enter(head)
         value = self.b.load(counter)
         self.b.cbranch(self.b.icmp_signed("<" if step > 0 else ">", value, stop), body, after)
         self.b.position_at_end(body)

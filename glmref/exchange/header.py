@@ -11,7 +11,7 @@ from typing import Any
 from .. import __version__
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_TO_DIGITS, SOLUTION
 from ..method import GLM, AdditiveGLM, Method, PartitionedGLM
-from ..views.tables import counted
+from ..views.tableau_text import size_of
 
 
 @dataclass(frozen=True)
@@ -81,16 +81,8 @@ def facts(method: GLM | PartitionedGLM | AdditiveGLM) -> list[str]:
     document = method.document or {}
     name, title = method.name or "a method without a name", document.get("title", "")
     lines = [in_comment(f"{name}: {title}" if title else name)]
-    stages = [len(c.A) for c in method.carriers]
-    values = [len(c.V) for c in method.carriers]
     orders = _orders(method.claims, nystrom=document.get("class") == "nystrom")
-    if method.parts == 2:
-        size = f"{counted(stages[0], 'stage')} Q, {counted(stages[1], 'stage')} P, "
-        size += f"{counted(values[0], 'value')} of q and {values[1]} of p"
-    else:
-        size = f"{len(method.components)} parts, " if method.additive else ""
-        size += f"{counted(stages[0], 'stage')}, {counted(values[0], 'value')}"
-    lines.append(f"{orders}{size}.")
+    lines.append(f"{orders}{size_of(method)}.")
     if "citation" in method.source:
         where = method.source.get("where", "")
         lines.append(

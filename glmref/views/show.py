@@ -23,8 +23,8 @@ from ..exact.linalg import Matrix, Vector
 from ..method import GLM, AdditiveGLM, PartitionedGLM, RosenbrockGLM
 from ..prove.facts import Facts, facts_of
 from ..system.arguments import shown, whole
-from .tableau_text import Cells, decimal_text, tableau
-from .tables import Style, counted, one_line
+from .tableau_text import Cells, decimal_text, size_of, tableau
+from .tables import Style, one_line
 
 #: Draws a partitioned matrix, rows of blocks of cells, as lines.
 Draw = Callable[[Sequence[Sequence[Cells]]], list[str]]
@@ -206,17 +206,9 @@ class _Page:
         method, document = self.method, self.document
         name = one_line(method.name or "(unnamed)")
         title = one_line(document.get("title", ""))
-        first, last = method.carriers[0], method.carriers[-1]
-        if method.parts == 2:
-            size = f"pair with {counted(len(first.A), 'stage')} Q and {len(last.A)} P"
-            size += f", {counted(len(first.V), 'value')} of q and {len(last.V)} of p"
-        else:
-            parts = f"{len(method.components)} parts on " if method.additive else ""
-            stages = counted(len(first.A), "stage")
-            if isinstance(method, RosenbrockGLM):
-                parts, stages = "", counted(len(method.b), "stage")
-            size = f"{parts}{stages}, {counted(len(first.V), 'value')}"
-            size += "" if not method.is_explicit else ", explicit"
+        size = f"pair with {size_of(method)}" if method.parts == 2 else size_of(method)
+        if method.parts == 1 and method.is_explicit:
+            size += ", explicit"
         lines: list[str] = self.wrapped(f"{name}  {title}" if title else name)
         lines[0] = self.style.paint(name, "bold") + lines[0].removeprefix(name)
         lines += self.wrapped(f"class {document.get('class', 'glm')}: {size}")

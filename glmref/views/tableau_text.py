@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from ..exact import Ball, Scalar, rounded_decimal
-from .tables import Style
+from ..method import Method, RosenbrockGLM
+from .tables import Style, counted
 
 Cells = list[list[str]]
 
@@ -112,3 +113,16 @@ def _on_the_point(grid: Sequence[Sequence[Cells]]) -> list[list[Cells]]:
             for cells, x, tail in zip(stacked, column, tails, strict=True):
                 cells[k] = x + " " * (max(tails) - tail)
     return result
+
+
+def size_of(method: Method) -> str:
+    """Return the numbers of stages and of values of a method, in words."""
+    first, last = method.carriers[0], method.carriers[-1]
+    stages, values = counted(len(first.A), "stage"), counted(len(first.V), "value")
+    if method.parts == 2:
+        return f"{stages} Q and {len(last.A)} P, {values} of q and {len(last.V)} of p"
+    if isinstance(method, RosenbrockGLM):
+        stages = counted(len(method.b), "stage")
+    elif method.additive:
+        stages = f"{len(method.components)} parts on {stages}"
+    return f"{stages}, {values}"
