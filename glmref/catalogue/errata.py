@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import DataError, UsageError
-from ..system.arguments import no_such
+from ..system.arguments import no_such, unknown_key
 from .files import data_root
 from .strict_json import read_json, shown
 
@@ -84,9 +84,8 @@ def _record(row: object, where: str) -> Erratum:
     if not isinstance(row, Mapping):
         raise DataError(f"{where} must be an object, got {shown(row)}")
     names = [f.name for f in fields(Erratum)]
-    for key in row:
-        if key not in names:
-            raise DataError(f"{where}: the key {key!r} is unknown; allowed are {', '.join(names)}")
+    if fault := unknown_key(row, names):
+        raise DataError(f"{where}: {fault}")
     for key in names[:6]:
         _text(row, key, where)
     for key, allowed in (("verdict", VERDICTS), ("proof", PROOFS)):

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from ..system.arguments import unknown_key
 from .claims import (
     CLAIMS,
     DENSE_END,
@@ -191,9 +192,8 @@ def fault_of_texts(doc: Mapping[str, Any]) -> str:
     if not isinstance(doc.get("enclosure", {}), dict):
         return f"`enclosure` must be an object, got {shown(doc['enclosure'])}"
     enclosure = doc.get("enclosure", {})
-    unknown = sorted(enclosure.keys() - ENCLOSURE)
-    if unknown:
-        return f"`enclosure` has the unknown key {unknown[0]!r}"
+    if fault := unknown_key(enclosure, sorted(ENCLOSURE), " in `enclosure`"):
+        return fault
     equations = enclosure.get("equations", [])
     if not isinstance(equations, list) or not all(isinstance(x, str) for x in equations):
         return f"`enclosure.equations` must be a list of strings, got {shown(equations)}"
@@ -231,9 +231,9 @@ def _fault_of_source(source: object) -> str:
     for key in ("citation", "where", "status"):
         if not isinstance(source.get(key), str) or not source[key].strip():
             return f"`source.{key}` must be a non-empty string; say who, where, how"
+    if fault := unknown_key(source, SOURCE, " in `source`"):
+        return fault
     for key, value in source.items():
-        if key not in SOURCE:
-            return f"the key {key!r} is unknown in `source`; allowed are {', '.join(SOURCE)}"
         if not _is_text(value, SOURCE[key]):
             kind = "a list of sentences" if SOURCE[key] == (list,) else "a string"
             return f"`source.{key}` must be {kind}, got {shown(value)}"

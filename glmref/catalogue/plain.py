@@ -15,7 +15,7 @@ from typing import Any
 from ..errors import DataError, did_you_mean
 from ..exact import Scalar
 from ..exact.expression import parse
-from ..system.arguments import listed, whole
+from ..system.arguments import listed, unknown_key, whole
 from ..system.arguments import shown as printable
 from .claims import (
     ABSCISSAE,
@@ -95,12 +95,10 @@ class _Plain:
         unknown = sorted(blocks - BLOCKS[kind] - ({"c"} if kind in ("additive", "glm") else set()))
         if unknown:
             keys = sorted(BLOCKS[kind] | _ORDERS.keys() | {"digits", "name"})
-            near = did_you_mean(unknown[0], keys, "; ")
-            if unknown[0].startswith("b") and "embedded" in keys:
-                near = "; the weights of an embedded method are a row of `embedded`"
+            weights = unknown[0].startswith("b") and "embedded" in keys
             raise DataError(
-                f"the key {unknown[0]!r} is unknown for class {kind!r}; allowed are "
-                f"{', '.join(keys)}{near}"
+                unknown_key(unknown, keys, f" for class {kind!r}")
+                + ("; the weights of an embedded method are a row of `embedded`" if weights else "")
             )
         found = {key: x for key, x in self.given.items() if key in COMMON and key != "name"}
         if self.digits is not None:

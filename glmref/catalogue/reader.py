@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
-from ..errors import DataError, ExactnessError, did_you_mean
+from ..errors import DataError, ExactnessError
 from ..exact.expression import Text
 from ..exact.linalg import Vector, diagonal
 from ..method import (
@@ -30,6 +30,7 @@ from ..method import (
 from ..method.additive import MAX_PARTS
 from ..method.embedded import EmbeddedRow
 from ..method.preconsistency import output
+from ..system.arguments import unknown_key
 from .claims import SIZE, SOLUTION, PlainClaims
 from .entries import Entries
 from .files import document, names
@@ -130,12 +131,8 @@ class _Reader(Entries):
 
     def _check_keys(self, kind: str) -> None:
         allowed = COMMON | BLOCKS[kind]
-        for key in self.doc:
-            if key not in allowed:
-                raise self.error(
-                    f"the key {key!r} is unknown for class {kind!r}; allowed are "
-                    f"{', '.join(sorted(allowed))}{did_you_mean(key, allowed, '; ')}"
-                )
+        if fault := unknown_key(self.doc, sorted(allowed), f" for class {kind!r}"):
+            raise self.error(fault)
         for key in ("name", "claims", "source", *sorted(needed_keys(kind))):
             if key not in self.doc:
                 raise self.error(f"the key {key!r} is missing; a file of class {kind!r} needs it")
@@ -381,13 +378,9 @@ class _Reader(Entries):
         )
 
     def _pair_starting(self, pair: PartitionedGLM) -> PairStartingMethod | None:
-        block = self._tableau_block("starting", "A B u A_hat B_hat u_hat")
-        if block is None:
+        m = self._tableau_block("starting", "A B A_hat B_hat", "u u_hat")
+        if m is None:
             return None
-        m: dict[str, Any] = {
-            x: self.matrix(block[x], f"starting.{x}") for x in ("A", "B", "A_hat", "B_hat")
-        }
-        m |= {x: self.vector(block[x], f"starting.{x}") for x in ("u", "u_hat")}
         n_q, n_p = len(m["A"]), len(m["A_hat"])
         wanted = {"A": (n_q, n_p), "A_hat": (n_p, n_q)}
         wanted |= {"B": (pair.r, n_p), "B_hat": (pair.r_hat, n_q)}
@@ -408,57 +401,56 @@ class _Reader(Entries):
                 f"`starting` must have as many stages Q as stages P, which are evaluated together "
                 f"where the pair is not separable, got {n_q} and {n_p}"
             )
-        claims = {"order": block["order"]} if "order" in block else {}
-        return PairStartingMethod(**m, name=str(block.get("name", "")), claims=claims)
+        return PairStartingMethod(**m)
 
     def _starting(self, r: int) -> StartingMethod | None:
-        block = self._tableau_block("starting", "A B u")
-        if block is None:
+        m = self._tableau_block("starting", "A B", "u")
+        if m is None:
             return None
-        B = self.matrix(block["B"], "starting.B")
-        A = self.matrix(block["A"], "starting.A")
-        u = self.vector(block["u"], "starting.u")
+        A, B, u = m["A"], m["B"], m["u"]
         shapes = {len(A), len(A[0]), len(B[0])}
         if len(shapes) > 1 or len(B) != r or len(u) != r:
             raise self.error(
                 f"`starting` must have A (m, m), B (r, m) and u (r) with r = {r}, got "
                 f"A ({len(A)}, {len(A[0])}), B ({len(B)}, {len(B[0])}) and u ({len(u)})"
             )
-        claims = {"order": block["order"]} if "order" in block else {}
-        return StartingMethod(A=A, B=B, u=u, name=str(block.get("name", "")), claims=claims)
+        return StartingMethod(**m)
 
     def _finishing(self) -> FinishingMethod | None:
-        block = self._tableau_block("finishing", "A b")
-        if block is None:
+        m = self._tableau_block("finishing", "A", "b")
+        if m is None:
             return None
-        A = self.matrix(block["A"], "finishing.A")
-        b = self.vector(block["b"], "finishing.b")
+        A, b = m["A"], m["b"]
         if not len(A) == len(A[0]) == len(b):
             raise self.error(
                 f"`finishing` must have A (m, m) and b (m), got A ({len(A)}, {len(A[0])}) and "
                 f"b ({len(b)})"
             )
-        claims = {"order": block["order"]} if "order" in block else {}
-        return FinishingMethod(A=A, b=b, name=str(block.get("name", "")), claims=claims)
+        return FinishingMethod(**m)
 
-    def _tableau_block(self, key: str, needed: str) -> Mapping[str, Any] | None:
+    def _tableau_block(self, key: str, matrices: str, vectors: str) -> dict[str, Any] | None:
+        """Read a start or a finish: fields of its class by name."""
         block = self.doc.get(key)
         if block is None:
             return None
-        allowed = {*needed.split(), "order", "name", "kind"}
+        needed = (*matrices.split(), *vectors.split())
         if not isinstance(block, dict):
-            raise self.error(f"`{key}` must be an object with {needed.replace(' ', ', ')}")
-        for name in block:
-            if name not in allowed:
-                raise self.error(f"`{key}` has the unknown key {name!r}")
-        for name in needed.split():
+            raise self.error(f"`{key}` must be an object with {', '.join(needed)}")
+        if fault := unknown_key(block, (*needed, "order", "name", "kind"), f" in `{key}`"):
+            raise self.error(fault)
+        for name in needed:
             if name not in block:
                 raise self.error(f"`{key}.{name}` is missing")
         if block.get("kind", "runge-kutta") != "runge-kutta":
             raise self.error(f"`{key}.kind` must be 'runge-kutta', got {shown(block['kind'])}")
         if "order" in block:
             self._whole_number(block["order"], f"`{key}.order`")
-        return block
+        return {
+            **{x: self.matrix(block[x], f"{key}.{x}") for x in matrices.split()},
+            **{x: self.vector(block[x], f"{key}.{x}") for x in vectors.split()},
+            "name": str(block.get("name", "")),
+            "claims": {x: block[x] for x in ("order",) if x in block},
+        }
 
     def _whole_number(self, value: object, what: str) -> None:
         if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_ORDER:
@@ -470,12 +462,9 @@ class _Reader(Entries):
         claims = self.doc["claims"]
         if not isinstance(claims, dict):
             raise self.error(f"`claims` must be an object of claims, got {shown(claims)}")
+        if fault := unknown_key(claims, sorted(CLAIMS), kind="claim"):
+            raise self.error(fault)
         for key, value in claims.items():
-            if key not in CLAIMS:
-                raise self.error(
-                    f"the claim {key!r} is unknown; known are {', '.join(sorted(CLAIMS))}"
-                    f"{did_you_mean(key, CLAIMS, '; ')}"
-                )
             if key in without_meaning(self.doc["class"]):
                 kind = "a pair" if self.doc["class"] in PAIRS else "one method"
                 own = {"additive": "an additive method", "rosenbrock": "a Rosenbrock method"}

@@ -8,10 +8,9 @@ One line each, ``id: reason``; blank lines and lines that begin with ``#`` are s
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from pathlib import Path
 
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, did_you_mean
 from ..system.files import read_text
 
 MAX_BYTES = 1_000_000
@@ -41,8 +40,7 @@ def read_known_failures(path: str | Path, ids: Iterable[str]) -> dict[str, str]:
         if name in known:
             raise UsageError(f"{where}: {name!r} occurs twice")
         if name not in ids:
-            near = get_close_matches(name, ids, n=1)
-            hint = f"; the nearest is {near[0]}" if near else ""
+            hint = did_you_mean(name, ids, "; ")
             raise UsageError(f"{where}: no check has the id {name!r}{hint}")
         known[name] = reason
     return known

@@ -27,6 +27,7 @@ from ..errors import DataError, UsageError
 from ..exact import Exact
 from ..exact.expression import parse
 from ..prove.equations import free_trees, representatives
+from ..system.arguments import unknown_key
 from ..system.files import read_text
 from .recognise import exact_text
 
@@ -127,12 +128,8 @@ class Ansatz:
             For an unknown key or a wrong value; the sentence begins with the name.
         """
         table = dict(given)
-        for key in table:
-            if key not in cls.__dataclass_fields__:
-                raise DataError(
-                    f"{name}: the key {key!r} is unknown; an ansatz has "
-                    f"{', '.join(cls.__dataclass_fields__)}"
-                )
+        if fault := unknown_key(table, cls.__dataclass_fields__, " in an ansatz"):
+            raise DataError(f"{name}: {fault}")
         try:
             if "values" in table:
                 table["values"] = [Value(**x) for x in table["values"]]

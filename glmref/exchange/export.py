@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from ..catalogue.lookup import method_of
 from ..catalogue.reader import load_document
 from ..errors import UsageError
 from ..method import GLM, AdditiveGLM, PartitionedGLM
-from ..system.arguments import place, shown
+from ..system.arguments import no_such, place
 from ..system.files import write_text
 from .cells import to_cells
 from .documents import blocks_of, method_document
@@ -58,9 +57,7 @@ def export(
     if isinstance(to, str):
         to = ALIASES.get(to.lower(), to.lower())
     if not isinstance(to, str) or to not in TARGETS:
-        near = get_close_matches(shown(to, str), TARGETS, n=1)
-        hint = f"did you mean {near[0]}?" if near else f"one of {', '.join(TARGETS)}"
-        raise UsageError(f"there is no export to {shown(to)}; {hint}")
+        raise no_such("target of an export", to, TARGETS)
     check_digits(digits)
     method = method_of(method)
     if to in COMPLETE:

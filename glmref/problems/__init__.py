@@ -12,8 +12,8 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from ..errors import DataError, UsageError, did_you_mean
-from ..system.arguments import no_such, shown
+from ..errors import DataError, UsageError
+from ..system.arguments import no_such, shown, unknown_key
 from .model import Problem
 from .table import OWN, from_table, table_of
 
@@ -68,13 +68,8 @@ def problem(name: str, **parameters: object) -> Problem:
         return from_path(name)
     build = _builder(name)
     known = inspect.signature(build).parameters
-    for key in parameters:
-        if key not in known:
-            allowed = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
-            raise UsageError(
-                f"the problem {name!r} has no parameter {key[:80]!r}; {allowed}"
-                f"{did_you_mean(key, known, '; ')}"
-            )
+    if fault := unknown_key(parameters, known, f" for the problem {name!r}", "parameter"):
+        raise UsageError(fault)
     try:
         return build(**parameters)
     except ArithmeticError:  # each value is in range, a product or quotient of them is not

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import signature
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 
 from ..catalogue.strict_toml import loads
 from ..errors import DataError, UsageError
+from ..system.arguments import unknown_key
 from ..system.files import named_in, read_text
 from .from_expressions import equation_entries, hamiltonian_entries, time_of
 from .model import Problem
@@ -43,11 +43,8 @@ def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
     UsageError
         One sentence on the first entry that does not fit, with the key in backquotes.
     """
-    for key in table:
-        if key not in KEYS:
-            near = get_close_matches(str(key)[:80], KEYS, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(KEYS)}"
-            raise UsageError(f"`{key!s:.80}` is no key of a problem; {hint}")
+    if fault := unknown_key(table, KEYS, " in a problem"):
+        raise UsageError(fault)
     given = [key for key in OWN if key in table]
     if len(given) != 1:
         raise UsageError(

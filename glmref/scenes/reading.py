@@ -8,7 +8,6 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from tomllib import TOMLDecodeError
 from typing import Any
@@ -19,11 +18,12 @@ from ..catalogue.lookup import names as method_names
 from ..catalogue.lookup import path_of as method_path
 from ..catalogue.strict_json import shown
 from ..catalogue.strict_toml import loads
-from ..errors import DataError, UsageError
+from ..errors import DataError, UsageError, did_you_mean
 from ..measure.peers import NAMES
 from ..problems import problem as build
 from ..problems.formula import Formula
 from ..problems.table import OWN, from_table
+from ..system.arguments import unknown_key
 from ..system.files import named_in, read_bytes, read_text
 from .model import ANSWERS, ASK, FORMAT, JUDGING, KINDS, STARTS, Answer, Scene
 
@@ -168,8 +168,7 @@ class Reader:
     def choice(self, where: tuple[str, ...], value: Any, allowed: Any) -> str:
         """Read one of a few words."""
         if not isinstance(value, str) or value not in allowed:
-            near = get_close_matches(str(value)[:80], list(allowed), n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            hint = did_you_mean(value, allowed, "; ")
             some = list(map(repr, allowed))[:MOST_LISTED]
             listed = ", ".join(some) + (", ..." if len(allowed) > MOST_LISTED else "")
             raise self.must(where, f"one of {listed}", value, hint)
@@ -216,10 +215,8 @@ class Reader:
     def known(self, where: tuple[str, ...], table: Mapping[str, Any], allowed: Any) -> None:
         """Refuse keys that mean nothing."""
         for key in table:
-            if key not in allowed:
-                near = get_close_matches(key[:80], list(allowed), n=1)
-                hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(allowed)}"
-                raise self.fail((*where, key), f"there is no key {key[:80]!r} here; {hint}")
+            if fault := unknown_key([key], allowed, " here"):
+                raise self.fail((*where, key), fault)
 
     def named(self, where: tuple[str, ...], name: Any) -> Path:
         """Return the file that an entry names, of the folder of this file; see `named_in`."""

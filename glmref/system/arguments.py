@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from operator import index
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,18 @@ def no_such(kind: str, name: object, known: Collection[str], otherwise: str = ""
     otherwise = otherwise or f"there are {', '.join(known)}"
     hint = did_you_mean(shown(name, str, 80), known, otherwise=otherwise)
     return UsageError(f"there is no {kind} named {shown(name)}; {hint}")
+
+
+def unknown_key(
+    given: Iterable[object], allowed: Collection[str], where: str = "", kind: str = "key"
+) -> str:
+    """Return a sentence on the first key that is not allowed, an empty text where there is none."""
+    for key in given:
+        if key not in allowed:
+            near = did_you_mean(shown(key, str, 80), allowed, "; ")
+            known = ", ".join(allowed) or "none"
+            return f"the {kind} {shown(key)} is unknown{where}; allowed are {known}{near}"
+    return ""
 
 
 def listed(

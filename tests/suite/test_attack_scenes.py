@@ -42,7 +42,7 @@ def test_mutated_scenes_are_read_or_refused_with_a_sentence() -> None:
         ('name = "' + "a" * 200 + '"', "of at most 100 characters"),
         ('name = "../../x"', "`name` must be lower-case words"),
         ('methods = ["../../../etc/passwd"]', "../../../etc/passwd"),
-        ("x = '''\n[" + " " * 100_000 + "\n'''", "there is no key 'x'"),
+        ("x = '''\n[" + " " * 100_000 + "\n'''", "the key 'x' is unknown"),
     ],
 )  # fmt: skip
 def test_tar_pits_are_refused_at_once(tmp_path: Path, line: str, words: str) -> None:

@@ -170,7 +170,7 @@ def test_every_key_that_a_class_needs_is_asked_for() -> None:
         ({"notes": ["a", 1]}, '`notes` must be a string, got ["a", 1]'),
         ({"notes": ["a", "b"], "title": "It"}, ""),
         ({"enclosure": "x"}, '`enclosure` must be an object, got "x"'),
-        ({"enclosure": {"box": 1}}, "`enclosure` has the unknown key 'box'"),
+        ({"enclosure": {"box": 1}}, "the key 'box' is unknown in `enclosure`"),
         ({"enclosure": {"equations": "x"}}, "must be a list of strings, got"),
         ({"enclosure": {"equations": ["x", 1]}}, "must be a list of strings, got"),
         ({"enclosure": {"equations": ["x"], "radius": "1", "xi": "1"}}, ""),

@@ -14,8 +14,8 @@ import re
 from collections.abc import Callable, Mapping
 from importlib import import_module
 
-from ...errors import UsageError, did_you_mean
-from ...system.arguments import no_such
+from ...errors import UsageError
+from ...system.arguments import no_such, unknown_key
 from .derivation import Derivation, Progress, Statement
 
 __all__ = [
@@ -85,12 +85,8 @@ def run(
         For an unknown recipe or option, or a value that cannot be read.
     """
     known = options_of(name)
-    for key in options or {}:
-        if key not in known:
-            raise UsageError(
-                f"the recipe {name!r} has no option {key!r}; it has {', '.join(known) or 'none'}"
-                f"{did_you_mean(key, known, '; ')}"
-            )
+    if fault := unknown_key(options or {}, known, f" for the recipe {name!r}", "option"):
+        raise UsageError(fault)
     derive: Callable[[Mapping[str, str], Progress], Derivation]
     derive = _module(name).derive  # type: ignore[attr-defined]
     return derive({**known, **(options or {})}, progress or _silent)
