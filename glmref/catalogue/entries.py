@@ -118,12 +118,16 @@ class Entries:
         self.known[text] = number
         return number
 
-    def vector(self, values: object, where: str) -> Vector:
-        """Read a list of entries."""
+    def _listed(self, values: object, where: str, what: str) -> list[Any]:
         if not isinstance(values, list) or not values:
-            raise self.error(f"`{where}` must be a list of strings, got {shown(values)}")
+            raise self.error(f"`{where}` must be a list of {what}, got {shown(values)}")
         if len(values) > MAX_SIZE:
             raise self.error(f"`{where}` has {len(values)} entries and at most {MAX_SIZE} are read")
+        return values
+
+    def vector(self, values: object, where: str) -> Vector:
+        """Read a list of entries."""
+        values = self._listed(values, where, "strings")
         # fractions first, without the name of their place: a start has up to 10,000 of them
         spend()
         known = [rational(x) if isinstance(x, str) else None for x in values]
@@ -134,11 +138,8 @@ class Entries:
 
     def matrix(self, rows: object, where: str) -> Matrix:
         """Read a list of rows of equal length."""
-        if not isinstance(rows, list) or not rows:
-            raise self.error(f"`{where}` must be a list of rows, got {shown(rows)}")
-        if len(rows) > MAX_SIZE:
-            raise self.error(f"`{where}` has {len(rows)} rows and at most {MAX_SIZE} are read")
-        result = tuple(self.vector(row, f"{where}[{i + 1}]") for i, row in enumerate(rows))
+        listed = self._listed(rows, where, "rows")
+        result = tuple(self.vector(row, f"{where}[{i + 1}]") for i, row in enumerate(listed))
         for i, row in enumerate(result):
             if len(row) != len(result[0]):
                 raise self.error(

@@ -55,8 +55,8 @@ def report(
     if every and shipped.is_dir():
         places.append(shipped)
     found = read(places, names("methods"))
-    for odd in found.odd:
-        complain(f"not shown: {odd.where}: {odd.why}")
+    for where, why in found.odd:
+        complain(f"not shown: {where}: {why}")
     if found.is_empty and not every:
         where = ", ".join(one_line(x) for x in results or PLACES)
         raise UsageError(

@@ -20,7 +20,7 @@ from .base import Own
 from .component import GENERAL, SEPARABLE, Palette
 from .embedded import EmbeddedRow, quoted
 from .entries import Entries, Rows, as_matrix, as_vector, check_fields, check_shape
-from .model import Method
+from .model import PAIR, Method
 from .rounding import FloatGLM, float_arrays
 from .starting import FinishingMethod, PairStartingMethod, StartingMethod
 
@@ -445,7 +445,7 @@ class PartitionedGLM(Own, Method):
     U_hat: Matrix
     B_hat: Matrix
     V_hat: Matrix
-    LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"f": "", "k": "_hat"})
+    LETTERS = PAIR
     name: str = ""
     G: Matrix | None = None
     D_P: Vector | None = None

@@ -13,6 +13,9 @@ from . import preconsistency, stage_order
 from .component import ROOTED, Component, Palette
 from .embedded import EmbeddedRow
 
+#: Of a pair: its colours, and what is appended to the names of the fields of each.
+PAIR: Mapping[str, str] = MappingProxyType({"f": "", "k": "_hat"})
+
 
 class Method:
     """A method of k components: what theory, proofs, engines and suites read.

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any
 
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix, Vector
 from .component import SEPARABLE, Component, Palette
 from .entries import as_rows, as_vector, check_fields
-from .model import Method
+from .model import PAIR, Method
 
 
 class _Start(Method):
@@ -116,7 +116,7 @@ class PairStartingMethod(_Start):
     A_hat: Matrix
     B_hat: Matrix
     u_hat: Vector
-    LETTERS: ClassVar[Mapping[str, str]] = MappingProxyType({"f": "", "k": "_hat"})
+    LETTERS = PAIR
     name: str = ""
     kind: str = "runge-kutta"
     claims: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))

@@ -46,14 +46,6 @@ _SHAPES = frozenset("svg title desc g path rect circle line polyline polygon tex
 
 
 @dataclass(frozen=True)
-class Odd:
-    """Something that is stored and cannot be shown: where, and why."""
-
-    where: str
-    why: str
-
-
-@dataclass(frozen=True)
 class RunFile:
     """The records of one file of `glmref run`."""
 
@@ -83,7 +75,7 @@ class Results:
     #: Name -> method file of the user, checked.
     own: dict[str, Record] = field(default_factory=dict)
     portraits: dict[str, str] = field(default_factory=dict)  #: Method -> SVG.
-    odd: list[Odd] = field(default_factory=list)  #: What could not be read.
+    odd: list[tuple[str, str]] = field(default_factory=list)  #: (place, why it is not shown).
     files: list[tuple[str, str]] = field(default_factory=list)  #: (path, what it holds).
 
     @property
@@ -195,7 +187,7 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
             found.portraits[path.stem] = _drawing(path)
             found.files.append((path.name, "a portrait"))
     except (DataError, OSError, UnicodeDecodeError) as error:
-        found.odd.append(Odd(path.name, str(error)))
+        found.odd.append((path.name, str(error)))
 
 
 def _drawing(path: Path) -> str:
@@ -243,7 +235,7 @@ def _take_records(found: Results, path: Path) -> None:
         elif record is not None and str(record.get("key")) in records:
             why = "it is a second record of the same task, and the first is shown"
         if why:
-            found.odd.append(Odd(where, why))
+            found.odd.append((where, why))
         elif record is not None:
             records[str(record.get("key"))] = record
     found.runs.append(RunFile(path.stem, tuple(records.values())))
@@ -264,7 +256,7 @@ def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:
     try:
         document = json.loads(read_text(path, MAX_BYTES))
     except (ValueError, RecursionError):
-        found.odd.append(Odd(path.name, "it is not JSON"))
+        found.odd.append((path.name, "it is not JSON"))
         return
     form = document.get("format") if isinstance(document, dict) else None
     if form == METHOD or (isinstance(document, dict) and not form and class_of_keys(document)):
@@ -291,7 +283,7 @@ def _take_document(found: Results, path: Path, methods: frozenset[str]) -> None:
         found.files.append((path.name, f"a document of format {form}"))
     else:
         found.odd.append(
-            Odd(path.name, f"its format is {shown(form)}, which this version does not read")
+            (path.name, f"its format is {shown(form)}, which this version does not read")
         )
 
 
@@ -301,7 +293,7 @@ def _take_method(found: Results, path: Path, methods: frozenset[str]) -> None:
     name = method.name
     if name in methods:
         why = f"{name} is the name of a shipped method; give yours another one"
-        found.odd.append(Odd(path.name, why))
+        found.odd.append((path.name, why))
         return
     found.own[name] = document
     found.files.append((path.name, f"the method {name}"))

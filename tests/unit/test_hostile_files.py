@@ -65,21 +65,21 @@ def test_a_report_passes_over_what_is_no_file(suffix: str, odd: Path, tmp_path: 
     if odd.is_dir():
         pytest.skip("a folder is searched")
     odd.rename(tmp_path / f"odd.{suffix}")
-    (entry,) = read([tmp_path]).odd
-    assert entry.where == f"odd.{suffix}" and "a regular file is needed" in entry.why
+    ((where, why),) = read([tmp_path]).odd
+    assert where == f"odd.{suffix}" and "a regular file is needed" in why
 
 
 def test_links_to_the_folders_above_are_not_followed(tmp_path: Path) -> None:
     (tmp_path / "a").symlink_to(".")
     (tmp_path / "b").symlink_to(".")  # 2^40 paths
     (tmp_path / "x.json").symlink_to("x.json")
-    (entry,) = read([tmp_path]).odd
-    assert entry.where == "x.json" and "symbolic links" in entry.why
+    ((where, why),) = read([tmp_path]).odd
+    assert where == "x.json" and "symbolic links" in why
 
 
 def test_a_device_is_no_result(tmp_path: Path) -> None:
-    (entry,) = read([Path("/dev/zero")]).odd
-    assert entry.why == "it is neither a file nor a folder"
+    ((where, why),) = read([Path("/dev/zero")]).odd
+    assert why == "it is neither a file nor a folder"
 
 
 def test_a_named_pipe_is_no_tableau_and_no_certificate(
@@ -100,8 +100,8 @@ def test_a_named_pipe_is_no_result_of_asv(tmp_path: Path) -> None:
     for name in ("benchmarks.json", "y/machine.json", "y/z.json"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         os.mkfifo(tmp_path / name)
-    (entry,) = read([tmp_path]).odd
-    assert "named pipe" in entry.why
+    ((where, why),) = read([tmp_path]).odd
+    assert "named pipe" in why
 
 
 def test_a_named_pipe_is_no_function_of_a_scene(

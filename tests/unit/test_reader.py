@@ -208,7 +208,7 @@ def test_lists_are_read_up_to_their_largest_size() -> None:
     )
     with pytest.raises(DataError, match=f"`b` has {MAX_SIZE + 1} entries and at most {MAX_SIZE}"):
         entries.vector(more, "b")
-    with pytest.raises(DataError, match=f"`A` has {MAX_SIZE + 1} rows and at most {MAX_SIZE}"):
+    with pytest.raises(DataError, match=f"`A` has {MAX_SIZE + 1} entries and at most {MAX_SIZE}"):
         entries.matrix([["1"]] * (MAX_SIZE + 1), "A")
     with pytest.raises(DataError, match="row 2 is 1 long and row 1 is 2 long"):
         entries.matrix([["1", "2"], ["1"]], "A")

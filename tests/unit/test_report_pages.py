@@ -599,7 +599,7 @@ def test_an_own_method_gets_a_page_with_its_tableau_findings_and_portrait(tmp_pa
     (folder / "rk4.json").write_text(json.dumps({**MINE, "name": "rk4"}), encoding="utf-8")
     found = read([folder], ["rk4"])
     assert found.of_others() == ["alien", "my-heun"]
-    assert [odd.where for odd in found.odd] == ["rk4.json"]
+    assert [where for where, _ in found.odd] == ["rk4.json"]
     build(found, tmp_path / "pages", methods=["rk4"])
     page = (tmp_path / "pages" / "method-my-heun.html").read_text(encoding="utf-8")
     assert "<mfrac>" in page and 'class="holds">holds' in page and "stability region" in page

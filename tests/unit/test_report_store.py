@@ -47,7 +47,7 @@ def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(
     found = reading(tmp_path, "x.jsonl", json.dumps(GOOD) + "\n" + line)
     assert len(found.runs[0].records) == 1
     (odd,) = found.odd
-    assert odd.where == "x.jsonl, line 2" and why in odd.why
+    assert odd[0] == "x.jsonl, line 2" and why in odd[1]
 
 
 def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> N
     found = read([tmp_path], ["rk4"])
     assert found.findings == {"rk4": [finding]}
     assert set(found.measurements) == {"stiff"} and set(found.portraits) == {"rk4"}
-    assert {x.where for x in found.odd} == {"other.json", "list.json", "bytes.json"}
+    assert {where for where, _ in found.odd} == {"other.json", "list.json", "bytes.json"}
 
 
 def test_what_is_read_first_wins_claim_by_claim(tmp_path: Path) -> None:
@@ -125,7 +125,7 @@ def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(
     tmp_path: Path, drawing: str, why: str
 ) -> None:
     found = reading(tmp_path, "rk4.svg", drawing)
-    assert found.portraits == {} and why in found.odd[0].why
+    assert found.portraits == {} and why in found.odd[0][1]
 
 
 def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Pat
     assert read([tmp_path]).files == [("results", "0 cells of benchmarks")]
     (machine / "abc-env.json").write_text("[]", encoding="utf-8")
     (odd,) = read([tmp_path]).odd
-    assert odd.where == "results" and "abc-env.json" in odd.why
+    assert odd[0] == "results" and "abc-env.json" in odd[1]
 
 
 def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(

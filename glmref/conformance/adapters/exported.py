@@ -8,7 +8,7 @@ import numpy as np
 
 from ...exchange.export import export
 from ...exchange.steppers import identifier
-from .foreign import FORTRAN, Built
+from .foreign import CPP, FORTRAN, Built
 
 _C = """
 #include "stepper.c"
@@ -16,26 +16,17 @@ int run(NAME_rhs f, void *data, int d, double t, double h, long steps, double *y
   return NAME_integrate(f, data, d, t, h, steps, y);
 }
 """
-_CPP = """
-#include "stepper.hpp"
-#include <algorithm>
-typedef std::vector<double> Vector;
-typedef void (*rhs)(double, const double *, double *, void *);
-extern "C" int run(rhs f, void *data, int d, double t, double h, long steps, double *y) {
-  try {
+_CPP = CPP.format(
+    includes='#include "stepper.hpp"',
+    steps="""
     const auto g = [&](double s, const Vector &x) {
       Vector k(x.size());
       f(s, x.data(), k.data(), data);
       return k;
     };
     const Vector end = NAME::integrate(g, t, h, steps, Vector(y, y + d));
-    std::copy(end.begin(), end.end(), y);
-    return 0;
-  } catch (...) {
-    return 1;
-  }
-}
-"""
+    std::copy(end.begin(), end.end(), y);""",
+)
 _RUST = """
 mod stepper;
 type Rhs = extern "C" fn(f64, *const f64, *mut f64, *mut u8);

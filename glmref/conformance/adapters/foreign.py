@@ -57,6 +57,24 @@ end module
 """
 
 
+#: The same around C++, whose exceptions become the status 1.
+CPP = """
+{includes}
+#include <algorithm>
+#include <vector>
+typedef std::vector<double> Vector;
+typedef void (*rhs)(double, const double *, double *, void *);
+extern "C" int run(rhs f, void *data, int d, double t, double h, long steps, double *y) {{
+  try {{
+    {steps}
+    return 0;
+  }} catch (...) {{
+    return 1;
+  }}
+}}
+"""
+
+
 def right_hand_side(problem: Any, kind: Any = RHS) -> Any:
     """Return a function of C that evaluates the right-hand side; it must outlive its calls."""
     d = problem.dimension

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-from .foreign import Built
+from .foreign import CPP, Built
 
-_SOURCE = """
-#include <algorithm>
-#include <vector>
-#include <boost/numeric/odeint/stepper/STEPPER.hpp>
-typedef std::vector<double> Vector;
-typedef void (*rhs)(double, const double *, double *, void *);
-extern "C" int run(rhs f, void *data, int d, double t, double h, long steps, double *y) {
-  try {
+_SOURCE = CPP.format(
+    includes="#include <boost/numeric/odeint/stepper/STEPPER.hpp>",
+    steps="""
     const auto g = [&](const Vector &x, Vector &k, double s) { f(s, x.data(), k.data(), data); };
     Vector x(y, y + d);
     for (long n = 0; n < steps; n++) {
       boost::numeric::odeint::STEPPER<Vector> stepper;  // no slope is kept from step to step
       stepper.do_step(g, x, t + n * h, h);
     }
-    std::copy(x.begin(), x.end(), y);
-    return 0;
-  } catch (...) {
-    return 1;
-  }
-}
-"""
+    std::copy(x.begin(), x.end(), y);""",
+)
 #: Name in the catalogue -> class of odeint.
 STEPPERS = {
     "rk4": "runge_kutta4",

@@ -120,22 +120,17 @@ function factor(r::Reader)::Value
     r.at += 1
     return sign == "-" ? minus(factor(r)) : factor(r)
 end
-function product_of(r::Reader)::Value
-    found = factor(r)
-    while peek(r) in ("*", "/")
+function chain(r::Reader, signs::Tuple{String, String}, part, join, opposite)::Value
+    found = part(r)
+    while peek(r) in signs
         r.at += 1
-        found = r.tokens[r.at - 1] == "*" ? mul(found, factor(r)) : mul(found, inverse(factor(r)))
+        plain = r.tokens[r.at - 1] == signs[1]
+        found = join(found, plain ? part(r) : opposite(part(r)))
     end
     return found
 end
-function sum_of(r::Reader)::Value
-    found = product_of(r)
-    while peek(r) in ("+", "-")
-        r.at += 1
-        found = r.tokens[r.at - 1] == "+" ? add(found, product_of(r)) : add(found, minus(product_of(r)))
-    end
-    return found
-end
+product_of(r::Reader)::Value = chain(r, ("*", "/"), factor, mul, inverse)
+sum_of(r::Reader)::Value = chain(r, ("+", "-"), product_of, add, minus)
 function number(text::AbstractString, digits::Int)::Value
     tokens = [String(m.match) for m in eachmatch(r"[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+|[a-z]+|\S", text)]
     r = Reader(tokens, 1, digits)
