@@ -23,12 +23,18 @@ class Arithmetic:
         (self.x * self.y - self.y * self.x).is_zero()
 
 
-class Order:
-    params = ["rk4", "gauss-2", "gauss-4", "gsymplectic-n", "g4123", "g6245-w3", "bdf-6"]
+class OfMethod:
     param_names = ["method"]
 
     def setup(self, name):
         self.method = load(name)
+
+
+class Order(OfMethod):
+    params = ["rk4", "gauss-2", "gauss-4", "gsymplectic-n", "g4123", "g6245-w3", "bdf-6"]
+
+    def setup(self, name):
+        super().setup(name)
         order_of(self.method)
 
     def time_free(self, name):
@@ -38,24 +44,20 @@ class Order:
         order_of(self.method, principal="identity")
 
 
-class Pairs:
+class Pairs(OfMethod):
     params = ["stormer-verlet", "suzuki-verlet-4", "lobatto-iiia-iiib-3"]
     param_names = ["pair"]
 
     def setup(self, name):
-        self.pair = load(name)
-        order_of(self.pair)
+        super().setup(name)
+        order_of(self.method)
 
     def time_order(self, name):
-        order_of(self.pair)
+        order_of(self.method)
 
 
-class Starting:
+class Starting(OfMethod):
     params = ["gsymplectic-n", "thesis-3-8"]
-    param_names = ["method"]
-
-    def setup(self, name):
-        self.method = load(name)
 
     def time_starting_order(self, name):
         Kernel(self.method).range("starting-order")

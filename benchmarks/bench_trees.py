@@ -13,37 +13,33 @@ def forget():
             del made[children]
 
 
-class Listing:
-    params = [6, 8, 10, 12]
+class FromNothing:
     param_names = ["order"]
     number = 1
 
     def setup(self, order):
         forget()
+
+
+class Listing(FromNothing):
+    params = [6, 8, 10, 12]
 
     def time_rooted(self, order):
         trees_up_to(order)
 
 
-class TwoColours:
+class TwoColours(FromNothing):
     params = [4, 6]
-    param_names = ["order"]
-    number = 1
-
-    def setup(self, order):
-        forget()
 
     def time_general(self, order):
         trees_up_to(order, GENERAL)
 
 
-class Cuts:
+class Cuts(FromNothing):
     params = [6, 8]
-    param_names = ["order"]
-    number = 1
 
     def setup(self, order):
-        forget()
+        super().setup(order)
         self.trees = trees_up_to(order)
 
     def time_growth_counts(self, order):

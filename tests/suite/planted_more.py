@@ -7,11 +7,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from glmref.catalogue.lookup import load
-from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.engine.reference import StageSolver
 
 from .planted import Base, StoppedBase, planted
-from .planted_runs import PLANTED, Foreign, RunOnly
+from .planted_runs import PLANTED, Foreign, Run, RunOnly
 from .real_defects import Rosenbrock
 
 __all__ = ["PLANTED", "Foreign"]
@@ -103,10 +102,8 @@ class FinishBackwards(Base):
 class AccurateStepHalved(RunOnly):
     """The error of a step is below what the vectors show as wrong."""
 
-    def solve(
-        self, method: str, problem: Any, h: float, steps: int, start: Any = None
-    ) -> np.ndarray:
-        return super().solve(method, problem, h / 2, 2 * steps, start)[-1]
+    def rows(self, run: Run) -> np.ndarray:
+        return run.rows(h=run.h / 2, steps=2 * run.steps)[-1]
 
 
 @planted("trajectory", methods=("dormand-prince-5",))
@@ -134,14 +131,11 @@ class LastSlopeOfWrongStage(Base):
 class PastNotCarried(RunOnly):
     """The slope of the first step is used in all steps."""
 
-    def solve(
-        self, method: str, problem: Any, h: float, steps: int, start: Any = None
-    ) -> np.ndarray:
-        engine, rows = Reference(self.methods), [np.array(start)[0]]
-        values = np.array(start)
-        for n in range(steps):
-            new = engine.step(method, problem, problem.t_span[0] + n * h, values, h)
-            values = np.array([new[0], *values[1:]])
+    def rows(self, run: Run) -> np.ndarray:
+        values = np.array(run.start)
+        rows = [values[0]]
+        for n in range(run.steps):
+            values = np.array([run.step(n, values)[0], *values[1:]])
             rows.append(values[0])
         return np.array(rows)
 
@@ -152,14 +146,12 @@ class HistoryReversed(RunOnly):
 
     starts = "own"
 
-    def solve(
-        self, method: str, problem: Any, h: float, steps: int, start: Any = None
-    ) -> np.ndarray:
-        f, t, y = problem.f, problem.t_span[0], np.array(problem.y0)
+    def rows(self, run: Run) -> np.ndarray:
+        f, h, t, y = run.problem.f, run.h, run.t(0), np.array(run.problem.y0)
         rows, slopes = [y], [f(t, y)]
-        for n in range(steps):
+        for n in range(run.steps):
             if n < 3:
-                y = Foreign().step("", problem, t, y, h)
+                y = Foreign().step("", run.problem, t, y, h)
             else:
                 y = y + h / 24 * np.array([55, -59, 37, -9]) @ np.array(slopes)
             t += h
