@@ -99,17 +99,21 @@ def carried_out(
     return [one["value"] for one in map(store.find, tasks) if one is not None]
 
 
-def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:
-    """Return the document of a measurement with what was measured.
+def head_of(module: str, name: str, title: str, **said: Any) -> dict[str, Any]:
+    """Return how the document of a measurement begins.
 
     ``module`` is what follows ``python -m campaigns.`` in the command that measures it, without the
     file.
     """
     return {
         "format": "glmref-measurement-1", "name": name, "title": title,
-        "how": f"python -m campaigns.{module} FILE", "notes": list(notes),
-        "where": circumstances(), **rest,
+        "how": f"python -m campaigns.{module} FILE", **said,
     }  # fmt: skip
+
+
+def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:
+    """Return the document of a measurement with what was measured; see :func:`head_of`."""
+    return head_of(module, name, title, notes=list(notes), where=circumstances(), **rest)
 
 
 def complete(path: Path, document: Mapping[str, Any]) -> None:

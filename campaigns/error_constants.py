@@ -17,7 +17,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import arguments, fingerprint, renew
+from campaigns.driver import arguments, fingerprint, head_of, renew
 from glmref.catalogue.lookup import load, names
 from glmref.method import Method
 from glmref.theory.coefficients import first_nonzero
@@ -144,15 +144,14 @@ def main(path: Path) -> int:
     """Bring the file up to date and return how many methods were computed."""
     return renew(
         path,
-        {
-            "format": "glmref-measurement-1",
-            "name": "error-constants",
-            "title": "Error constants: residuals of the trees one order beyond",
-            "how": "python -m campaigns.error_constants FILE",
-            "measured": "Computed exactly or in balls, rounded to six digits. norm: Euclidean, of "
+        head_of(
+            "error_constants",
+            "error-constants",
+            "Error constants: residuals of the trees one order beyond",
+            measured="Computed exactly or in balls, rounded to six digits. norm: Euclidean, of "
             "residual over symmetry. Where the principal part is free, it is chosen so that trees "
             "with a leaf at the root have no residual.",
-        },
+        ),
         "methods",
         ({"method": name, "fingerprint": fingerprint(name)} for name in names("methods")),
         row,

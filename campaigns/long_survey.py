@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import Case, arguments, fingerprint, renew
+from campaigns.driver import Case, arguments, fingerprint, head_of, renew
 from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.long_runs import LOST, ONE_VALUE, UNITS, three_digits
 from glmref.catalogue.advice import ADVICE, SHORT
@@ -193,13 +193,13 @@ NOTE = (
     f"coarse: it passes {USEFUL:g} in the first 10^4 steps. A method that grows or is lost is run "
     f"again with its values made anew every {RENEW:,} steps."
 )
-HEAD = {
-    "format": "glmref-measurement-1",
-    "name": "long-survey",
-    "title": "Long runs on eight problems at three step sizes",
-    "how": "python -m campaigns.long_survey FILE [STEPS METHOD ..]",
-    "notes": [NOTE],
-}
+HEAD = head_of(
+    "long_survey",
+    "long-survey",
+    "Long runs on eight problems at three step sizes",
+    how="python -m campaigns.long_survey FILE [STEPS METHOD ..]",
+    notes=[NOTE],
+)
 
 
 def advice() -> str:

@@ -22,7 +22,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from campaigns.driver import Case, arguments, fingerprint, renew
+from campaigns.driver import Case, arguments, fingerprint, head_of, renew
 from campaigns.fixed_point import Run, number, rounded
 from glmref import modified
 from glmref.catalogue.lookup import load
@@ -123,13 +123,12 @@ NOTE = (
     "then with half of it and twice as many. parasitic: largest entry of the parasitic part of the "
     "values at the end of both."
 )
-HEAD = {
-    "format": "glmref-measurement-1",
-    "name": "modified-slopes",
-    "title": "Drift of the energy and of modified energies as the step size is halved",
-    "how": "python -m campaigns.modified_slopes FILE",
-    "notes": [NOTE],
-}
+HEAD = head_of(
+    "modified_slopes",
+    "modified-slopes",
+    "Drift of the energy and of modified energies as the step size is halved",
+    notes=[NOTE],
+)
 
 if __name__ == "__main__":
     path = Path(arguments(sys.argv[1:])[0])

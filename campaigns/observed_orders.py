@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import ORDERS, arguments, fingerprint, renew
+from campaigns.driver import ORDERS, arguments, fingerprint, head_of, renew
 from glmref.catalogue.lookup import document, load, names
 from glmref.measure.convergence import ConvergenceRecord, effective_order, isochronous, method_order
 from glmref.method import Method, PartitionedGLM
@@ -100,16 +100,15 @@ def main(path: Path) -> int:
     """Bring the file up to date and return how many cases were measured."""
     return renew(
         path,
-        {
-            "format": "glmref-measurement-1",
-            "name": "observed-orders",
-            "title": "Orders seen in runs, beside those that are proved",
-            "how": "python -m campaigns.observed_orders FILE",
-            "measured": "Runs at doubled numbers of steps in extended precision on nonlinear "
+        head_of(
+            "observed_orders",
+            "observed-orders",
+            "Orders seen in runs, beside those that are proved",
+            measured="Runs at doubled numbers of steps in extended precision on nonlinear "
             "problems, base-2 logarithms of ratios of differences, Richardson extrapolation until "
             "two agree to 0.01; steps: of the finest run. An order that a start and a finish can "
             "reach is seen after a period of an isochronous problem.",
-        },
+        ),
         "orders",
         (
             {"method": x.method, "claim": x.claim, "fingerprint": fingerprint(x.method)}

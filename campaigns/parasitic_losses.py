@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import Case, arguments, renew
+from campaigns.driver import Case, arguments, head_of, renew
 from campaigns.long_survey import PROBLEMS, loaded
 from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.long_runs import three_digits
@@ -188,13 +188,12 @@ NOTE = (
     "verdict, step and level of glmref.predict, and departure: the first power of ten at least ten "
     "times the early energy errors, and the step by which the energy error passes it."
 )
-HEAD = {
-    "format": "glmref-measurement-1",
-    "name": "parasitic-losses",
-    "title": "Losses of long runs to their parasitic parts, seen and predicted",
-    "how": "python -m campaigns.parasitic_losses FILE",
-    "notes": [NOTE],
-}
+HEAD = head_of(
+    "parasitic_losses",
+    "parasitic-losses",
+    "Losses of long runs to their parasitic parts, seen and predicted",
+    notes=[NOTE],
+)
 PAGE = ROOT / "campaigns" / "long_survey.md"
 PAGES: Pages = {PAGE: {"parasitic-losses": table}}
 
