@@ -75,6 +75,13 @@ def scene_text(
     return "\n".join([*lines, "", "[problem]", problem, "", "[answer]", answer, ""])
 
 
+def tower_of_root(n: int, low: str, high: str) -> dict[str, Any]:
+    """Return a field as certificates have it, with sqrt(n) between two numbers as generator."""
+    generator = {"name": "g1", "polynomial": [str(-n), "0"]}
+    generator |= {"real": [low, high], "imag": ["0", "0"]}
+    return {"kind": "tower", "generators": [generator], "radicals": {f"sqrt({n})": "g1"}}
+
+
 def high(digits: int = 40) -> Any:
     """Return an mpmath context of so many digits."""
     context = mpmath.MPContext()

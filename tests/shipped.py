@@ -6,12 +6,13 @@ family would take longer than the quick tests of several subpackages.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-from glmref.catalogue.files import document
+from glmref.catalogue.files import document, names
+from glmref.catalogue.keys import PAIRS
 from glmref.catalogue.lookup import load
 from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
@@ -22,6 +23,16 @@ from glmref.method.entries import Entries, as_vector
 def shipped(name: str) -> Mapping[str, Any]:
     """Return the members of a shipped file, to be read and not to be changed."""
     return MappingProxyType(document(name))
+
+
+def claiming(*keys: str, without: Container[str] = PAIRS) -> list[str]:
+    """Return the shipped methods, but for some classes, that claim one of these properties."""
+    return [
+        name
+        for name in names("methods")
+        if any(shipped(name)["claims"].get(key) is True for key in keys)
+        and shipped(name)["class"] not in without
+    ]
 
 
 def tableau(name: str) -> tuple[Matrix, Vector]:

@@ -16,17 +16,11 @@ from glmref.judge.refusals import NotShown
 from glmref.judge.series import Solved
 from glmref.judge.towers import Tower
 from glmref.prove.verifier import facts_for
-from tests.build import SOURCE
+from tests.build import SOURCE, tower_of_root
 
 HEAD = {"format": "glmref-method-1", "name": "x"}
 #: The generator 2 with the polynomial x^2 - 4: g1 - 2 is 0, and does not reduce to 0.
-TWO = {
-    "kind": "tower",
-    "generators": [
-        {"name": "g1", "polynomial": ["-4", "0"], "real": ["1", "3"], "imag": ["0", "0"]}
-    ],
-    "radicals": {"sqrt(4)": "g1"},
-}
+TWO = tower_of_root(4, "1", "3")
 NIL = "sqrt(4)-2"
 #: g1 = 7 x + 3/100 x^2 - 5 x^3 is real for x = root(2, 4), and has nearly the real part of its value
 #: at i x, which stands as its conjugate: sqrt(2) would have the conjugate -sqrt(2).

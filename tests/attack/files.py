@@ -254,11 +254,16 @@ def _shape(draw: random.Random, doc: Any) -> Any:
     return doc
 
 
+def _object(doc: Any, key: str) -> Any:
+    """The object under a key, made where there is none."""
+    if not isinstance(doc.get(key), dict):
+        doc[key] = {}
+    return doc[key]
+
+
 def _claim(draw: random.Random, doc: Any) -> Any:
     """Another claim, or another value of one."""
-    claims = doc.get("claims")
-    if not isinstance(claims, dict):
-        claims = doc["claims"] = {}
+    claims = _object(doc, "claims")
     for _ in range(draw.choice((1, 1, 3))):
         claims[draw.choice((*CLAIMS, *CLAIMS, "zzz"))] = copy.deepcopy(draw.choice(DECLARED))
     return doc
@@ -300,9 +305,7 @@ def _constants(draw: random.Random, doc: Any) -> Any:
 
 def _enclosure(draw: random.Random, doc: Any) -> Any:
     """Radius, equations and unknowns that do not fit."""
-    block = doc.get("enclosure")
-    if not isinstance(block, dict):
-        block = doc["enclosure"] = {}
+    block = _object(doc, "enclosure")
     what = draw.randrange(4)
     if what == 0:
         block["radius"] = draw.choice(

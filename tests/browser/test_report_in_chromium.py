@@ -402,21 +402,24 @@ def test_the_keyboard_goes_from_point_to_point(chromium: Any, site: Path) -> Non
     assert chromium.execute_script(ring) == "visible"
 
 
-def test_the_legend_hides_and_shows_a_method(chromium: Any, site: Path) -> None:
+def pressed(chromium: Any, site: Path, which: str) -> tuple[Any, int]:
+    """Press a button of the legend; return it, and the number of marks before."""
     visit(chromium, site / f"run-{NAME}.html")
     before = marks(chromium)
-    button = chromium.find_element("css selector", f"{FIGURE} .legend button[aria-pressed]")
+    button = chromium.find_element("css selector", f"{FIGURE} .legend button{which}")
     button.click()
+    return button, before
+
+
+def test_the_legend_hides_and_shows_a_method(chromium: Any, site: Path) -> None:
+    button, before = pressed(chromium, site, "[aria-pressed]")
     assert button.get_attribute("aria-pressed") == "false" and marks(chromium) < before
     button.click()
     assert button.get_attribute("aria-pressed") == "true" and marks(chromium) == before
 
 
 def test_all_lines_are_hidden_and_shown_at_once(chromium: Any, site: Path) -> None:
-    visit(chromium, site / f"run-{NAME}.html")
-    before = marks(chromium)
-    button = chromium.find_element("css selector", f"{FIGURE} .legend button.all")
-    button.click()
+    button, before = pressed(chromium, site, ".all")
     drawn = chromium.find_element("css selector", f"{FIGURE} svg.chart").text
     assert marks(chromium) == 0 and "nothing to draw" in drawn
     chromium.find_element("css selector", f"{FIGURE} .legend button[aria-pressed]").click()

@@ -42,11 +42,17 @@ def power(method, n):
     return np.array([[complex(x).real for x in row] for row in result])
 
 
+def with_values(name):
+    """A method, and values of three components."""
+    method = load(name)
+    return method, np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
+
+
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_a_field_of_zero_applies_v(name):
-    method, steps = load(name), 5
-    start = np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
+    method, start = with_values(name)
+    steps = 5
     for engine in ("interpreted", "reference"):
         found = solve(problem("zero-field"), method, h=0.5, steps=steps, start=start, engine=engine)
         V = np.array([[float(x) for x in row] for row in method.V])
@@ -66,8 +72,8 @@ INTEGRAL = [
 @pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", INTEGRAL)
 def test_a_field_of_zero_applies_an_integral_v_to_the_last_bit(name):
-    method, steps = load(name), 7
-    start = np.arange(1.0, 3 * method.r + 1).reshape(method.r, 3)
+    method, start = with_values(name)
+    steps = 7
     # the standard form keeps the method's own basis: values are neither scaled nor scaled back
     for options in ({"engine": "interpreted", "form": "standard"}, {"engine": "reference"}):
         found = solve(problem("zero-field"), method, h=0.1, steps=steps, start=start, **options)

@@ -15,21 +15,12 @@ from glmref.engine.solve import solve
 from glmref.measure.longtime import along, g_form
 from glmref.problems import problem
 from glmref.prove.facts import facts_of
-from tests.shipped import shipped
+from tests.shipped import claiming, shipped
 
 #: The bound is linear in the number of steps: of few it asks as much of each as of many, and
 #: tests/laws/test_engine_laws.py has the long runs.
 STEPS = 250
 SEEDS = (1, 7, 23)
-
-
-def claimed(*keys):
-    return [
-        name
-        for name in names("methods")
-        if any(shipped(name)["claims"].get(key) is True for key in keys)
-        and shipped(name)["class"] not in PAIRS
-    ]
 
 
 def refuted():
@@ -91,7 +82,7 @@ def bound(method, steps=STEPS):
 
 
 #: Stage equations solved by iteration, weakly unstable: shorter runs keep them in range.
-FORMS = claimed("g-symplectic", "symplectic")
+FORMS = claiming("g-symplectic", "symplectic")
 FAST = {"gauss-1", "gauss-2", "gsymplectic-n", "gsymplectic-p", "s4-symmetric", "g6245"}
 
 

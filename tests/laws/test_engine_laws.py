@@ -23,6 +23,7 @@ from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.starting_values import zero_start
 from glmref.prove.facts import facts_of
+from tests.shipped import claiming as claimed
 from tests.shipped import shipped
 
 EPS = 2.0**-52
@@ -38,13 +39,8 @@ facts = cache(lambda name: facts_of(load_once(name)))
 
 def claiming(*keys):
     """Real methods for one system that claim one of these properties."""
-    return [
-        name
-        for name in names("methods")
-        if any(shipped(name)["claims"].get(key) is True for key in keys)
-        and shipped(name)["class"] not in {*PAIRS, "additive", "rosenbrock"}
-        and shipped(name).get("field") != "complex"
-    ]
+    found = claimed(*keys, without={*PAIRS, "additive", "rosenbrock"})
+    return [name for name in found if shipped(name).get("field") != "complex"]
 
 
 def skew(seed):

@@ -100,6 +100,19 @@ def with_weights(
     return found
 
 
+def assert_shown_by_its_own(
+    problem: TreeProblem, wrong: Tree, by: Fraction,
+    A: dict[str, list[Row]], b: dict[str, Row], steps: int,
+) -> None:  # fmt: skip
+    """The problem of the tree that is wrong has its error in one place, the others have none."""
+    once, more = (error(A, b, problem, n) for n in (1, steps))
+    if problem.tree is wrong:
+        # order 3 in place of 4: the error of n steps is n (1/n)^4 times that of the tree
+        assert (once[problem.shows], more[problem.shows]) == (by, by / steps**3)
+        once[problem.shows] = more[problem.shows] = Fraction(0)
+    assert not any(once) and not any(more), problem.name
+
+
 @given(data=st.data())
 @examples(15)
 def test_a_method_wrong_at_one_tree_shows_it_on_that_problem_only(data: st.DataObject) -> None:
@@ -109,12 +122,7 @@ def test_a_method_wrong_at_one_tree_shows_it_on_that_problem_only(data: st.DataO
     b = {"o": with_weights(list(trees_up_to(ORDER)), A, wrong, by)}
     for kind in ("autonomous", "timed", "stiff"):
         for problem in of_order(kind, ORDER):
-            once, four = (error(A, b, problem, n) for n in (1, 4))
-            if problem.tree is wrong:
-                # order 3 in place of 4: the error of n steps is n (1/n)^4 times that of the tree
-                assert (once[problem.shows], four[problem.shows]) == (by, by / 4**3)
-                once[problem.shows] = four[problem.shows] = Fraction(0)
-            assert not any(once) and not any(four), problem.name
+            assert_shown_by_its_own(problem, wrong, by, A, b, 4)
 
 
 @given(data=st.data())
@@ -128,11 +136,7 @@ def test_a_pair_wrong_at_one_tree_shows_it_on_that_problem_only(data: st.DataObj
     b = {root: with_weights([t for t in listed if t.colour == root], A, wrong, by) for root in "fk"}
     b["o"] = b["f"]
     for problem in of_order("separable", ORDER):
-        once, two = (error(A, b, problem, n) for n in (1, 2))
-        if problem.tree is wrong:
-            assert (once[problem.shows], two[problem.shows]) == (by, by / 2**3)
-            once[problem.shows] = two[problem.shows] = Fraction(0)
-        assert not any(once) and not any(two), problem.name
+        assert_shown_by_its_own(problem, wrong, by, A, b, 2)
 
 
 def test_the_set_has_each_tree_in_each_kind() -> None:

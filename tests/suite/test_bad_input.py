@@ -123,6 +123,16 @@ def _spent() -> float:
     return sum(os.times()[:4])
 
 
+@pytest.fixture
+def one_sentence(capsys: pytest.CaptureFixture[str]) -> Callable[..., None]:
+    """Assert that a command of these words says what is wrong in one sentence."""
+
+    def run(*words: str) -> None:
+        _assert_one_sentence(main([*words]), *capsys.readouterr())
+
+    return run
+
+
 def _assert_one_sentence(code: int, out: str, err: str) -> None:
     assert code == 2
     assert out == ""
@@ -193,28 +203,28 @@ def test_the_documents_the_bad_ones_are_made_of_are_good(
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read all")
 def test_unreadable_file_gives_one_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, one_sentence: Callable[..., None]
 ) -> None:
     file = tmp_path / "method.json"
     file.write_bytes(_with())
     file.chmod(0)
-    _assert_one_sentence(main(["verify", str(file)]), *capsys.readouterr())
+    one_sentence("verify", str(file))
 
 
 def test_link_to_itself_gives_one_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, one_sentence: Callable[..., None]
 ) -> None:
     link = tmp_path / "method.json"
     link.symlink_to(link)
-    _assert_one_sentence(main(["verify", str(link)]), *capsys.readouterr())
+    one_sentence("verify", str(link))
 
 
 def test_file_name_with_a_line_end_stays_on_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, one_sentence: Callable[..., None]
 ) -> None:
     file = tmp_path / "a\n\x1b[2Jb.json"
     file.write_text("{}")
-    _assert_one_sentence(main(["verify", str(file)]), *capsys.readouterr())
+    one_sentence("verify", str(file))
 
 
 def test_a_bad_file_among_good_ones_costs_only_its_own_result(

@@ -23,17 +23,11 @@ from glmref.judge.numbers import Box, apart, live, may_vanish, real, sign, squar
 from glmref.judge.refusals import Refused, Undecided
 from glmref.judge.rules_symplectic import unit_forms
 from glmref.judge.trees import show, trees
-from tests.build import refused
+from tests.build import refused, tower_of_root
 
 ROOT = Path(__file__).resolve().parents[2]
 
-SQRT3 = {
-    "kind": "tower",
-    "generators": [
-        {"name": "g1", "polynomial": ["-3", "0"], "real": ["1", "2"], "imag": ["0", "0"]}
-    ],
-    "radicals": {"sqrt(3)": "g1"},
-}
+SQRT3 = tower_of_root(3, "1", "2")
 RATIONAL = {"kind": "rational"}
 
 
@@ -492,9 +486,7 @@ def test_a_complex_number_times_an_interval_is_a_rectangle():
         assert type(found) is Box
         assert not apart(found - z) and apart(found - (-1 - z)) and apart(found)
         assert not apart(found * z - (-1 - z)) and not apart(z * found - (-1 - z))
-    field = {"kind": "tower", "generators": [
-        {"name": "g1", "polynomial": ["-2", "0"], "real": ["1", "2"], "imag": ["0", "0"]}]}  # fmt: skip
-    root = Numbers({**field, "radicals": {}}).number("g1")
+    root = Numbers(tower_of_root(2, "1", "2")).number("g1")
     assert {type(x) for x in (root * near_1, near_1 * root, root + near_1)} == {Interval}
 
 

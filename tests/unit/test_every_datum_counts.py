@@ -100,6 +100,11 @@ def _is_plain(block: Any) -> bool:
     return True
 
 
+def slopes_of(A: Any, t: float, y: np.ndarray) -> Any:
+    """Slopes at the stages of a block, whose c is A 1."""
+    return explicit_step(A, [str(sum(map(Fraction, row))) for row in A], t, y)
+
+
 @pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("engine", ENGINES)
@@ -108,8 +113,7 @@ def test_the_start_of_the_file_makes_the_first_values(engine: str) -> None:
     assert chosen
     for name in chosen:
         start = document(name)["starting"]
-        c = [str(sum(map(Fraction, row))) for row in start["A"]]
-        slopes = explicit_step(start["A"], c, 0.25, y := np.array([0.75, 1 / 3]))
+        slopes = slopes_of(start["A"], 0.25, y := np.array([0.75, 1 / 3]))
         wanted = np.outer(numbers(start["u"]), y) + H * numbers(start["B"]) @ np.array(slopes)
         found = step_of(name, engine, history=True, every=1)
         np.testing.assert_allclose(found.history[0], wanted, rtol=1e-14, atol=1e-15)
@@ -126,8 +130,7 @@ def test_the_finish_of_the_file_makes_the_solution(engine: str) -> None:
         end = document(name)["finishing"]
         found = step_of(name, engine, history=True)
         z = found.history[-1][0]
-        c = [str(sum(map(Fraction, row))) for row in end["A"]]
-        slopes = explicit_step(end["A"], c, 0.25 + H, z)
+        slopes = slopes_of(end["A"], 0.25 + H, z)
         wanted = z + H * numbers(end["b"]) @ np.array(slopes)
         np.testing.assert_allclose(found.y[-1], wanted, rtol=1e-14)
         assert np.abs(wanted - z).max() > 1e-6

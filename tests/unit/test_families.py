@@ -56,34 +56,38 @@ CASES = [
 ]
 
 
+def followed(alpha, beta):
+    """Return the coefficients and four values after k of the recursion."""
+    a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
+    return a, b, multistep_values(a, b, [Fraction(m, 3) for m in range(1, len(a))], 4)
+
+
+def assert_follows(method, values, y):
+    """Steps give the recursion, from values as exact numbers on."""
+    for expected in y:
+        values = step(method, values)
+        assert values[0] == expected
+
+
 @pytest.mark.parametrize(("alpha", "beta"), CASES)
 def test_multistep_glm_reproduces_the_recursion(alpha, beta):
-    a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
+    a, b, y = followed(alpha, beta)
     k = len(a) - 1
-    y = multistep_values(a, b, [Fraction(m + 1, 3) for m in range(k)], 4)
     m = linear_multistep(alpha, beta)
     implicit = b[k] != 0
     ys = k - min(next(i for i, x in enumerate(a) if x), k - 1)
     fs = m.r - ys
     newest = k - 1 if implicit else k - 2
     carried = [y[k - 1 - j] for j in range(ys)] + [LAMBDA * y[newest - j] for j in range(fs)]
-    values = [exact(x) for x in carried]
-    for n in range(4):
-        values = step(m, values)
-        assert values[0] == y[k + n]
+    assert_follows(m, [exact(x) for x in carried], y[k:])
 
 
 @pytest.mark.parametrize(("alpha", "beta"), CASES[:5])
 def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
-    a, b = [Fraction(x) for x in alpha], [Fraction(x) for x in beta]
-    k = len(a) - 1
     # on a linear problem f(sum beta y) = sum beta f(y): the twin follows the same recursion
-    y = multistep_values(a, b, [Fraction(m + 1, 3) for m in range(k)], 4)
-    m = one_leg(alpha, beta)
-    values = [exact(y[k - 1 - j]) for j in range(k)]
-    for n in range(4):
-        values = step(m, values)
-        assert values[0] == y[k + n]
+    a, _, y = followed(alpha, beta)
+    k = len(a) - 1
+    assert_follows(one_leg(alpha, beta), [exact(y[k - 1 - j]) for j in range(k)], y[k:])
 
 
 def test_splitting_is_the_step_it_says():

@@ -466,16 +466,22 @@ at = 1e-4
 """
 
 
-@pytest.mark.slow
-def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def with_own_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with a scene of the user."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "duffing.toml").write_text(OWN, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
+    with_own_scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["run", "duffing.toml", "--format", "json"]) == 0
     answer = json.loads(capsys.readouterr().out)["answer"]
     assert main(["report"]) == 0
-    site = tmp_path / "report" / "pages"
+    site = with_own_scene / "report" / "pages"
     written = {path.name for path in site.rglob("*") if path.is_file()}
     assert written == {"index.html", "run-duffing.html", "measured.html", "glmref-report.txt"}
     page, index = (
@@ -490,16 +496,14 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     for text in ("What is proved here", "All methods", "observed-orders", "Errata"):
         assert text not in index and text not in page
     assert main(["report", "duffing.toml", "--output", "again"]) == 0  # its records, by its file
-    assert (tmp_path / "again" / "run-duffing.html").read_text(encoding="utf-8") == page
+    assert (with_own_scene / "again" / "run-duffing.html").read_text(encoding="utf-8") == page
     assert main(["report", "--all", "--output", "whole"]) == 0
-    assert (tmp_path / "whole" / "method-rk4.html").is_file()
+    assert (with_own_scene / "whole" / "method-rk4.html").is_file()
 
 
 def test_without_results_the_report_says_what_to_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    with_own_scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "duffing.toml").write_text(OWN, encoding="utf-8")
     for given, words in (
         ([], "no results in report, .asv/results; write some with `glmref run SCENE`"),
         (["."], "no results in .; write some with"),
@@ -508,7 +512,7 @@ def test_without_results_the_report_says_what_to_run(
         assert main(["report", *given]) == 2
         said = capsys.readouterr()
         assert words in said.err and said.err.count("\n") == 1 and not said.out
-    assert not (tmp_path / "report").exists()
+    assert not (with_own_scene / "report").exists()
 
 
 def test_claims_and_audited_tables_are_found_by_their_words(tmp_path: Path) -> None:
