@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 from zlib import crc32
 
@@ -171,3 +171,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if left_out:
         config.hook.pytest_deselected(items=[item for item in items if item in left_out])
         items[:] = [item for item in items if item not in left_out]
+
+
+@pytest.fixture
+def cli(capsys: pytest.CaptureFixture[str]) -> Callable[..., Any]:
+    """Run a command line of these words, which ends with ``code``; return what it writes."""
+    from glmref.cli import main
+
+    def run(*words: object, code: int = 0) -> Any:
+        capsys.readouterr()
+        assert main([str(x) for x in words]) == code
+        return capsys.readouterr()
+
+    return run

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 
 from glmref.catalogue.lookup import data_root, document, names
-from glmref.cli import main
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -66,15 +65,14 @@ def test_the_readme_is_short() -> None:
 
 
 def test_the_misprint_of_the_example_is_named_as_shown(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     block = re.search(r"```json\n(.*?)```", README, re.DOTALL)
     shown = re.search(r"^\$ glmref verify tableau.json\n(.*?)```", README, re.DOTALL | re.MULTILINE)
     assert block is not None and shown is not None
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tableau.json").write_text(block[1], encoding="utf-8")
-    assert main(["verify", "tableau.json"]) == 1
-    assert capsys.readouterr().out == shown[1]
+    assert cli("verify", "tableau.json", code=1).out == shown[1]
 
 
 def test_the_python_example_runs() -> None:

@@ -89,15 +89,14 @@ def test_the_exit_code_is_that_of_an_unexpected_verdict(
     assert "1 method of 1 integrator, 0 did not run" in capsys.readouterr().out
 
 
-def test_a_recipe_names_what_the_line_of_the_list_names(capsys: Any) -> None:
+def test_a_recipe_names_what_the_line_of_the_list_names(cli) -> None:
     for name, needs in SHIPPED.items():
         text = recipe(name)
         assert all(
             word in text.split() for word in (*needs.packages.split(), *needs.system.split())
         )
         assert text.startswith("FROM python:") and f'"{name}"' in text
-    assert main(["board", "--recipe", "scipi"]) == 2
-    assert "scipy" in capsys.readouterr().err
+    assert "scipy" in cli("board", "--recipe", "scipi", code=2).err
 
 
 def test_a_name_that_is_no_adapter_is_refused(tmp_path: Path, capsys: Any) -> None:

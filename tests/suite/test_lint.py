@@ -64,11 +64,10 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_a_wrong_entry_is_named_with_its_line(repository: Path, capsys, tmp_path: Path) -> None:
+def test_a_wrong_entry_is_named_with_its_line(repository: Path, cli, tmp_path: Path) -> None:
     (repository / "wrong.json").write_text(WRONG)
     sarif, badge = tmp_path / "x.sarif", tmp_path / "badge.json"
-    assert main(["lint", "--sarif", str(sarif), "--badge", str(badge)]) == 1
-    said = capsys.readouterr()
+    said = cli("lint", "--sarif", sarif, "--badge", badge, code=1)
     places = re.findall(r"^(\S+):(\d+): error: ", said.out, re.MULTILINE)
     assert places == [("src/rk.c", "4"), ("src/rk.c", "12"), ("wrong.json", "8")]
     assert "a[2][1] is 1/3 and should be 2/3" in said.out
@@ -85,24 +84,21 @@ def test_a_wrong_entry_is_named_with_its_line(repository: Path, capsys, tmp_path
 
 
 @pytest.mark.slow
-def test_only_tables_with_changed_lines_are_judged(repository: Path, capsys) -> None:
-    assert main(["lint", "--since", "HEAD^", "--format", "github"]) == 1
-    said = capsys.readouterr()
+def test_only_tables_with_changed_lines_are_judged(repository: Path, cli) -> None:
+    said = cli("lint", "--since", "HEAD^", "--format", "github", code=1)
     (line,) = said.out.splitlines()
     assert line.startswith("::error file=src/rk.c,line=12,title=glmref table::T1: order 1")
     assert "1 table: 1 error" in said.err
-    assert main(["lint", "--since", "HEAD"]) == 0
-    assert "0 tables" in capsys.readouterr().err
+    assert "0 tables" in cli("lint", "--since", "HEAD").err
 
 
-def test_a_table_of_which_a_line_was_taken_out_is_judged(repository: Path, capsys) -> None:
+def test_a_table_of_which_a_line_was_taken_out_is_judged(repository: Path, cli) -> None:
     lines = WRONG.splitlines(keepends=True)
     (repository / "w.json").write_text(WRONG)
     git(repository, "add", ".")
     git(repository, "commit", "--quiet", "-m", "w")
     (repository / "w.json").write_text("".join(lines[:6] + lines[7:]))
-    assert main(["lint", "--since", "HEAD"]) == 1
-    assert capsys.readouterr().out.startswith("w.json:")
+    assert cli("lint", "--since", "HEAD", code=1).out.startswith("w.json:")
 
 
 @pytest.mark.parametrize(
@@ -138,18 +134,14 @@ def test_what_is_a_tableau_and_what_is_said_of_it(
         (["--since", "--output=x"], "no such commit"),
     ],
 )
-def test_what_is_not_there_is_refused(
-    words: list[str], said: str, repository: Path, capsys
-) -> None:
-    assert main(["lint", *words]) == 2
-    assert said in capsys.readouterr().err
+def test_what_is_not_there_is_refused(words: list[str], said: str, repository: Path, cli) -> None:
+    assert said in cli("lint", *words, code=2).err
 
 
-def test_since_outside_of_a_checkout_is_refused(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_since_outside_of_a_checkout_is_refused(tmp_path: Path, monkeypatch, cli) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
-    assert main(["lint", "--since", "HEAD"]) == 2
-    assert "git cannot answer here" in capsys.readouterr().err
+    assert "git cannot answer here" in cli("lint", "--since", "HEAD", code=2).err
 
 
 def test_messages_do_not_end_a_workflow_command(repository: Path, capsys) -> None:
@@ -252,11 +244,9 @@ def test_the_hook_takes_every_ending_that_is_read() -> None:
     assert not re.search(hook["files"], "x.csv")
 
 
-def test_the_only_file_of_a_folder_is_read_as_when_it_is_named(tmp_path: Path, capsys) -> None:
+def test_the_only_file_of_a_folder_is_read_as_when_it_is_named(tmp_path: Path, cli) -> None:
     own = "double A[2][2] = {{0, 0}, {%s, 0}}, b[2] = {0, 1}, c[2] = {0, 0.5};\n"
     (tmp_path / "own.c").write_text(own % "0.5")
-    assert main(["lint", str(tmp_path)]) == 0
-    assert "1 table: 0 errors" in capsys.readouterr().err
+    assert "1 table: 0 errors" in cli("lint", tmp_path).err
     (tmp_path / "other.c").write_text("int main(void) { return 0; }\n")
-    assert main(["lint", str(tmp_path)]) == 2
-    assert "no table is found" in capsys.readouterr().err
+    assert "no table is found" in cli("lint", tmp_path, code=2).err

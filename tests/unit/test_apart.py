@@ -285,19 +285,17 @@ def test_entries_that_are_not_read_in_time_are_refused(
 
 @pytest.mark.slow
 def test_an_analysis_goes_on_with_the_next_question(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     path = written(tmp_path)
-    assert main(["analyze", path, "--format", "json"]) == 0
-    whole = json.loads(capsys.readouterr().out)
+    whole = json.loads(cli("analyze", path, "--format", "json").out)
     monkeypatch.setattr(process, "EXCESS", 0.5)  # the measurement after the record takes no more
     monkeypatch.setattr(verifier, "PROVING", 4.0)
     monkeypatch.setattr(analysis, "SHARES", 80)
     monkeypatch.setattr(analysis, "STABILITY", 0.05)
     monkeypatch.setattr(analysis, "staircase", computes)
     monkeypatch.setattr(analysis, "real_interval", computes)
-    assert main(["analyze", path, "--format", "json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(cli("analyze", path, "--format", "json").out)
     undecided = found.pop("undecided")
     assert set(undecided) == {"staircase", "real interval"}
     assert all("s of processor time is spent within one operation" in x for x in undecided.values())
@@ -320,7 +318,7 @@ def test_an_analysis_of_questions_without_answers_ends_when_all_is_spent(
 
 
 def test_check_says_that_nothing_was_decided(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], cli
 ) -> None:
     path = tmp_path / "tableau.json"
     path.write_text(json.dumps({"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}))
@@ -328,17 +326,15 @@ def test_check_says_that_nothing_was_decided(
     monkeypatch.setattr(import_module("glmref.audit.check"), "examine", computes)
     monkeypatch.setattr("glmref.system.budget.PROVING", 0.05)
     capsys.readouterr()
-    assert main(["check", str(path)]) == 3
-    assert "within one operation, and nothing was decided" in capsys.readouterr().err
+    assert "within one operation, and nothing was decided" in cli("check", path, code=3).err
 
 
 @pytest.mark.slow
 def test_certificates_of_a_proof_that_does_not_return_are_said_to_be_missing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     path = written(tmp_path)
-    assert main(["certify", path]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = cli("certify", path).out.splitlines()
     assert [json.loads(x)["statement"]["claim"] for x in lines] == [
         "order", "symplectic", "explicit",
     ]  # fmt: skip
@@ -347,8 +343,7 @@ def test_certificates_of_a_proof_that_does_not_return_are_said_to_be_missing(
         verifier, "facts_for", lambda x: computes() if x.name == "heun" else facts_for(x)
     )
     monkeypatch.setattr(verifier, "PROVING", 0.05)
-    assert main(["certify", path]) == 3
-    out, err = capsys.readouterr()
+    out, err = cli("certify", path, code=3)
     assert (out, err) == ("", f"glmref: {path}: {SPENT}, and no certificate was written\n")
     count, missing = write_certificates([path, "rk4"], tmp_path)
     assert count and missing[0] == f"{path}: {SPENT}"

@@ -82,19 +82,14 @@ def test_a_torn_file_is_named(tmp_path: Path) -> None:
     refused(DataError, r"^torn.json: no result file of asv", read_results, folder)
 
 
-def test_stored_results_are_shown(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_stored_results_are_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli) -> None:
     store(tmp_path / ".asv" / "results")
     monkeypatch.chdir(tmp_path)
-    assert main(["bench", "--stored", "--format", "csv"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = cli("bench", "--stored", "--format", "csv").out.splitlines()
     assert lines[0] == "benchmark,commit,method,steps,time_run,track_error"
     assert lines[2] == "b.Work,01234567,gauss-2,2000,2 (1.9 to 2.1),1e-05"
-    assert main(["bench", "--stored", "--format", "json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["cells"]) == 5
-    assert main(["bench", "--stored"]) == 0
-    assert "gauss-2" in capsys.readouterr().out
+    assert len(json.loads(cli("bench", "--stored", "--format", "json").out)["cells"]) == 5
+    assert "gauss-2" in cli("bench", "--stored").out
 
 
 ASV = """
@@ -139,9 +134,8 @@ def test_asv_is_called_as_it_wants(
 
 
 def test_outside_a_checkout_one_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["bench"]) == 2
-    assert "there is no asv.conf.json here" in capsys.readouterr().err
+    assert "there is no asv.conf.json here" in cli("bench", code=2).err
     assert main(["bench", "--stored"]) == 2

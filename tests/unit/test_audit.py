@@ -53,24 +53,22 @@ def test_an_unread_table_has_no_verdict() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
+def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, cli) -> None:
     (tmp_path / "good.py").write_text(source("python.txt"))
     bad = source("python.txt").replace("[0, 3/4, 0]]", "[0, f(2), 0]]")
     (tmp_path / "bad.py").write_text(bad[bad.index("class RK3") : bad.index("class RadauIIA3")])
-    assert main(["audit", str(tmp_path)]) == 1
-    out = capsys.readouterr()
+    out = cli("audit", tmp_path, code=1)
     rows = [json.loads(x) for x in out.out.splitlines()]
     assert {(x["path"], x["status"]) for x in rows} >= {("bad.py", "unread"), ("good.py", "wrong")}
     assert "1 wrong" in out.err
 
 
 def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
-    tmp_path: Path, capsys: Any
+    tmp_path: Path, capsys: Any, cli
 ) -> None:
     """Plain C arrays, which no reader takes; and one table that is read beside one that is not."""
     (tmp_path / "rk.c").write_text("double A[2][2] = {{0, 0}, {1, 0}};\ndouble b[2] = {.5, .5};\n")
-    assert main(["audit", str(tmp_path / "rk.c"), "--format", "odeint"]) == 2
-    out = capsys.readouterr()
+    out = cli("audit", tmp_path / "rk.c", "--format", "odeint", code=2)
     assert out.out == "" and "no table is found in" in out.err and "--from" in out.err
     path = tmp_path / "two.json"
     path.write_text('[{"A": [[0]], "b": [1], "order": 1}, {"A": [[0]], "b": [1, 2]}]')
@@ -80,8 +78,7 @@ def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
     assert main(["audit", str(path), "--format", "json", "--strict", "--fast"]) == 1
     path = tmp_path / "one.json"
     path.write_text('{"A": [[0]], "b": [1, 2]}')
-    assert main(["audit", str(path), "--format", "json"]) == 2
-    assert "no table is understood in" in capsys.readouterr().err
+    assert "no table is understood in" in cli("audit", path, "--format", "json", code=2).err
 
 
 def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
@@ -92,9 +89,8 @@ def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", ["petsc", "julia", "kpp"])
-def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, capsys: Any) -> None:
-    assert main(["audit", str(tmp_path), "--format", form]) == 2
-    assert "holds no file" in capsys.readouterr().err
+def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, cli) -> None:
+    assert "holds no file" in cli("audit", tmp_path, "--format", form, code=2).err
 
 
 def with_abscissae(name: str) -> dict[str, Any]:
@@ -324,12 +320,11 @@ def test_a_table_that_a_step_completes_is_unread(tmp_path: Path) -> None:
     assert (found["status"], found["found"]) == ("right", 2)
 
 
-def test_the_notation_is_given_with_from_as_in_import(tmp_path: Path, capsys: Any) -> None:
+def test_the_notation_is_given_with_from_as_in_import(tmp_path: Path, cli) -> None:
     """``--format``, which elsewhere is that of the output, is accepted, too."""
     source = tmp_path / "weights.c"
     source.write_text("double a21 = 1.0;\ndouble b1 = 0.5;\ndouble b2 = 0.5;\n", encoding="utf-8")
     found = []
     for option in ("--from", "--format"):
-        assert main(["audit", str(source), option, "constants", "--all"]) == 0
-        found.append(capsys.readouterr().out)
+        found.append(cli("audit", source, option, "constants", "--all").out)
     assert found[0] == found[1] and '"found": 2' in found[0]

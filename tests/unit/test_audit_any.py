@@ -30,15 +30,13 @@ def test_every_ending_has_a_language() -> None:
     assert language_of(Path("a.unknown")) is None
 
 
-def test_the_command_needs_no_format(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_needs_no_format(tmp_path: Path, cli) -> None:
     """Several paths, one with a wrong table; without any table nothing is green."""
     right, wrong = tmp_path / "right.py", tmp_path / "wrong.py"
     right.write_text(CLASSES, "utf-8")
     wrong.write_text(CLASSES.replace("[0, 2 / 3, 0]]", "[0, 2 / 5, 0]]"), "utf-8")
-    assert main(["audit", str(right), "--all"]) == 0
-    assert json.loads(capsys.readouterr().out)["status"] == "right"
-    assert main(["audit", str(right), str(wrong)]) == 1
-    (record,) = map(json.loads, capsys.readouterr().out.splitlines())
+    assert json.loads(cli("audit", right, "--all").out)["status"] == "right"
+    (record,) = map(json.loads, cli("audit", right, wrong, code=1).out.splitlines())
     assert (record["path"], record["name"]) == ("wrong.py", "Heun3")
     other = tmp_path / "other"
     other.mkdir()

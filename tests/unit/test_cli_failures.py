@@ -43,11 +43,10 @@ def broken(name: str, **options: object) -> list[Finding]:
 
 
 def test_an_unexpected_exception_is_one_sentence_and_exit_3(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     monkeypatch.setattr(verification, "verify_file", broken)
-    assert main(["verify", "rk4", "euler", "gauss-2", "--format", "json"]) == 3
-    out, err = capsys.readouterr()
+    out, err = cli("verify", "rk4", "euler", "gauss-2", "--format", "json", code=3)
     assert [f["method"] for f in json.loads(out)["findings"]] == ["rk4", "gauss-2"]
     assert err.count("\n") == 1
     assert err.startswith("glmref: internal error while checking euler (RuntimeError: the sky")
@@ -55,16 +54,15 @@ def test_an_unexpected_exception_is_one_sentence_and_exit_3(
 
 
 def test_debugging_shows_the_traceback_of_an_internal_error(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     monkeypatch.setattr(verification, "verify_file", broken)
     monkeypatch.setenv("GLMREF_DEBUG", "1")
-    assert main(["verify", "euler"]) == 3
-    assert "Traceback" in capsys.readouterr().err
+    assert "Traceback" in cli("verify", "euler", code=3).err
 
 
 def test_an_exception_outside_any_file_is_one_sentence_too(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     from glmref.catalogue import lookup as catalogue
 
@@ -72,13 +70,11 @@ def test_an_exception_outside_any_file_is_one_sentence_too(
         raise ZeroDivisionError("of the program")
 
     monkeypatch.setattr(catalogue, "load", fail)
-    assert main(["show", "rk4"]) == 3
-    err = capsys.readouterr().err
+    err = cli("show", "rk4", code=3).err
     assert err.count("\n") == 1
     assert "internal error (ZeroDivisionError: of the program)" in err
     monkeypatch.setenv("GLMREF_DEBUG", "1")
-    assert main(["show", "rk4"]) == 3
-    assert "Traceback" in capsys.readouterr().err
+    assert "Traceback" in cli("show", "rk4", code=3).err
 
 
 @pytest.mark.slow
@@ -141,7 +137,7 @@ def test_the_standard_input_is_utf_8_whatever_the_terminal_has(encoding: str) ->
 
 @pytest.mark.parametrize("form", ["json", "junit", "csv", "table"])
 def test_interruption_keeps_what_was_found_and_leaves_with_130(
-    form: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    form: str, monkeypatch: pytest.MonkeyPatch, cli
 ) -> None:
     def interrupted(name: str, **options: object) -> list[Finding]:
         if name == "gauss-2":
@@ -149,8 +145,7 @@ def test_interruption_keeps_what_was_found_and_leaves_with_130(
         return [Finding(name, "order", 4, Verdict.HOLDS, 4)]
 
     monkeypatch.setattr(verification, "verify_file", interrupted)
-    assert main(["verify", "rk4", "euler", "gauss-2", "rk38", "--format", form]) == 130
-    out, err = capsys.readouterr()
+    out, err = cli("verify", "rk4", "euler", "gauss-2", "rk38", "--format", form, code=130)
     assert err == "glmref: interrupted after 2 of 4 files\n"
     assert "rk4" in out
     assert "euler" in out

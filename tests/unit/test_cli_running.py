@@ -33,10 +33,9 @@ def scene(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_path, capsys):
+def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_path, cli):
     out = tmp_path / "out"
-    assert main(["run", str(scene), "--output", str(out)]) == 0
-    printed = capsys.readouterr().out
+    printed = cli("run", scene, "--output", out).out
     for word in ("A tiny scene", "heun-2", "state error", "a heun-2   b rk4", "answer  relative"):
         assert word in printed
     assert len(Records(out / "tiny.sqlite")) == 4
@@ -45,12 +44,10 @@ def test_a_run_prints_table_picture_and_answer_and_leaves_records(scene, tmp_pat
 
 
 @pytest.mark.slow
-def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_path, capsys):
-    assert main(["run", str(scene), "--output", str(tmp_path / "a")]) == 0
-    before = capsys.readouterr().out
+def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_path, cli):
+    before = cli("run", scene, "--output", tmp_path / "a").out
     scene.write_text(SCENE.replace('"state", ', '"state", "orbit", '), encoding="utf-8")
-    assert main(["run", str(scene), "--output", str(tmp_path / "b")]) == 0
-    after = capsys.readouterr().out
+    after = cli("run", scene, "--output", tmp_path / "b").out
     # what stands above the names of the pictures: run times differ, words and shape do not
     above = [text[: text.index("pictures in")] for text in (before, after)]
     assert above[0].splitlines()[:3] == above[1].splitlines()[:3]
@@ -62,14 +59,12 @@ def test_an_orbit_is_a_picture_beside_the_others_and_no_line_more(scene, tmp_pat
 
 
 @pytest.mark.slow
-def test_json_is_one_document_with_the_records(scene, tmp_path, capsys):
-    assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_json_is_one_document_with_the_records(scene, tmp_path, cli):
+    document = json.loads(cli("run", scene, "--output", tmp_path, "--format", "json").out)
     assert document["format"] == "glmref-run-1"
     assert (document["measured"], document["resumed"]) == (4, 0)
     assert len(document["records"]) == 4
-    assert main(["run", str(scene), "--output", str(tmp_path), "--format", "json"]) == 0
-    again = json.loads(capsys.readouterr().out)
+    again = json.loads(cli("run", scene, "--output", tmp_path, "--format", "json").out)
     assert (again["measured"], again["resumed"]) == (0, 4)
     assert again["records"] == document["records"]
 
@@ -82,37 +77,32 @@ def test_csv_has_a_row_for_each_record(scene, tmp_path, capsys):
     assert float(table[-1]["state error"]) < 1e-4
 
 
-def test_the_plan_runs_nothing_and_writes_nothing(scene, tmp_path, capsys):
+def test_the_plan_runs_nothing_and_writes_nothing(scene, tmp_path, cli):
     out = tmp_path / "out"
-    assert main(["run", str(scene), "--plan", "--output", str(out)]) == 0
-    printed = capsys.readouterr().out
+    printed = cli("run", scene, "--plan", "--output", out).out
     for word in ("question", "imported", "flint, numpy, mpmath, llvmlite", "about 3.6e+02"):
         assert word in printed
     assert not out.exists()
-    assert main(["run", str(scene), "--plan", "--format", "json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["tasks"]) == 4
+    assert len(json.loads(cli("run", scene, "--plan", "--format", "json").out)["tasks"]) == 4
 
 
-def test_shipped_scenes_are_listed_with_their_questions(capsys):
-    assert main(["run", "--list"]) == 0
-    assert "parasitism" in capsys.readouterr().out
+def test_shipped_scenes_are_listed_with_their_questions(cli):
+    assert "parasitism" in cli("run", "--list").out
 
 
 @pytest.mark.slow
-def test_a_failing_method_makes_code_3_and_no_traceback(scene, tmp_path, capsys):
+def test_a_failing_method_makes_code_3_and_no_traceback(scene, tmp_path, cli):
     scene.write_text(
         SCENE.replace('"heun-2"', '"stormer-verlet"').replace("harmonic-oscillator", "rigid-body"),
         encoding="utf-8",
     )
-    assert main(["run", str(scene), "--output", str(tmp_path)]) == 3
-    captured = capsys.readouterr()
+    captured = cli("run", scene, "--output", tmp_path, code=3)
     assert "not applicable" in captured.out and "rk4" in captured.out
     assert "Traceback" not in captured.err
 
 
-def test_an_output_that_is_a_file_is_refused(scene, capsys):
-    assert main(["run", str(scene), "--output", str(scene)]) == 2
-    assert capsys.readouterr().err.count("\n") >= 1
+def test_an_output_that_is_a_file_is_refused(scene, cli):
+    assert cli("run", scene, "--output", scene, code=2).err.count("\n") >= 1
 
 
 def glmref(*arguments, **options):
@@ -154,10 +144,9 @@ def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scen
 
 
 @pytest.mark.slow
-def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_path, capsys):
+def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_path, cli):
     out = tmp_path / "out"
-    assert main(["run", str(scene), "--output", str(out), "--format", "jsonl"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = cli("run", scene, "--output", out, "--format", "jsonl").out.splitlines()
     assert [json.loads(line) for line in lines] == list(Records(out / "tiny.sqlite"))
     (out / "tiny.sqlite").unlink()
     path = out / "tiny.jsonl"
@@ -166,18 +155,16 @@ def test_records_of_another_version_end_with_code_2_and_one_sentence(scene, tmp_
         del record["sha256"]
     older = "".join(json.dumps(record) + "\n" for record in records)
     path.write_text(older, encoding="utf-8")
-    assert main(["run", str(scene), "--output", str(out)]) == 2
-    captured = capsys.readouterr()
+    captured = cli("run", scene, "--output", out, code=2)
     assert captured.out == ""
     assert captured.err.count("\n") == 1 and "'glmref-record-0'" in captured.err
     assert path.read_text(encoding="utf-8") == older  # nothing was overwritten
 
 
 @pytest.mark.slow
-def test_the_page_of_a_run_fits_80_columns(scene, tmp_path, capsys):
+def test_the_page_of_a_run_fits_80_columns(scene, tmp_path, cli):
     scene.write_text(SCENE.replace('"heun-2"', '"suzuki-verlet-4"'), encoding="utf-8")
-    assert main(["run", str(scene), "--output", str(tmp_path / "out")]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = cli("run", scene, "--output", tmp_path / "out").out.splitlines()
     named = [line for line in lines if str(tmp_path) not in line]  # a path is not broken
     assert max(map(len, named)) <= 80, max(named, key=len)
 

@@ -22,15 +22,13 @@ from glmref.derive import recipes
 ANSATZ = Path(__file__).with_name("three-stages.toml")
 
 
-def test_without_a_recipe_the_recipes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["derive"]) == 0
-    text = capsys.readouterr().out
+def test_without_a_recipe_the_recipes_are_listed(cli) -> None:
+    text = cli("derive").out
     assert all(name in text for name in recipes.names())
 
 
-def test_the_list_of_recipes_comes_as_json_too(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["derive", "--format", "json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def test_the_list_of_recipes_comes_as_json_too(cli) -> None:
+    found = json.loads(cli("derive", "--format", "json").out)
     assert found["format"] == "glmref-recipes-1"
     assert [x["name"] for x in found["recipes"]] == recipes.names()
     options = {x["name"]: x["options"] for x in found["recipes"]}
@@ -38,26 +36,20 @@ def test_the_list_of_recipes_comes_as_json_too(capsys: pytest.CaptureFixture[str
 
 
 @pytest.mark.parametrize("words", [["order6", "--help"], ["--help", "order6"], ["order6", "-h"]])
-def test_help_after_a_recipe_is_that_of_the_recipe(
-    words: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["derive", *words]) == 0
-    text = capsys.readouterr().out
+def test_help_after_a_recipe_is_that_of_the_recipe(words: list[str], cli) -> None:
+    text = cli("derive", *words).out
     assert "glmref derive order6" in text
     assert "--c2" in text and "default: 1/3" in text
     assert ":mod:" not in text
 
 
-def test_an_ansatz_that_is_not_toml_is_one_sentence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_ansatz_that_is_not_toml_is_one_sentence(tmp_path: Path, cli) -> None:
     path = tmp_path / "a.toml"
     path.write_bytes(b"stages = \xff")
-    assert main(["derive", str(path)]) == 2
-    assert "a.toml: byte 9 is not UTF-8" in capsys.readouterr().err
+    assert "a.toml: byte 9 is not UTF-8" in cli("derive", path, code=2).err
 
 
-def command(*words: str) -> list[str]:
+def cli(*words: str) -> list[str]:
     return [sys.executable, "-m", "glmref", "derive", *words]
 
 
@@ -87,7 +79,7 @@ def test_a_search_that_is_stopped_goes_on_where_it_was(
     """Interrupted or killed, the second run takes over what the first one kept."""
     state = tmp_path / "state"
     words = [str(ANSATZ), "--starts", "96", "--state", str(state)]
-    process = subprocess.Popen(command(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen(cli(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     wait_for_records(state, 1, process)
     process.send_signal(how)
     _, complaint = process.communicate()
@@ -108,13 +100,13 @@ def test_a_search_that_is_stopped_goes_on_where_it_was(
 def test_progress_is_shown_on_a_terminal_and_nowhere_else() -> None:
     leader, follower = pty.openpty()
     termios.tcsetwinsize(follower, (24, 80))
-    run = subprocess.run(command("yoshida6"), stderr=follower, stdout=subprocess.PIPE, check=True)
+    run = subprocess.run(cli("yoshida6"), stderr=follower, stdout=subprocess.PIPE, check=True)
     os.close(follower)
     shown = os.read(leader, 100_000).decode()
     os.close(leader)
     assert "A:" in shown and "%" in shown
     assert b'"yoshida-6-midpoint"' in run.stdout
-    silent = subprocess.run(command("yoshida6"), capture_output=True, check=True)
+    silent = subprocess.run(cli("yoshida6"), capture_output=True, check=True)
     assert b"%" not in silent.stderr
 
 

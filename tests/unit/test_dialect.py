@@ -60,13 +60,12 @@ def verdicts(capsys: Any, command: str, file: str) -> tuple[int, list[str]]:
 
 @pytest.mark.sampled(1, whole=6)
 @pytest.mark.parametrize("dialect", DIALECTS)
-def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys: Any) -> None:
+def test_every_command_takes_every_dialect(dialect: str, tmp_path: Path, capsys: Any, cli) -> None:
     file = write(tmp_path, DIALECTS[dialect])
     for command in ("check", "verify"):
         code, found = verdicts(capsys, command, file)
         assert code == 0 and set(found) == {"holds"}
-    assert main(["analyze", file, "--format", "json"]) == 0
-    record = json.loads(capsys.readouterr().out)
+    record = json.loads(cli("analyze", file, "--format", "json").out)
     assert (record["order"], record["order_proved"]) == (2, [2, 2])
     assert main(["show", file, "--plot", str(tmp_path / "x.svg")]) == 0
     for target in ("C", "cpp", "json"):
@@ -234,30 +233,25 @@ def test_a_method_in_doubles_has_order_4_to_16_digits_first(tmp_path: Path, caps
     ],
 )
 def test_a_claim_that_fails_says_what_was_found(
-    claim: dict[str, Any], sentence: str, tmp_path: Path, capsys: Any
+    claim: dict[str, Any], sentence: str, tmp_path: Path, cli
 ) -> None:
     file = write(tmp_path, {"A": [["1/2"]], "b": ["1"], "claims": claim})
-    assert main(["check", file]) == 1
-    assert capsys.readouterr().out == sentence + "\n"
+    assert cli("check", file, code=1).out == sentence + "\n"
 
 
 def test_parts_at_other_times_than_their_row_sums_are_checked_only(
-    tmp_path: Path, capsys: Any
+    tmp_path: Path, capsys: Any, cli
 ) -> None:
     part = {"A": HEUN_A, "b": HEUN_B, "c": ["1/4", "3/4"]}
     file = write(tmp_path, {"parts": [part, part], "order": 1})
     assert verdicts(capsys, "check", file) == verdicts(capsys, "verify", file) == (0, ["holds"])
-    assert main(["analyze", file]) == 2
-    assert "`parts[1].c` is not A 1" in capsys.readouterr().err
+    assert "`parts[1].c` is not A 1" in cli("analyze", file, code=2).err
 
 
-def test_a_splitting_that_does_not_say_what_is_first_is_asked_for_it(
-    tmp_path: Path, capsys: Any
-) -> None:
+def test_a_splitting_that_does_not_say_what_is_first_is_asked_for_it(tmp_path: Path, cli) -> None:
     file = write(tmp_path, {"a": ["1/2", "1/2"], "b": [1, 0], "order": 2})
     for command in ("check", "verify", "analyze", "show"):
-        assert main([command, file]) == 2
-        assert '"first": "q"' in capsys.readouterr().err
+        assert '"first": "q"' in cli(command, file, code=2).err
     assert main(["check", write(tmp_path, {"a": ["1/2", "1/2"], "b": [1], "order": 2})]) == 0
     both = {"a": ["1/2", "1/2"], "b": [1, 0], "order": 2, "first": "q"}
     assert main(["check", write(tmp_path, both)]) == 0
@@ -300,23 +294,18 @@ SAID = ("format", "name", "class", "claims", "source", "title", "notes", "$schem
     ],
 )
 def test_analyze_and_show_read_it_and_verify_and_cite_say_what_is_missing(
-    content: dict[str, Any], tmp_path: Path, capsys: Any
+    content: dict[str, Any], tmp_path: Path, cli
 ) -> None:
     file = str(write(tmp_path, content))
-    assert main(["analyze", file]) == 0
-    assert "order with the identity" in capsys.readouterr().out
-    assert main(["analyze", file, "--format", "json"]) == 0
-    assert json.loads(capsys.readouterr().out)["order"] == 2
-    assert main(["show", file]) == 0
-    assert "1/2" in capsys.readouterr().out
-    assert main(["verify", file]) == 2
-    out, err = capsys.readouterr()
+    assert "order with the identity" in cli("analyze", file).out
+    assert json.loads(cli("analyze", file, "--format", "json").out)["order"] == 2
+    assert "1/2" in cli("show", file).out
+    out, err = cli("verify", file, code=2)
     assert out == "" and err == (
         "glmref: mine.json: there is nothing to verify, since the file makes no claims; "
         "`glmref analyze mine.json` says what the method is\n"
     )
-    assert main(["cite", file]) == 2
-    out, err = capsys.readouterr()
+    out, err = cli("cite", file, code=2)
     assert out == "" and "has no source to cite; add `source`" in err
 
 

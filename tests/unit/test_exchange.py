@@ -7,7 +7,6 @@ import os
 from fractions import Fraction
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import pytest
 
@@ -58,10 +57,9 @@ def test_every_target_names_method_source_and_version(target: str) -> None:
     ],
 )
 def test_what_is_left_out_is_named_in_the_comment_and_on_stderr(
-    name: str, target: str, absent: list[str], capsys: pytest.CaptureFixture[str]
+    name: str, target: str, absent: list[str], cli
 ) -> None:
-    assert main(["export", name, "--to", target]) == 0
-    out, err = capsys.readouterr()
+    out, err = cli("export", name, "--to", target)
     comment = " ".join(out.replace("*", "").replace("#", "").replace("%", "").split())
     assert (f"Left out: {', '.join(absent)}." in comment) == bool(absent)
     said = f"glmref: {name}: left out of what is written: {', '.join(absent)}\n"
@@ -363,16 +361,12 @@ def test_a_comment_that_contradicts_the_table_is_not_believed() -> None:
         import_tables.read_table(text.replace("exact b: sqrt(2)/2;", "exact b:"), "petsc")
 
 
-def test_the_commands_write_files_and_say_what_is_wrong(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_commands_write_files_and_say_what_is_wrong(tmp_path: Path, cli) -> None:
     table, method = tmp_path / "heun.c", tmp_path / "heun.json"
     assert main(["export", "heun-2", "--to", "petsc", "--output", str(table)]) == 0
     assert main(["import", str(table), "--from", "petsc", "--output", str(method)]) == 0
-    assert main(["verify", str(method)]) == 0
-    capsys.readouterr()
-    assert main(["export", "heun-2", "--to", "json"]) == 0
-    assert '"b": ["1/2", "1/2"]' in capsys.readouterr().out
+    cli("verify", method)
+    assert '"b": ["1/2", "1/2"]' in cli("export", "heun-2", "--to", "json").out
     for words, reason in (
         (["export", "heun-2", "--to", "c", "--output", str(tmp_path)], "is a folder"),
         (["import", str(tmp_path / "none"), "--from", "petsc"], "cannot be read"),
@@ -380,13 +374,11 @@ def test_the_commands_write_files_and_say_what_is_wrong(
         (["export", "heun-2", "--to", "cobol"], "cobol"),
         (["export", "g6245", "--to", "sundials"], "carries 4 values"),
     ):
-        assert main(words) == 2
-        error = capsys.readouterr().err
+        error = cli(*words, code=2).err
         assert reason in error
         assert error.count("\n") == 1
     (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
-    assert main(["import", str(tmp_path / "binary"), "--from", "petsc"]) == 2
-    assert "UTF-8" in capsys.readouterr().err
+    assert "UTF-8" in cli("import", tmp_path / "binary", "--from", "petsc", code=2).err
 
 
 @pytest.mark.parametrize(
@@ -430,9 +422,8 @@ def test_a_hostile_table_is_refused_at_once(form: str, text: str, said: str) -> 
     assert process_time() - begun < 5
 
 
-def test_an_import_reads_regular_files_of_bounded_size_only(tmp_path: Path, capsys: Any) -> None:
+def test_an_import_reads_regular_files_of_bounded_size_only(tmp_path: Path, cli) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "large").write_bytes(b" " * 4_000_001)
     for name, said in (("pipe", "named pipe"), ("large", "at most"), ("/dev/zero", "a device")):
-        assert main(["import", str(tmp_path / name), "--from", "petsc"]) == 2
-        assert said in capsys.readouterr().err
+        assert said in cli("import", tmp_path / name, "--from", "petsc", code=2).err

@@ -16,7 +16,6 @@ import pytest
 
 from glmref.catalogue.canonical import canonical, checksums
 from glmref.catalogue.files import data_root, names
-from glmref.cli import main
 from glmref.errors import DataError
 from glmref.exchange.feed import VERSION, output_folder, write_feed
 
@@ -142,12 +141,11 @@ def test_bad_input_is_one_sentence(
     said: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    cli,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there" / "v1").mkdir(parents=True)
-    assert main(["feed", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert said in cli("feed", *words, code=2).err
 
 
 def test_a_certificate_that_states_another_verdict_is_an_error(tmp_path: Path) -> None:

@@ -49,14 +49,11 @@ def odd(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     return path
 
 
-def test_no_command_reads_what_is_no_file(
-    odd: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_command_reads_what_is_no_file(odd: Path, monkeypatch: pytest.MonkeyPatch, cli) -> None:
     monkeypatch.chdir(odd.parent)
     odd.rename("odd.toml")
     for command in ("verify", "show", "run", "derive"):
-        assert main([command, "odd.toml"]) == 2
-        captured = capsys.readouterr()
+        captured = cli(command, "odd.toml", code=2)
         assert captured.out == "" and captured.err.count("\n") == 1 and "odd.toml" in captured.err
 
 

@@ -172,25 +172,19 @@ def test_a_terminal_gets_no_control_character_of_a_file(
     assert captured.out and not CONTROLS.search(captured.out + captured.err)
 
 
-def test_names_of_files_are_shown_without_control_characters(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_names_of_files_are_shown_without_control_characters(tmp_path: Path, cli) -> None:
     name = str(tmp_path / "a\x1b]0;x\x07\u202eb")
     for command in (["run", f"{name}.toml"], ["verify", f"{name}.json"], ["report", name]):
-        assert main(command) == 2
-        captured = capsys.readouterr()
+        captured = cli(*command, code=2)
         assert captured.err.count("\n") == 1 and not CONTROLS.search(captured.err)
 
 
 @pytest.mark.slow
-def test_texts_of_a_scene_reach_no_terminal_and_no_picture(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_texts_of_a_scene_reach_no_terminal_and_no_picture(tmp_path: Path, cli) -> None:
     path, text = tmp_path / "tiny.toml", HOSTILE.replace("\ud800", "")
     keys = {"methods": ["rk4"], "steps": [20], "t_end": 1, "ask": ["state", "picture"]}
     path.write_text(scene_text("tiny", title=text, question=text, **keys), encoding="utf-8")
-    assert main(["run", str(path), "--output", str(tmp_path / "out")]) == 0
-    captured = capsys.readouterr()
+    captured = cli("run", path, "--output", tmp_path / "out")
     assert not CONTROLS.search(captured.out + captured.err)
     for picture in (tmp_path / "out").glob("*.svg"):
         drawn(picture.read_text(encoding="utf-8").replace(DARK, "", 1))  # the one style

@@ -63,11 +63,10 @@ def test_the_output_is_the_same_with_the_cache_and_without(form, folder, own, ca
     assert output("--only", "order") != first  # another question
 
 
-def test_no_cache_reads_nothing_that_was_kept(folder, own, monkeypatch, capsys):
+def test_no_cache_reads_nothing_that_was_kept(folder, own, monkeypatch, cli):
     checked(own)
     monkeypatch.setattr("glmref.prove.verifier.verify_file", unanswered)
-    assert main(["verify", str(own), "--no-cache"]) == 3
-    assert "it was computed" in capsys.readouterr().err
+    assert "it was computed" in cli("verify", own, "--no-cache", code=3).err
 
 
 def test_an_entry_answers_for_its_bytes_its_name_its_claims_and_its_budget_alone(folder, own):

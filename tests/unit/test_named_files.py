@@ -80,29 +80,23 @@ def test_a_name_leads_into_the_folder_or_nowhere(inner: Path) -> None:
 
 
 @pytest.mark.parametrize("command", ["run", "problems", "compare"])
-def test_a_python_file_elsewhere_is_not_executed(
-    command: str, inner: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_python_file_elsewhere_is_not_executed(command: str, inner: Path, cli) -> None:
     """`problems` and `compare` executed it; only `run` refused."""
     path = inner / "scene.toml"
     for name in ways_out(inner, "evil.py"):
         problem = f'file = "{name}:make"'
         path.write_text(SCENE.replace("PROBLEM", problem).replace("METHOD", '"heun-2"'))
-        assert main([command, str(path)]) == 2
-        err = capsys.readouterr().err
+        err = cli(command, path, code=2).err
         assert "must lie in the folder of" in err and "file" in err and err.count("\n") == 1
         refused((DataError, UsageError), "must lie in the folder", from_path, path)
     assert not (inner.parent / "executed").exists()
 
 
-def test_what_can_be_refused_is_refused_before_a_file_is_executed(
-    inner: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_can_be_refused_is_refused_before_a_file_is_executed(inner: Path, cli) -> None:
     path = str(inner.parent / "evil.toml")
     for options in (["--tolerance", "2"], ["--methods", "rk5000"], ["--t-end", "x"]):
         assert main(["compare", path, *options]) == 2
-    assert main(["problems", path, path, "--format", "c"]) == 2
-    capsys.readouterr()
+    cli("problems", path, path, "--format", "c", code=2)
     assert not (inner.parent / "executed").exists()
     assert main(["problems", path]) == 0  # the near miss: named on the command line
     assert (inner.parent / "executed").exists()

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import glmref
-from glmref.cli import main
 from glmref.errors import DataError, UsageError
 from glmref.exact import Exact
 from glmref.exact.expression import parse
@@ -237,9 +236,8 @@ def test_columns_that_are_wrapped_are_all_there() -> None:
 
 
 @pytest.mark.slow
-def test_analyze_tells_stability_and_error_constants(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["analyze", "rk4"]) == 0
-    out = capsys.readouterr().out
+def test_analyze_tells_stability_and_error_constants(cli) -> None:
+    out = cli("analyze", "rk4").out
     for line in (
         "A-stable  no",
         "L-stable  no",
@@ -260,13 +258,10 @@ def test_analyze_tells_stability_and_error_constants(capsys: pytest.CaptureFixtu
     assert glmref.analyze("pair-6-7").stability["periodicity"] is None
 
 
-def test_analyze_names_the_row_that_is_not_consistent(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_analyze_names_the_row_that_is_not_consistent(cli, tmp_path: Path) -> None:
     path = tmp_path / "off.json"
     path.write_text(json.dumps({"A": [["0"]], "b": ["9/10"]}), encoding="utf-8")
-    assert main(["analyze", str(path)]) == 0
-    out = " ".join(capsys.readouterr().out.split())
+    out = " ".join(cli("analyze", path).out.split())
     assert "row 1 is off by -0.1" in out and "the others" not in out  # there are none
     two = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [2]], V=[[1, 0], [0, 1]])
     assert "row 2 is off" not in glmref.analyze(two).consistency_witness  # u is chosen for it

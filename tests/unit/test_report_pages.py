@@ -434,16 +434,14 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
-    tmp_path: Path, records, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, records, cli
 ) -> None:
     source = stored(tmp_path / "in", "oscillator-quick", [*records, {"format": "x"}])
     out = tmp_path / "one.html"
-    assert main(["report", str(source), "--single-file", "--output", str(out)]) == 0
-    said = capsys.readouterr()
+    said = cli("report", source, "--single-file", "--output", out)
     assert f"{len(records)} records" in said.out and str(out) in said.out
     assert "oscillator-quick.jsonl, line" in said.err and "'x'" in said.err
-    assert main(["report", str(tmp_path / "nothing")]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert len(cli("report", tmp_path / "nothing", code=2).err.splitlines()) == 1
 
 
 OWN = """\
@@ -475,11 +473,8 @@ def with_own_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
-    with_own_scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["run", "duffing.toml", "--format", "json"]) == 0
-    answer = json.loads(capsys.readouterr().out)["answer"]
+def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(with_own_scene: Path, cli) -> None:
+    answer = json.loads(cli("run", "duffing.toml", "--format", "json").out)["answer"]
     assert main(["report"]) == 0
     site = with_own_scene / "report" / "pages"
     written = {path.name for path in site.rglob("*") if path.is_file()}
@@ -501,16 +496,13 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(
     assert (with_own_scene / "whole" / "method-rk4.html").is_file()
 
 
-def test_without_results_the_report_says_what_to_run(
-    with_own_scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_results_the_report_says_what_to_run(with_own_scene: Path, cli) -> None:
     for given, words in (
         ([], "no results in report, .asv/results; write some with `glmref run SCENE`"),
         (["."], "no results in .; write some with"),
         (["duffing.toml"], "no results of duffing.toml in report; run `glmref run duffing.toml`"),
     ):
-        assert main(["report", *given]) == 2
-        said = capsys.readouterr()
+        said = cli("report", *given, code=2)
         assert words in said.err and said.err.count("\n") == 1 and not said.out
     assert not (with_own_scene / "report").exists()
 
