@@ -167,6 +167,44 @@ def dot_of_rationals(x: Sequence[flint.fmpq], y: Sequence[flint.fmpq]) -> flint.
     return found
 
 
+def product_of_rationals(M: list, N: list) -> list:
+    """Return the product of two matrices."""
+    spend()
+    return (flint.fmpq_mat(M) * flint.fmpq_mat(N)).tolist()
+
+
+class Applied:
+    """A matrix of rationals and intervals, made ready for many vectors."""
+
+    def __init__(self, rows: list) -> None:
+        self.rows, self.rational, self.balls = rows, None, []
+
+    def to_rationals(self, x: list) -> list:
+        """Return M x, M and x rational."""
+        spend()
+        if self.rational is None:
+            entries = [y for row in self.rows for y in row]
+            self.rational = flint.fmpq_mat(len(self.rows), len(x), entries)
+        return (self.rational * flint.fmpq_mat(len(x), 1, x)).entries()
+
+    def to_intervals(self, x: list) -> list:
+        """Return M x of a vector of intervals; where a row is 0, the exact zero.
+
+        The terms are added one by one: a product of matrices would round wide balls to fewer bits.
+        """
+        spend()
+        if not self.balls:
+            self.balls = [[(j, _split(y)[0]) for j, y in enumerate(row) if type(y) is Interval or y]
+                          for row in self.rows]  # fmt: skip
+        points, found = [y.ball for y in x], []
+        for row in self.balls:
+            total = None
+            for j, y in row:
+                total = y * points[j] if total is None else total + y * points[j]
+            found.append(flint.fmpq(0) if total is None else Interval(total))
+        return found
+
+
 def spread(nums: Sequence[int], codes: Sequence[int]) -> flint.fmpz_poly:
     """Return a polynomial in generators, one in a single variable with the codes as powers."""
     found = [0] * (codes[len(nums) - 1] + 1)

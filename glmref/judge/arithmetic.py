@@ -230,6 +230,36 @@ def dot_of_rationals(x: Sequence[Fraction], y: Sequence[Fraction]) -> Fraction:
     return Fraction(top, bottom)
 
 
+def product_of_rationals(M: list, N: list) -> list:
+    """Return the product of two matrices."""
+    columns = list(zip(*N, strict=True))
+    return [[dot_of_rationals(row, column) for column in columns] for row in M]
+
+
+def over_one_denominator(values: Sequence[Fraction]) -> tuple[list[int], int]:
+    """Return integers and the denominator that they have in common."""
+    common = math.lcm(*(x.denominator for x in values))
+    return [x.numerator * (common // x.denominator) for x in values], common
+
+
+class Applied:
+    """A matrix of rationals and intervals, made ready for many vectors."""
+
+    def __init__(self, rows: list) -> None:
+        self.rows, self.whole = rows, []
+
+    def to_rationals(self, x: list) -> list:
+        """Return M x, M and x rational: products of integers, each reduced once."""
+        if not self.whole:
+            self.whole = [over_one_denominator(row) for row in self.rows]
+        values, under = over_one_denominator(x)
+        return [Fraction(sum(map(mul, row, values)), common * under) for row, common in self.whole]
+
+    def to_intervals(self, x: list) -> list:
+        """Return M x of a vector of intervals; where a row is 0, the exact zero."""
+        return [dot_of_intervals(row, x) for row in self.rows]
+
+
 def spread(nums: Sequence[int], codes: Sequence[int]) -> list[tuple[int, int]]:
     """Return a polynomial in generators by the codes of its monomials, as pairs."""
     return [(codes[k], n) for k, n in enumerate(nums) if n]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import chain
 
 from .arithmetic import (
     RATIONAL,
+    Applied,
     Fraction,
     Gradient,
     Interval,
@@ -13,6 +15,7 @@ from .arithmetic import (
     dot_of_gradients,
     dot_of_intervals,
     dot_of_rationals,
+    product_of_rationals,
 )
 from .numbers import (
     Element,
@@ -85,17 +88,45 @@ def star(M: list) -> list:
     return [[conj(x) for x in column] for column in transpose(M)]
 
 
+class Matrix(list):
+    """Rows that are applied to many vectors: what the arithmetic makes of them is kept."""
+
+    def __init__(self, rows: Iterable[list]) -> None:
+        super().__init__(rows)
+        self.kinds, self.ready = kinds_of(self), None
+
+    def image(self, x: list) -> list | None:
+        """Return M x of rationals, or of a vector of intervals; None of other numbers."""
+        kinds = {*map(type, x)}
+        rational = kinds | self.kinds <= RATIONALS
+        if not rational and (kinds != {Interval} or not self.kinds <= INTERVALS):
+            return None
+        if self.ready is None:
+            self.ready = Applied(self)
+        return self.ready.to_rationals(x) if rational else self.ready.to_intervals(x)
+
+
+def kinds_of(rows: Iterable[list]) -> set[type]:
+    """Return the types of entries."""
+    return {*map(type, chain.from_iterable(rows))}
+
+
 def apply(M: list, x: list) -> list:
     """Return M x."""
-    return [dot(row, x) for row in M]
+    require(all(len(row) == len(x) for row in M), "shapes do not fit")
+    found = M.image(x) if type(M) is Matrix else None
+    return [dot(row, x) for row in M] if found is None else found
 
 
 def times(first: list, *others: list) -> list:
     """Return a product of matrices."""
     for M in others:
         require(len(first[0]) == len(M), "shapes do not fit")
-        columns = transpose(M)
-        first = [[dot(row, column) for column in columns] for row in first]
+        if kinds_of(first) | kinds_of(M) <= RATIONALS:
+            first = product_of_rationals(first, M)
+        else:
+            columns = transpose(M)
+            first = [[dot(row, column) for column in columns] for row in first]
     return first
 
 

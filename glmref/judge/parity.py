@@ -14,7 +14,7 @@ from .enclosed_pair import ALTERNATING, Pair
 from .fields import Numbers
 from .grammar import decimal_number, published_decimal
 from .krawczyk import Linear, at_values, box_around, only_root
-from .linalg import apply, diagonal, dot, equal, identity, kernel, minus, transpose
+from .linalg import Matrix, apply, diagonal, dot, equal, identity, kernel, minus, transpose
 from .numbers import as_reals, is_nil, total, vanishes
 from .refusals import SIZE, Document, as_list, as_object, as_text, keys, require, whole
 from .series import Series
@@ -125,7 +125,7 @@ def opposite(rows: list, images: list | None = None) -> None:
 def stage_series(A: list, q: int, base: Callable[[Tree], Number] | None = None) -> Series:
     """Return the series of Y_i = S + h sum A_ij f(Y_j) by classes, S with the series `base`."""
     U = [[Fraction(1)] if base else []] * len(A)
-    found = Series({"o": Component(A, U, [], [])}.__getitem__, {},
+    found = Series({"o": Component(Matrix(A), U, [], [])}.__getitem__, {},
                    lambda t: [base(t)] if base else [])  # fmt: skip
     found.q = q
     return found

@@ -9,6 +9,7 @@ from .arithmetic import Fraction, Number
 from .classes import reduced
 from .document import Component, Method, first_place, reading
 from .linalg import (
+    Matrix,
     apply,
     combine,
     dot,
@@ -50,7 +51,8 @@ class Series:
         cls, tables: Mapping[str, tuple[list, list]], u: dict[str, list] | None = None
     ) -> Series:
         """Return the series of a starting or finishing method, {colour: (A, B)}."""
-        parts = {c: Component(A, [[]] * len(A), B, []) for c, (A, B) in tables.items()}
+        parts = {c: Component(Matrix(A), [[]] * len(A), Matrix(B), [])
+                 for c, (A, B) in tables.items()}  # fmt: skip
         return cls(parts.__getitem__, u or {}, lambda tree: [])
 
     def derivative(self, tree: Tree) -> list:
@@ -85,8 +87,7 @@ class Series:
     def residual(self, tree: Tree) -> list:
         """Return R(t) = B xiD(t) - ((E eta)(t) - eta(t))."""
         left, weights = residual_weights(tree)
-        columns = self.value(tree), self.u[tree[0]], *map(self.eta_of, left)
-        return [dot(weights, list(values)) for values in zip(*columns, strict=True)]
+        return times([weights], [self.value(tree), self.u[tree[0]], *map(self.eta_of, left)])[0]
 
 
 def path_orders(method: Method, series: Series, colour: str, most: int) -> list[int]:
@@ -149,8 +150,9 @@ class Solved(Series):
             lift = inverse_matrix(combine(scale(-1, shift), border))
             first = None if c in method.declared or len(N) > 1 else first_place(u)
             self.u[c], self.k[c], self.w[c] = plain(u), first, plain(w)
-            self.W[c], self.N[c], self.lift[c] = plain(W), plain(N), plain(lift)
-            parts[c] = Component(plain(m.A), plain(m.U), plain(m.B), [])
+            self.W[c], self.N[c], self.lift[c] = Matrix(plain(W)), plain(N), plain(lift)
+            A, U, B = (Matrix(plain(x)) for x in (m.A, m.U, m.B))
+            parts[c] = Component(A, U, B, [])
         self.simple = all(len(N) == 1 for N in self.N.values())
         #: whether the values are the solution itself
         self.solved = identity_mode and all(m.r == 1 for m in method.parts.values())

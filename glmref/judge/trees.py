@@ -172,10 +172,15 @@ def paths(palette: Palette, order: int) -> list[Tree]:
 
 def pool_of(method: Method, order: int, nystrom: bool | str) -> list[Tree]:
     """Return the trees of one order that count."""
+    return counted(method.palette, method.system, order, nystrom)
+
+
+def counted(palette: Palette, system: str, order: int, nystrom: bool | str) -> list[Tree]:
+    """Return the trees of a palette that count for the systems of a method."""
     if nystrom in PATHS:
-        return paths(method.palette, order)
-    return [t for t in trees(method.palette, order)
-            if stands(t, method.system) and (not nystrom or is_nystrom(t))]  # fmt: skip
+        return paths(palette, order)
+    return [t for t in trees(palette, order)
+            if stands(t, system) and (not nystrom or is_nystrom(t))]  # fmt: skip
 
 
 def through(method: Method, order: int, nystrom: bool | str) -> list[Tree]:

@@ -112,10 +112,11 @@ class _Residuals:
     """
 
     def __init__(self, kernel: Any, exponent: int, nystrom: bool) -> None:
-        self.palette, self.system = tuple(kernel.palette.items()), kernel.method.system
-        self.nystrom, self.judge = nystrom, fast_judge()
+        self.palette, self.judge = tuple(kernel.palette.items()), fast_judge()
         tables = ((c, tuple(map(_rational, A))) for c, (A, *_) in kernel.blocks.items())
-        self.found = self.judge.rules_digits.sizes_of(tuple(tables), exponent)
+        self.found = self.judge.fixed_point.sizes_of(
+            tuple(tables), self.palette, kernel.method.system, nystrom, exponent
+        )
         self.one = self.found.one
 
     def weights(self, b: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,7 +143,7 @@ class _Residuals:
             Where they are more than the judge lists.
         """
         try:
-            return self.judge.trees.pool_of(self, n, self.nystrom)
+            return self.found.level(n)
         except Refused as error:
             raise ExactnessError(f"trees of order {n}: {error}") from error
 
@@ -150,15 +151,17 @@ class _Residuals:
         """Return the text of a tree."""
         return str(parse_tree(self.judge.trees.show(t)))
 
-    def through(self, order: int, b: Mapping[str, Any]) -> Iterator[Plain]:
-        """Yield trees through an order; residuals of the last two are bounded from above."""
+    def above(self, order: int, b: Mapping[str, Any], low: int, limit: int) -> Iterator[Plain]:
+        """Yield trees through an order that may have a residual above `limit`, or above `low`.
+
+        Of the latter, which rises from order to order, those that others surely exceed are left.
+        """
         for n in range(1, order + 1):
             level = self.level(n)
             if n < order - 1:
                 self.found.prepare(level)
-            else:
-                self.found.bound(level, b)
-            yield from level
+            low = max(low, *(int(x.largest - x.error) - 1 for x in self.found.groups(n, b)))
+            yield from self.found.above(n, b, min(low, limit))
 
     def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:
         """Compare the residuals of the weights by colour with what is declared."""
@@ -168,9 +171,7 @@ class _Residuals:
         low: int | Fraction = 0
         high: int | Fraction = 0
         largest: Plain | None = None
-        for t in self.through(order, b):
-            if int(self.found.most(t, b[t[0]])) < low:
-                continue
+        for t in self.above(order, b, -1, limit):
             x: int | Fraction
             y: int | Fraction
             x, y = self.residual(t, b)
@@ -190,7 +191,7 @@ class _Residuals:
                 reason = f"the residuals through order {order} are 0: claim the order without size"
                 return Sized(False, reason, order=order)
             if low and rounded_up(Fraction(low, self.one)) != rounded_up(Fraction(high, self.one)):
-                unsure = (t for t in self.through(order, b) if self.residual(t, b)[1] > low)
+                unsure = self.above(order, b, floor(low) - 1, limit)
                 high = max(low, *(self.exactly(t, b) for t in unsure))
             shown = rounded_up(Fraction(high, self.one))
             reason = f"the residuals through order {order} are at most {shown}"
@@ -204,7 +205,7 @@ class _Residuals:
 
     def vanish(self, b: Mapping[str, Any], order: int) -> bool:
         """Return whether all conditions through an order hold exactly."""
-        return all(self.exactly(t, b) == 0 for t in self.through(order, b))
+        return all(self.exactly(t, b) == 0 for n in range(1, order + 1) for t in self.level(n))
 
     def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
         """Return the largest residual through each order, last the first that is no rounding."""

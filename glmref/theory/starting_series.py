@@ -440,7 +440,9 @@ def _solver() -> Any:
                     as_numbers, (c.W, c.lift, c.A, c.U, c.B)
                 )
                 self.k[colour] = None
-                self.parts[colour] = series.Component(A, U, B, [[]] * len(c.u))
+                self.parts[colour] = series.Component(
+                    *map(series.Matrix, (A, U, B)), [[]] * len(c.u)
+                )
             palette, separable = tuple(of.palette.items()), not is_shared(of.palette)
             self.method = SimpleNamespace(
                 palette=palette, parts=self.parts, part=self.part, separable=separable

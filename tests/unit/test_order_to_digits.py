@@ -18,14 +18,14 @@ from glmref.errors import DataError
 from glmref.exact.judging import fast_judge
 from glmref.findings import Verdict
 from glmref.judge import verdict
-from glmref.judge.rules_digits import Sizes
-from glmref.judge.trees import read_tree
+from glmref.judge.fixed_point import Sizes
+from glmref.judge.trees import read_tree, show
 from glmref.prove import digits
 from glmref.prove.analysis import JUMP, _steps
 from glmref.prove.digits import LARGE, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
-from glmref.theory.trees import Tree, trees, trees_up_to
+from glmref.theory.trees import Tree, parse_tree, trees, trees_up_to
 from tests.build import SOURCE, refused
 
 KEY = ORDER_TO_DIGITS.key
@@ -62,17 +62,21 @@ def test_residuals_of_one_order_are_bounded_all_at_once(judge: Any, palette: Any
     """Never below the residual, and above it by less than one part in 2^100."""
     draw, rational = random.Random(3), judge.arithmetic.Fraction
     rows = [[rational(draw.randrange(-99, 99), 97) for _ in range(3)] for _ in range(8)]
-    sizes = judge.rules_digits.Sizes({c: rows[k : k + 3] for k, (c, _) in enumerate(palette)}, 200)
+    tables = {c: rows[k : k + 3] for k, (c, _) in enumerate(palette)}
+    sizes = judge.fixed_point.Sizes(tables, palette, "", False, 200)
     b = {c: sizes.weights(rows[k - 2]) for k, (c, _) in enumerate(palette)}
-    known = 0
     for n in range(1, 7):
-        level = judge.trees.trees(palette, n)
-        sizes.bound(level, b)
-        for t in level:
-            known += t in b[t[0]].most
-            most, exactly = sizes.most(t, b[t[0]]), sizes.exactly(t, b[t[0]])
-            assert exactly <= most <= exactly + sizes.one // 2**100, t
-    assert known > 20 * len(palette)
+        groups, level, bounds = sizes.groups(n, b), sizes.level(n), {}
+        for group in groups:
+            for k, gap in zip(group.places, group.gaps, strict=True):
+                bounds[level[k]] = abs(gap), group.error
+        assert bounds.keys() == set(level)
+        for t, (near, error) in bounds.items():
+            exactly = sizes.exactly(t, b[t[0]])
+            assert near - error <= exactly <= near + error < near + sizes.one // 2**100, t
+            assert t in sizes.above(n, b, near + error - 1)
+            assert t not in sizes.above(n, b, near + error)
+        assert n < 5 or len(groups) < len(level)
 
 
 def without_rows(*claimed: Any) -> dict[str, Any]:
@@ -356,7 +360,7 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
 
     for largest in (1, 1 << bits, 4 << bits):
         A, b = [entries(largest) for _ in range(s)], entries(largest)
-        fixed = Sizes({"o": A}, bits)
+        fixed = Sizes({"o": A}, (("o", "o"),), "", False, bits)
         weights = fixed.weights(b)
         row = [
             sum(x * y for x, y in zip(b, column, strict=True)) for column in zip(*A, strict=True)
@@ -373,6 +377,12 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
                 assert found.size == max(map(abs, found.values))
             low, high = fixed.residual(read_tree(str(tree)), weights)
             assert low <= residual(A, b, tree) / unit <= high
+        for n in range(1, 6):
+            for group in fixed.groups(n, {"o": weights}):
+                for k, gap in zip(group.places, group.gaps, strict=True):
+                    tree = parse_tree(show(fixed.level(n)[k]))
+                    off = abs(abs(gap) - residual(A, b, tree) / unit)
+                    assert off <= group.error, tree
 
 
 def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(
