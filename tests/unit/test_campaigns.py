@@ -139,31 +139,6 @@ def test_a_halton_sample_is_more_even_than_a_random_one(write: Write) -> None:
     assert gap("halton") <= 2 / 256 + 1e-9 < gap("random")  # two radical inverses are 1/256 apart
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ('kind = "resonance"', 'kind = "resonanz"', "line 5: `kind` must be one of"),
-        ("steps = 50", "step = 50", "renew; did you mean steps"),
-        ("steps = 50", "", "needs `steps` in"),
-        ("steps = 50", "steps = 50\nh = 1", "`h` is given twice"),
-        ("steps = 50", 'steps = "many"', "no task can be made of these values"),
-        ('["leapfrog-one-leg"]', '["leapfrok"]', "did you mean leapfrog"),
-        ('["leapfrog-one-leg"]', '{ having = "magic" }', "`grid.method` must be one of"),
-        ("count = 3\n", "count = 0\n", "`sample.count` must be a whole number"),
-        ("from = 1, to = 4", "from = 0, to = 4", "must be a positive number"),
-        ("seconds = 60", "minutes = 1", "the key 'minutes' is unknown"),
-        ('up = "h"\n', "", "`report.up` must be a text"),
-        ("count = 2 }", "count = 2, spacing = 'cubic' }", "must be one of 'linear', 'log'"),
-    ],
-)
-def test_what_is_wrong_in_a_file_is_said_with_its_line(
-    old: str, new: str, said: str, write: Write, capsys: pytest.CaptureFixture[str]
-) -> None:
-    caught = refused(DataError, "", load_campaign, write(old, new))
-    assert said in caught and len(caught) < 900
-    assert "small.toml: line " in caught
-
-
 def test_a_long_value_is_cut_in_the_sentence_about_it(tmp_path: Path) -> None:
     shipped = (data_root() / "campaigns" / "order8-partitioned.toml").read_text(encoding="utf-8")
     path = tmp_path / "mine.toml"

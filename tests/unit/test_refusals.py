@@ -1,4 +1,4 @@
-"""What is refused, as rows of ``refusals.toml``: calls and command lines, and a part of the sentence."""
+"""What is refused, as rows of ``refusals.toml``: calls, files and command lines, with the sentence."""
 
 from __future__ import annotations
 
@@ -62,6 +62,24 @@ def test_a_call_is_refused_in_one_sentence(
     sentence = refused(error, re.escape(words), call, *arguments, **keywords)
     assert sentence.startswith(group.get("begins", ""))
     assert sentence == words or not group.get("whole", False)
+
+
+FILES = [
+    pytest.param(group, *row, id=f"{group['about']}, {k}")
+    for group in ROWS["file"]
+    for k, row in enumerate(group["rows"], 1)
+]
+
+
+@pytest.mark.parametrize(("group", "old", "new", "words"), FILES)
+def test_a_file_is_refused_in_one_sentence(
+    group: dict[str, Any], old: str, new: str, words: str, tmp_path: Path
+) -> None:
+    text, path = group.get("text", ""), tmp_path / group["name"]
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    sentence = refused(errors.DataError, re.escape(words), _named(group["call"]), path)
+    assert sentence.startswith(group["begins"]) and len(sentence) < 900
 
 
 @pytest.mark.parametrize(("line", "words"), ROWS["command"]["rows"])

@@ -133,57 +133,6 @@ def test_a_key_that_is_missing_is_named(tmp_path, key):
     refused(DataError, f"line 1: the key `{key}` is missing$", load_scene, path)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "at", "message"),
-    [
-        ('format = "glmref-scene-1"', 'format = "other"', "format", "must be 'glmref-scene-1'"),
-        ('name = "small"', 'name = "Small Scene"', "name", "lower-case words"),
-        ("question =", "qestion =", "qestion", "did you mean question"),  # codespell:ignore
-        ('"heun-2"', '"heun-22"', "methods", "did you mean heun-2"),
-        ('"heun-2"', '"rk4"', "methods", 'holds "rk4" twice'),
-        ('"heun-2"', "3", "methods", "a method must be a text"),
-        ('methods = ["rk4", "heun-2"]', 'classes = ["rkk"]', "classes", "one of 'additive'"),
-        ("steps = [20, 40]", "steps = [20, 0.5]", "steps", "whole number from 1"),
-        ("steps = [20, 40]", "steps = []", "steps", "a list with entries"),
-        ("steps = [20, 40]", "h = [0.1]", "h", "does not divide t_end"),
-        ("steps = [20, 40]\n", "", "", "give `h` or `steps`, one of them; the scene has neither"),
-        ("repeats = 1", "repeats = 1\nh = [1]", "h", "the scene has both"),
-        ('t_end = "2*pi"', 't_end = "2*tau"', "t_end", "a positive number or an expression"),
-        ('t_end = "2*pi"', "t_end = -1", "t_end", "a positive number"),
-        ('t_end = "2*pi"', 't_end = "1/0"', "t_end", "a positive number"),
-        ('"state", "energy"', '"stat", "energy"', "ask", "did you mean state"),
-        ('["state", "energy", "picture"]', '["picture"]', "kind", "needs 'state' in `ask`"),
-        ("repeats = 1", "repeats = true", "repeats", "whole number"),
-        ("repeats = 1", "budget = 0", "budget", "positive number"),
-        ('"harmonic-oscillator"', '"harmonic-oscilator"', "name", "did you mean harmonic"),
-        ('frequency = "1"', 'frequency = "0"', "frequency", "frequency"),
-        ('frequency = "1"', "speed = 1", "speed", "the parameter 'speed' is unknown"),
-        ('frequency = "1"', "frequency = [1]", "frequency", "a number or a text"),
-        ('kind = "fastest"', 'kind = "slowest"', "kind", "must be one of 'fastest'"),
-        ('kind = "fastest"', 'kind = "lost"', "kind", "needs 'parasitic' in `ask`"),
-        ("at = 1e-2", "at = 0", "at", "positive number"),
-        ("at = 1e-2", 'erorr = "state"', "erorr", "did you mean error"),  # codespell:ignore
-        ("steps = [10]", "steps = [true]", "steps", "whole number"),
-        ("steps = [10]", "name = 3", "name", "the key 'name' is unknown here"),
-        ("repeats = 1", 'H = "p**2"', "H", "belongs to a problem, not to a scene"),
-        ("repeats = 1", 'peers = ["scipy-rk45"]', "peers", "peers need `tolerances`"),
-        ("repeats = 1", 'peers = ["matlab"]\ntolerances = [1e-6]', "peers", "must be one of"),
-        ("repeats = 1", 'start = "cold"', "start", "must be one of 'zero'"),
-    ],
-)
-def test_an_error_names_its_line_and_the_remedy(tmp_path, old, new, at, message):
-    assert old in SMALL
-    head, tail = SMALL.rsplit(old, 1) if old == "steps = [10]" else SMALL.split(old, 1)
-    text = head + new + tail
-    error = refused(DataError, "", load_scene, write(tmp_path, text))
-    said = error
-    assert said.startswith("small.toml: line ")
-    assert message in said
-    line = text.splitlines()[int(said.split("line ")[1].split(":")[0]) - 1]
-    assert at in line
-    assert "\n" not in said
-
-
 def test_lines_are_found_below_strings_and_lists_of_several_lines(tmp_path):
     text = SMALL.replace(
         'question = "Does it work?"', 'question = """\nh = [1]\n[quick]\nDoes it work?"""'
@@ -577,26 +526,11 @@ def test_charts_show_error_against_time_and_against_evaluations(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (GRID, "h = { from = 1, to = 0.1 }", "h.count` must be a whole number from 1"),
-        (GRID, "h = { from = 1, to = 0, count = 3 }", "h.to` must be a positive number"),
-        (GRID, "h = { from = 1, to = 2, count = 3, by = 1 }", "the key 'by' is unknown"),
-        (GRID, "steps = { from = 1e-3, to = 2, count = 3 }", "must lead to 1 to"),
-        (GRID, "h = { from = 1, to = 1e-12, count = 3 }", "must lead to 1 to"),
-        (GRID, "h = { from = 1, to = -2, count = 3, spacing = 'linear' }", "positive"),
-        ("[quick]", "[quick]\ntitle = 3", "`quick.title` must be a text, got 3"),
-        ("[quick]", "[quick]\nquestion = 3", "`quick.question` must be a text, got 3"),
-        (BOTH, '["rk4" "heun-2"]', "small.toml: not TOML: "),
-        (BOTH, '["rk4" "heun-2"]', "line 5"),
         (SMALL, "name\n", "not TOML: expected '=' after a key"),
         (OSCILLATOR, '"blow-up"', "line 8: the problem 'blow-up' has one component"),
-        ("question =", f"{'q' * 81} =", f"the key '{'q' * 29}"),
         ("[20, 40]", f"[20, {'1' * 5000}]", "line 6: a value cannot be read (Exceeds the limit"),
-        (GRID, f"h = ['2*pi/{MOST_STEPS + 1}']", "does not divide t_end"),
-        (GRID, "h = [1e-308]", "does not divide t_end"),
-        ("repeats = 1", "repeats = 1001", "whole number from 1 to 1000"),
         ("repeats = 1", f"budget = '{'1' + '+0' * 50}'", "positive number or an expression"),
         ("repeats = 1", "#" * (200_012 - len(SMALL)), "200001 bytes"),
-        ("repeats = 1", "budget = '1/0'", "positive number or an expression"),
         ("repeats = 1", f"a{'.a' * 101} = 1", "a key has more than 100 parts"),
         (GRID, f"steps = {list(range(1, MOST_ENTRIES + 2))}", "make several scenes"),
         ("A small scene", "x" * (MAX_TEXT + 1), f"more than {MAX_TEXT} characters"),
