@@ -147,9 +147,7 @@ def test_a_forged_certificate_is_refused(name: str) -> None:
         assert facts.judge(claim, declared).verdict in (other, Verdict.OPEN)
 
 
-def test_a_series_that_a_refusal_left_half_made_is_not_gone_on_with(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_series_that_a_refusal_left_half_made_is_not_gone_on_with(monkeypatch):
     """Parts may be moved twice when time is up between them; the next certificate starts anew."""
     series = {"order": 1, "principal": "free", "trees": "all"}
     parts = [("order-at-least", series), ("order-at-most", {**series, "tree": "[o]"})]

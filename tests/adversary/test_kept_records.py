@@ -73,9 +73,7 @@ def test_answers_do_not_depend_on_the_certificates_before(true: list[dict[str, A
 
 
 @pytest.mark.parametrize("stop", [Beyond("time is up"), KeyboardInterrupt()])
-def test_a_constant_that_was_not_read_to_the_end_is_read_again(
-    monkeypatch: pytest.MonkeyPatch, stop: BaseException
-) -> None:
+def test_a_constant_that_was_not_read_to_the_end_is_read_again(monkeypatch, stop):
     start = {"A": [["0"]], "B": [["k-1/2"]], "u": ["1"]}
     d = {**EULER, "constants": {"k": "1/2"}, "starting": start}
     series = {"order": 1, "principal": "free", "trees": "all"}

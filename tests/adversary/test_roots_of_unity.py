@@ -61,9 +61,7 @@ def test_a_growth_parameter_that_is_zero_and_one_that_nearly_is(zero: str, tmp_p
         ("exp(2*pi*i/7)", "exp(2*pi*i/7)+1/1" + "0" * 80, False),  # its modulus is above 1
     ],
 )
-def test_equal_eigenvalues_written_in_two_ways(
-    first: str, second: str, bounded: bool, tmp_path: Path
-) -> None:
+def test_equal_eigenvalues_written_in_two_ways(first, second, bounded, tmp_path):
     V = diagonal("1", first, second)
     V[1][2] = "1"
     keys: dict[str, Any] = {

@@ -211,9 +211,7 @@ def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: Path) -> None:
         (CUBE_ROOTS, {"parasitism-free": False}, "an eigenvalue that is not real"),
     ],
 )  # fmt: skip
-def test_what_has_no_certificate_is_open_and_says_why(
-    keys: dict[str, Any], claims: dict[str, Any], reason: str, tmp_path: Path
-) -> None:
+def test_what_has_no_certificate_is_open_and_says_why(keys, claims, reason, tmp_path):
     d = {"format": "glmref-method-2", "name": "deceiver", "source": shipped("rk4")["source"],
          **keys, "claims": claims}  # fmt: skip
     ((found,),) = [findings(d).values()]

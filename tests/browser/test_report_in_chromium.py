@@ -112,9 +112,7 @@ PAGES = (
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_opens_without_error_or_request_and_fits_a_phone(
-    chromium: Any, site: Path, page: str
-) -> None:
+def test_a_page_opens_without_error_or_request_and_fits_a_phone(chromium, site, page):
     for width, dark in ((1200, False), (360, True)):
         visit(chromium, site / f"{page}.html", width=width, dark=dark)
         assert chromium.get_log("browser") == []
@@ -136,9 +134,7 @@ SHOWN = """return [...document.querySelectorAll('table.found tbody tr')]
 
 
 @pytest.mark.parametrize("file", ["site/method-rk4.html", "one.html"])
-def test_the_field_of_a_page_finds_what_holds_all_words(
-    chromium: Any, site: Path, file: str
-) -> None:
+def test_the_field_of_a_page_finds_what_holds_all_words(chromium, site, file):
     visit(chromium, site.parent / file)
     display = "return getComputedStyle(document.querySelector('.search')).display"
     assert chromium.execute_script(display) != "none"
@@ -224,9 +220,7 @@ def drawn_orbits(records: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return list(found.values())
 
 
-def test_every_point_of_an_orbit_is_the_stored_one_and_is_drawn(
-    chromium: Any, site: Path, records
-) -> None:
+def test_every_point_of_an_orbit_is_the_stored_one_and_is_drawn(chromium, site, records):
     visit(chromium, site / f"run-{NAME}.html")
     rows = cells(chromium, f"o-{NAME}")
     kept = [
@@ -259,9 +253,7 @@ def test_every_point_of_an_orbit_is_the_stored_one_and_is_drawn(
             assert abs(u - u0 - unit * (x - x0)) < 0.3 and abs(v - v0 + unit * (y - y0)) < 0.3
 
 
-def test_an_orbit_is_pointed_at_and_its_panels_are_hidden_and_shown(
-    chromium: Any, site: Path, records
-) -> None:
+def test_an_orbit_is_pointed_at_and_its_panels_are_hidden_and_shown(chromium, site, records):
     visit(chromium, site / f"run-{NAME}.html")
     panels = f'return document.querySelectorAll("{ORBIT} rect.frame").length'
     before = chromium.execute_script(panels)
@@ -337,9 +329,7 @@ def completed(records: list[dict[str, Any]], key: str) -> list[dict[str, Any]]:
     return [x for x in records if x["outcome"] == "completed" and (x.get(key) or 0) > 0]
 
 
-def test_every_completed_run_is_a_mark_at_the_place_of_its_numbers(
-    chromium: Any, site: Path, records
-) -> None:
+def test_every_completed_run_is_a_mark_at_the_place_of_its_numbers(chromium, site, records):
     visit(chromium, site / f"run-{NAME}.html")
     error = chromium.execute_script(
         "return document.querySelectorAll(arguments[0] + ' select')[1].value", FIGURE

@@ -77,9 +77,7 @@ def places(cluster: Cluster) -> list[str]:
     ],
     ids=lambda words: words[0],
 )
-def test_a_command_says_the_same(
-    words: list[str], places: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_says_the_same(words, places, tmp_path, capsys):
     (tmp_path / "tables.py").write_text(TABLES, encoding="utf-8")
     known = {"TABLES": str(tmp_path), "ANSATZ": str(ROOT / "tests" / "unit" / "three-stages.toml")}
     words, said = [known.get(x, x) for x in words], []

@@ -135,9 +135,7 @@ if __name__ == "__main__":
 """
 
 
-def test_a_cut_network_ends_with_a_sentence_and_the_same_command_does_the_rest(
-    cluster: Cluster, tmp_path: Path
-) -> None:
+def test_a_cut_network_ends_with_a_sentence_and_the_same_command_does_the_rest(cluster, tmp_path):
     script, folder = tmp_path / "cut.py", tmp_path / "records"
     script.write_text(CUT, encoding="utf-8")
     with executor(f"dask:{cluster.file}") as on:

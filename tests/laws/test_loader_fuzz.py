@@ -128,9 +128,7 @@ def test_a_document_of_random_members_gives_a_data_error(kind: str, members: Any
 
 @examples(200)
 @given(st.sampled_from(BASES), st.data())
-def test_a_file_with_changed_bytes_reads_or_gives_a_data_error(
-    tmp_path_factory: Any, base: str, data: st.DataObject
-) -> None:
+def test_a_file_with_changed_bytes_reads_or_gives_a_data_error(tmp_path_factory, base, data):
     content = bytearray(json.dumps(document(base)).encode())
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(content) - 1))

@@ -58,9 +58,7 @@ def looped(pairs: Sequence[tuple[Any, Any]]) -> Any:
 
 @LAWS
 @given(terms)
-def test_a_sum_of_products_contains_the_true_one_and_is_as_narrow_as_the_loop(
-    drawn: list[tuple[tuple[Exact, Exact | Ball], tuple[Exact, Exact | Ball]]],
-) -> None:
+def test_a_sum_of_products_contains_the_true_one_and_is_as_narrow_as_the_loop(drawn):
     pairs = [(x, y) for (_, x), (_, y) in drawn]
     truth = looped([(x, y) for (x, _), (y, _) in drawn])
     found, loop = sum_of_products(pairs), looped(pairs)
@@ -77,9 +75,7 @@ def test_a_sum_of_products_contains_the_true_one_and_is_as_narrow_as_the_loop(
 
 @LAWS
 @given(terms)
-def test_a_weighted_sum_over_a_sparse_row_is_the_loop(
-    drawn: list[tuple[tuple[Exact, Exact | Ball], tuple[Exact, Exact | Ball]]],
-) -> None:
+def test_a_weighted_sum_over_a_sparse_row_is_the_loop(drawn):
     # Certain zeros and ones stand as ints in vectors of the order conditions.
     row = [(j, x) for j, ((_, x), _) in enumerate(drawn)]
     vector: list[Any] = [
@@ -98,9 +94,7 @@ def test_a_weighted_sum_over_a_sparse_row_is_the_loop(
     fractions,
     fractions,
 )
-def test_gradients_of_a_sum_of_products_contain_the_true_ones(
-    coefficients: list[tuple[Fraction, Fraction, Fraction, Fraction]], x: Fraction, y: Fraction
-) -> None:
+def test_gradients_of_a_sum_of_products_contain_the_true_ones(coefficients, x, y):
     # f = sum (a X + b Y) (c X + d Y), df/dX = sum a (c x + d y) + c (a x + b y)
     X, Y = jets([enclosed(x), enclosed(y)])
     found = sum_of_products([(X * a + Y * b, X * c + Y * d) for a, b, c, d in coefficients])

@@ -123,9 +123,7 @@ def test_a_changed_certificate_is_refused(library: Path, name: str, old: str, ne
         ("symmetric : rev beta = beta", "symmetric : True"),  # Adams and Bashforth's methods
     ],
 )
-def test_without_a_hypothesis_the_theorem_on_explicit_halves_is_not_proved(
-    library: Path, old: str, new: str
-) -> None:
+def test_without_a_hypothesis_the_theorem_on_explicit_halves_is_not_proved(library, old, new):
     text = (library / "Explicit.v").read_text(encoding="utf-8")
     assert text.count(old) == 1
     assert not _compile(library, "weaker", text.replace(old, new))[0]
@@ -137,9 +135,7 @@ def test_the_command_writes_a_file(tmp_path: Path) -> None:
     assert "Theorem m_euler_order_1" in (tmp_path / "m_euler.v").read_text(encoding="utf-8")
 
 
-def test_a_method_with_decimals_is_refused_in_one_sentence(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_method_with_decimals_is_refused_in_one_sentence(capsys):
     from glmref.prove.coq import main
 
     assert main(["s3-w3"]) == 2

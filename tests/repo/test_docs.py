@@ -100,9 +100,7 @@ def marked(pages: list[str], slow: set[str]) -> list[object]:
 
 @pytest.mark.sampled(0)
 @pytest.mark.parametrize("page", marked([page for page in PAGES if commands(page)], SLOW))
-def test_the_commands_do_what_the_page_shows(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_the_commands_do_what_the_page_shows(page, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     for name, content in files(page).items():
         (tmp_path / name).write_text(content, encoding="utf-8")
@@ -120,9 +118,7 @@ EXAMPLES = [page for page in PAGES if "```python\n" in text(page)]
 
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("page", marked(EXAMPLES, SLOW_EXAMPLES))
-def test_the_python_examples_run(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_python_examples_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.stdin", io.StringIO())
     for block in FENCE.finditer(text(page)):

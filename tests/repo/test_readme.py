@@ -64,9 +64,7 @@ def test_the_readme_is_short() -> None:
     assert len(README.splitlines()) <= 90
 
 
-def test_the_misprint_of_the_example_is_named_as_shown(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_the_misprint_of_the_example_is_named_as_shown(tmp_path, monkeypatch, cli):
     block = re.search(r"```json\n(.*?)```", README, re.DOTALL)
     shown = re.search(r"^\$ glmref verify tableau.json\n(.*?)```", README, re.DOTALL | re.MULTILINE)
     assert block is not None and shown is not None
@@ -149,9 +147,7 @@ def test_the_clone_is_what_runs(clone: Path) -> None:
         (["verify", "gaus-2"], 2, "did you mean gauss-2"),
     ],
 )
-def test_the_promises_hold_from_a_clone_called_glmref(
-    clone: Path, tmp_path: Path, words: list[str], code: int, said: str
-) -> None:
+def test_the_promises_hold_from_a_clone_called_glmref(clone, tmp_path, words, code, said):
     files = {
         "my-heun": MY_HEUN, "my-slip": {**MY_HEUN, "name": "my-slip", "claims": {"order": 3}},
         "noclaims": {k: x for k, x in MY_HEUN.items() if k not in ("claims", "source")},
@@ -168,9 +164,7 @@ def test_the_promises_hold_from_a_clone_called_glmref(
 
 @pytest.mark.sampled(3, besides=("derive", "conformance"))
 @pytest.mark.parametrize("line", COMMANDS)
-def test_the_commands_of_the_readme_run_from_the_clone(
-    clone: Path, tmp_path: Path, line: str
-) -> None:
+def test_the_commands_of_the_readme_run_from_the_clone(clone, tmp_path, line):
     words = line.partition("#")[0].split()[1:]
     done = in_clone(clone, "-m", "glmref", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -35,9 +35,7 @@ def test_there_is_a_part_for_each_thing_of_at_most_five_commands() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "about", "script"), PARTS, ids=[x[0] for x in PARTS])
-def test_a_script_works_in_an_empty_folder(
-    name: str, about: str, script: str, tmp_path: Path
-) -> None:
+def test_a_script_works_in_an_empty_folder(name, about, script, tmp_path):
     for need in NEEDS.get(name, ()):
         if not shutil.which(need):
             pytest.importorskip(need)

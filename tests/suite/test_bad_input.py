@@ -152,9 +152,7 @@ def test_at_least_45_kinds_of_bad_input_are_tried() -> None:
 @pytest.mark.sampled(10)
 @pytest.mark.parametrize("command", ["verify", "show"])
 @pytest.mark.parametrize("kind", sorted(FILES.keys() - SAID.keys()))
-def test_bad_file_gives_one_sentence_and_exit_2(
-    kind: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_file_gives_one_sentence_and_exit_2(kind, command, tmp_path, capsys):
     if command == "show" and kind.startswith(CLAIMED):
         pytest.skip("what is claimed plays no part in show")
     content = FILES[kind]
@@ -181,9 +179,7 @@ def test_the_bases_of_files_that_are_refused_are_read(name: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ARGUMENTS)
-def test_bad_argument_gives_one_sentence_and_exit_2(
-    kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_argument_gives_one_sentence_and_exit_2(kind, capsys):
     started = _spent()
     code = main(ARGUMENTS[kind])
     assert _spent() - started < LIMIT
@@ -199,34 +195,26 @@ def test_the_documents_the_bad_ones_are_made_of_are_good(base: str, tmp_path: Pa
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read all")
-def test_unreadable_file_gives_one_sentence(
-    tmp_path: Path, one_sentence: Callable[..., None]
-) -> None:
+def test_unreadable_file_gives_one_sentence(tmp_path, one_sentence):
     file = tmp_path / "method.json"
     file.write_bytes(_with())
     file.chmod(0)
     one_sentence("verify", str(file))
 
 
-def test_link_to_itself_gives_one_sentence(
-    tmp_path: Path, one_sentence: Callable[..., None]
-) -> None:
+def test_link_to_itself_gives_one_sentence(tmp_path, one_sentence):
     link = tmp_path / "method.json"
     link.symlink_to(link)
     one_sentence("verify", str(link))
 
 
-def test_file_name_with_a_line_end_stays_on_one_line(
-    tmp_path: Path, one_sentence: Callable[..., None]
-) -> None:
+def test_file_name_with_a_line_end_stays_on_one_line(tmp_path, one_sentence):
     file = tmp_path / "a\n\x1b[2Jb.json"
     file.write_text("{}")
     one_sentence("verify", str(file))
 
 
-def test_a_bad_file_among_good_ones_costs_only_its_own_result(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bad_file_among_good_ones_costs_only_its_own_result(tmp_path, capsys):
     file = tmp_path / "method.json"
     file.write_bytes(FILES["float"])  # type: ignore[arg-type]
     code = main(["verify", "euler", str(file), "no-such-method", "rk4", "--format", "json"])
@@ -238,9 +226,7 @@ def test_a_bad_file_among_good_ones_costs_only_its_own_result(
 
 @pytest.mark.sampled(0)
 @pytest.mark.parametrize("kind", ["deep-nesting", "code", "squares-of-squares"])
-def test_the_program_itself_says_it_in_one_sentence_within_two_seconds(
-    kind: str, tmp_path: Path
-) -> None:
+def test_the_program_itself_says_it_in_one_sentence_within_two_seconds(kind, tmp_path):
     content = FILES[kind]
     assert isinstance(content, bytes)
     file = tmp_path / "method.json"

@@ -136,9 +136,7 @@ def test_the_program_is_read_as_the_method_it_runs(program: Path) -> None:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("content", [None, "", "{}", "[1, 2, 3]", '{"c": ["1"], "A": [["0"]]}'])
-def test_a_file_that_is_no_vector_file_is_refused(
-    program: Path, tmp_path: Path, content: str | None
-) -> None:
+def test_a_file_that_is_no_vector_file_is_refused(program, tmp_path, content):
     file = tmp_path / "vectors.json"
     if content is not None:
         file.write_text(content, encoding="utf-8")

@@ -131,9 +131,7 @@ def failures(adapter: Any) -> dict[str, str]:
     [("gsymplectic-n", False), ("gsymplectic-n", True), ("thesis-3-8", True),
      ("s4-symmetric", False), ("g6245-w3", False)],
 )  # fmt: skip
-def test_a_zero_start_is_refused_though_its_order_is_that_of_the_method(
-    name: str, end_only: bool
-) -> None:
+def test_a_zero_start_is_refused_though_its_order_is_that_of_the_method(name, end_only):
     good = Suite(Subject(OwnStart(name, None, end_only))).findings()
     assert [x for x in good if x.verdict is not Verdict.HOLDS] == []
     assert f"long/{name}/rigid-body" in {x.claim for x in good}
@@ -171,9 +169,7 @@ def test_a_solve_that_takes_no_start_is_judged_as_one_that_starts_by_itself(name
     ("words", "code"),
     [(["reference", "--list"], 0), (["nothing"], 2), (["tests.suite.planted:Missing"], 2)],
 )
-def test_the_subcommand_is_the_module(
-    words: list[str], code: int, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_subcommand_is_the_module(words, code, capsys):
     from glmref.cli import main as command
     from glmref.conformance.__main__ import main as module
 
@@ -287,9 +283,7 @@ def test_an_answer_that_cannot_be_used_fails_with_a_sentence(answer: Any, words:
         ("/usr/lib/python3/site-packages/other/mine.py", "KeyError: 'radius'"),
     ],
 )
-def test_the_place_of_an_error_is_dropped_by_package_and_not_by_a_word_in_its_path(
-    file: str, words: str
-) -> None:
+def test_the_place_of_an_error_is_dropped_by_package_and_not_by_a_word_in_its_path(file, words):
     space: dict[str, Any] = {}
     code = "def step(self, *_):\n    lengths = {}\n    return lengths['radius']\n"
     exec(compile(code, file, "exec"), space)
@@ -338,9 +332,7 @@ def test_an_adapter_that_is_none_is_refused_with_a_sentence(changes: dict, words
         ((0.00181, 3.68e-05, 3.45e-07, 3.03e-09, 2.45e-11), False),
     ],
 )
-def test_slopes_that_still_rise_refute_no_order(
-    errors: tuple[float, ...], holds: bool | None
-) -> None:
+def test_slopes_that_still_rise_refute_no_order(errors, holds):
     subject = Subject(Reference(("rk4",)))
     steps = [4 << k for k in range(len(errors))]
     assert order_judgement(steps, errors, 8, subject, "rk4").holds is holds

@@ -59,9 +59,7 @@ def commands() -> list[tuple[list[str], int, str]]:
 @pytest.mark.slow
 @pytest.mark.sampled(1, besides=("9 of 24",))
 @pytest.mark.parametrize(("words", "code", "shown"), commands(), ids=lambda x: str(x)[:60])
-def test_a_command_does_what_the_page_shows(
-    here: Path, capsys: pytest.CaptureFixture[str], words: list[str], code: int, shown: str
-) -> None:
+def test_a_command_does_what_the_page_shows(here, capsys, words, code, shown):
     if words[:3] == ["python", "-m", "glmref.conformance"]:
         run, words = conformance_main, words[3:]
     else:

@@ -128,9 +128,7 @@ CRASHES = """
         ("print(json.dumps({'values': 'many'}), flush=True)", "must be a list of numbers"),
     ],
 )
-def test_a_program_that_fails_once_is_started_again_for_the_other_checks(
-    tmp_path: Path, kepler: str, words: str
-) -> None:
+def test_a_program_that_fails_once_is_started_again_for_the_other_checks(tmp_path, kepler, words):
     describe = {"methods": ["symplectic-euler-a"], "offers": ["step"]}
     body = CRASHES.replace("KEPLER", kepler) + EULER
     with closing(Subject(load_adapter(program(tmp_path, describe, body)))) as subject:
@@ -160,9 +158,7 @@ def test_an_answer_that_comes_late_is_not_that_to_the_next_question(tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_program_that_hangs_is_ended_and_after_three_times_not_asked_again(tmp_path, monkeypatch):
     describe = {"methods": ["rk4"], "offers": ["step"]}
     adapter = load_adapter(program(tmp_path, describe, "    import time; time.sleep(60)\n"))
     monkeypatch.setattr("glmref.conformance.pipe.PATIENCE", 0.5)
@@ -213,9 +209,7 @@ def test_a_program_that_is_silent_is_given_up(tmp_path: Path, monkeypatch) -> No
         load_adapter(f"cmd:{shlex.quote(sys.executable)} -c 'import sys; sys.stdin.read()'")
 
 
-def test_what_a_program_writes_to_its_stderr_is_obeyed_by_no_terminal(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_a_program_writes_to_its_stderr_is_obeyed_by_no_terminal(tmp_path, capfd):
     body = """
     sys.stderr.write("one\\x1b]0;title\\x07two\\nthree\\r\\x9b2J")
     sys.stderr.flush()

@@ -231,9 +231,7 @@ def test_the_face_without_pytest_says_a_bad_adapter_in_one_line(here, monkeypatc
 
 
 @pytest.mark.slow
-def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(
-    here, monkeypatch
-) -> None:
+def test_the_page_without_pytest_shows_the_defect_and_counts_what_rests_on_it(here, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(PACKAGE.parent))
     done = module(here, "mine:TimeForgotten")
     assert done.ret == 1

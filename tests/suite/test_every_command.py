@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 
 import pytest
 
@@ -65,9 +64,7 @@ def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.sampled(1, besides=LONG, whole=len(METHODS) + len(BROKEN))
 @pytest.mark.parametrize("name", [*kinds(METHODS), *kinds(BROKEN)])
 @pytest.mark.usefixtures("few_points")
-def test_what_describes_a_method_takes_every_kind(
-    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_what_describes_a_method_takes_every_kind(name, capsys, tmp_path):
     picture = tmp_path / "picture.svg"
     assert code_of(capsys, "show", name) == 0
     assert code_of(capsys, "show", name, "--decimal", "5") == 0
@@ -87,9 +84,7 @@ def test_every_kind_of_method_is_analysed(name: str, capsys: pytest.CaptureFixtu
 
 @pytest.mark.sampled(2, whole=30)
 @pytest.mark.parametrize("name", kinds(METHODS))
-def test_a_scene_takes_every_kind_of_method(
-    name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_scene_takes_every_kind_of_method(name, capsys, tmp_path):
     scene, answer = tmp_path / "every.toml", 'kind = "fastest"\nat = 1e-3'
     # one for all classes of methods: its Hamiltonian is separable and quadratic
     keys = {"methods": [name], "ask": ["state"], "t_end": 1, "steps": [8], "repeats": 1}
@@ -106,9 +101,7 @@ OWN = {
 }  # fmt: skip
 
 
-def test_a_rosenbrock_method_that_is_not_decided_in_time_is_measured(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_rosenbrock_method_that_is_not_decided_in_time_is_measured(capsys, tmp_path, monkeypatch):
     """The ends of its intervals were asked of the additive method, which has no rounded form."""
     monkeypatch.setattr("glmref.prove.analysis.STABILITY", 1e-9)
     path = tmp_path / "mine.json"

@@ -220,9 +220,7 @@ def flattened(value: object) -> list[float]:
         for name in ("g4123", "pair-4-4")  # with a finishing method; two values of q and of p
     ],
 )
-def test_the_stepper_renews_its_values_as_the_engine_does(
-    language: str, name: str, tmp_path: Path
-) -> None:
+def test_the_stepper_renews_its_values_as_the_engine_does(language, name, tmp_path):
     text, often = re.subn(r"(?<=renew)((: u64)? = )10000", r"\g<1>30", export(name, to=language),
                           flags=re.IGNORECASE)  # fmt: skip
     assert often == 1
@@ -289,9 +287,7 @@ sys.stdout.write(" ".join(map(repr, y)))
 
 
 @pytest.mark.parametrize("name", ["tr-bdf2", "radau-iia-2", "bdf-3"])
-def test_newton_takes_over_where_the_fixed_point_does_not_contract(
-    name: str, tmp_path: Path
-) -> None:
+def test_newton_takes_over_where_the_fixed_point_does_not_contract(name, tmp_path):
     """Prothero and Robinson's equation with lambda = -1e6, coupled to a cubic one."""
     import math
 

@@ -98,9 +98,7 @@ def rules_of(parts: list[dict[str, Any]]) -> Iterator[str]:
 
 
 @pytest.mark.slow
-def test_claims_of_each_rule_class_and_kind_of_numbers_are_accepted(
-    sample: dict[Any, dict[str, Any]], tmp_path: Path
-) -> None:
+def test_claims_of_each_rule_class_and_kind_of_numbers_are_accepted(sample, tmp_path):
     _, missing = write_certificates(list(MORE), tmp_path)
     assert not missing
     more = list(read(tmp_path))
@@ -237,9 +235,7 @@ def test_changes_of_enclosed_certificates_are_refused(sample: dict[Any, dict[str
 
 @LONG
 @pytest.mark.slow
-def test_a_thousand_changes_of_enclosed_certificates_are_refused(
-    sample: dict[Any, dict[str, Any]],
-) -> None:
+def test_a_thousand_changes_of_enclosed_certificates_are_refused(sample):
     assert not changed(sample, 1000, seed=20261)
 
 
@@ -251,9 +247,7 @@ def test_a_condition_of_a_start_cannot_be_left_out(sample: dict[Any, dict[str, A
         assert not judge.verdict(value)[0]
 
 
-def test_a_changed_entry_of_an_additive_method_is_refused(
-    sample: dict[Any, dict[str, Any]],
-) -> None:
+def test_a_changed_entry_of_an_additive_method_is_refused(sample):
     count = len(sample["ars-4-4-3", "order"]["document"]["parts"][0]["b"])
     for part in range(2):
         for i in range(count):
@@ -304,9 +298,7 @@ ALONG = (
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("key", ALONG, ids=" ".join)
-def test_changes_of_a_certificate_by_paths_are_refused(
-    sample: dict[Any, dict[str, Any]], key: tuple[str, str]
-) -> None:
+def test_changes_of_a_certificate_by_paths_are_refused(sample, key):
     rng = random.Random(14)
     for _ in range(25):
         value = copy.deepcopy(sample[key])
@@ -326,9 +318,7 @@ def test_changes_of_a_certificate_by_paths_are_refused(
 
 @pytest.mark.sampled(0)
 @pytest.mark.parametrize("key", ALONG[2::2], ids=" ".join)
-def test_a_changed_start_is_refused_along_paths(
-    sample: dict[Any, dict[str, Any]], key: tuple[str, str]
-) -> None:
+def test_a_changed_start_is_refused_along_paths(sample, key):
     rng, start = random.Random(15), sample[key]["document"]["starting"]
     used = [(m, i, j) for m in ("A", "A_hat", "B", "B_hat") for i, row in enumerate(start[m])
             for j, x in enumerate(row) if x != "0"]  # fmt: skip

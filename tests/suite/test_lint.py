@@ -166,9 +166,7 @@ def test_the_workflow_of_the_page_uses_the_action() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("changed_only", "lines"), [("true", [12]), ("false", [4, 12])])
-def test_the_action_annotates_the_line(
-    changed_only: str, lines: list[int], repository: Path, tmp_path: Path
-) -> None:
+def test_the_action_annotates_the_line(changed_only, lines, repository, tmp_path):
     """The script of the step is run as the runner does, in a clone without history."""
     (step,) = [x for x in steps() if x.get("id") == "lint"]
     clone, base = tmp_path / "clone", git(repository, "rev-parse", "HEAD^")

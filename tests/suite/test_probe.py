@@ -44,9 +44,7 @@ def doubles(matrix: Any) -> np.ndarray:
     [("rk4", 1), ("gauss-2", 1), ("gsymplectic-n", 2), ("g6245-w3", 4), ("g6245", 4), ("bdf-3", 3),
      ("gauss-4", 1), ("cooper-verner-8", 1), ("stormer-verlet", 1), ("lobatto-iiia-iiib-3", 1)],
 )  # fmt: skip
-def test_coefficients_come_out_of_a_black_box_to_1e_10_and_the_method_by_name(
-    name: str, values: int
-) -> None:
+def test_coefficients_come_out_of_a_black_box_to_1e_10_and_the_method_by_name(name, values):
     (probe,) = identify(Subject(Opaque(name, values)))
     assert probe.reading is not None and probe.notes == ()
     known = load(name)
@@ -167,9 +165,7 @@ def test_times_that_are_not_c_are_said() -> None:
 @pytest.mark.parametrize(
     ("name", "values", "factor"), [("rk4", 1, 0.0), ("gauss-2", 1, 0.5), ("gsymplectic-n", 2, 0.0)]
 )
-def test_a_method_with_wrong_stage_times_is_headed_as_what_it_is(
-    name: str, values: int, factor: float, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_method_with_wrong_stage_times_is_headed_as_what_it_is(name, values, factor, capsys):
     class Shifted(Opaque):
         def step(self, method: str, problem: Any, t: float, y: Any, h: float) -> Any:
             engine = self.inner._engine(self.hidden, problem)

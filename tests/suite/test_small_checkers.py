@@ -147,16 +147,12 @@ def test_abscissae_apart_trees_and_entries(checker: Checker, tmp_path: Path) -> 
 
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize(("text", "said"), WRONG)
-def test_what_is_no_tableau_is_one_sentence(
-    checker: Checker, tmp_path: Path, text: str, said: str
-) -> None:
+def test_what_is_no_tableau_is_one_sentence(checker, tmp_path, text, said):
     assert report_of(checker, tmp_path, text) == {"error": said}
 
 
 @pytest.mark.slow
-def test_every_runge_kutta_method_of_the_feed(
-    checker: Checker, tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_every_runge_kutta_method_of_the_feed(checker, tmp_path, request):
     """The checker in JavaScript reads all of them, the slower ones each fourth."""
     listed = [name for name in names("all") if document(name)["class"] == "rk"]
     assert len(listed) > 150

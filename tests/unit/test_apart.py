@@ -76,9 +76,7 @@ def test_what_a_program_says_apart_is_heard() -> None:
 
 
 @pytest.mark.parametrize(("what", "clock"), [(computes, 40.0), (sleeps, 2.0)])
-def test_an_operation_that_does_not_return_is_ended(
-    what: Callable[[], object], clock: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_operation_that_does_not_return_is_ended(what, clock, monkeypatch):
     monkeypatch.setattr(process, "CLOCK", clock)
 
     def program(say: Say) -> None:
@@ -156,9 +154,7 @@ class Unsendable(Exception):
     [(DataError("no"), DataError, "no"), (MemoryError(), MemoryError, ""),
      (KeyError("x"), KeyError, "'x'"), (Unsendable("y"), RuntimeError, "Unsendable: y")],
 )  # fmt: skip
-def test_an_exception_apart_is_that_of_the_caller(
-    raised: Exception, kind: type[Exception], text: str
-) -> None:
+def test_an_exception_apart_is_that_of_the_caller(raised, kind, text):
     def program(_: Say) -> None:
         raise raised
 
@@ -258,9 +254,7 @@ def test_verify_says_what_was_decided_before_and_that_the_rest_is_open(
     assert found[2]["method"] == "rk4"
 
 
-def test_a_refutation_that_does_not_return_is_open(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_refutation_that_does_not_return_is_open(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(verifier, "_refute", computes)
     path = written(
         tmp_path, broken={"claim": "symplectic", "why": "it is explicit", "flag": "", "found": ""}
@@ -270,12 +264,7 @@ def test_a_refutation_that_does_not_return_is_open(
 
 
 @pytest.mark.parametrize("command", ["verify", "analyze"])
-def test_entries_that_are_not_read_in_time_are_refused(
-    command: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_entries_that_are_not_read_in_time_are_refused(command, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(lookup, "load_document", lambda *_, **__: computes())
     monkeypatch.setattr("glmref.cli.parallel.READING", 0.05)
     monkeypatch.setattr(analysis, "READING", 0.05)
@@ -284,9 +273,7 @@ def test_entries_that_are_not_read_in_time_are_refused(
 
 
 @pytest.mark.slow
-def test_an_analysis_goes_on_with_the_next_question(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_an_analysis_goes_on_with_the_next_question(tmp_path, monkeypatch, cli):
     path = written(tmp_path)
     whole = json.loads(cli("analyze", path, "--format", "json").out)
     monkeypatch.setattr(process, "EXCESS", 0.5)  # the measurement after the record takes no more
@@ -317,9 +304,7 @@ def test_an_analysis_of_questions_without_answers_ends_when_all_is_spent(
     assert undecided["abscissae"] == "the budget of 0.2 s of processor time is spent"
 
 
-def test_check_says_that_nothing_was_decided(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], cli
-) -> None:
+def test_check_says_that_nothing_was_decided(tmp_path, monkeypatch, capsys, cli):
     path = tmp_path / "tableau.json"
     path.write_text(json.dumps({"A": [[0, 0], [1, 0]], "b": ["1/2", "1/2"], "order": 2}))
     assert main(["check", str(path)]) == 0
@@ -349,9 +334,7 @@ def test_certificates_of_a_proof_that_does_not_return_are_said_to_be_missing(
     assert count and missing[0] == f"{path}: {SPENT}"
 
 
-def test_certificates_of_a_file_that_refutes_what_it_does_not_claim_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_certificates_of_a_file_that_refutes_what_it_does_not_claim_are_refused(tmp_path, capsys):
     broken = {"claim": "a-stable", "why": "it is explicit", "flag": "", "found": ""}
     assert main(["certify", written(tmp_path, broken=broken)]) == 2
     assert "`broken.claim` names 'a-stable', which is not among" in capsys.readouterr().err

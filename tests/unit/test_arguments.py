@@ -6,7 +6,6 @@ from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -104,9 +103,7 @@ FITS = {
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_odd_arguments_of_other_functions_are_refused(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_odd_arguments_of_other_functions_are_refused(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     function, given, arguments = CALLS[name]
     for argument in arguments.split():
@@ -157,9 +154,7 @@ def test_a_start_that_raises_is_named() -> None:
 @pytest.mark.parametrize("engine", ["reference", "interpreted", "compiled"])
 @pytest.mark.parametrize("name", ["cancel", "progress"])
 @pytest.mark.parametrize("error", [ValueError("a\nb"), KeyError(1)])
-def test_a_callback_that_raises_ends_the_run_and_is_named(
-    name: str, engine: str, error: Exception
-) -> None:
+def test_a_callback_that_raises_ends_the_run_and_is_named(name, engine, error):
     calls = count()
 
     def called(*_: int) -> bool:

@@ -69,9 +69,7 @@ def test_what_is_missing_or_not_finite_is_none(tmp_path: Path) -> None:
         ({"params": {}}, "not what asv writes"),
     ],
 )
-def test_a_file_of_another_kind_is_named(
-    tmp_path: Path, changes: dict[str, Any], words: str
-) -> None:
+def test_a_file_of_another_kind_is_named(tmp_path, changes, words):
     caught = refused(DataError, words, read_results, store(tmp_path / "results", **changes))
     assert caught.startswith("01234567-env.json: ")
 
@@ -110,14 +108,7 @@ sys.exit(CODES.get(sys.argv[1], 0))
         ({"publish": 1}, 0, "could not write its own pages"),
     ],
 )
-def test_asv_is_called_as_it_wants(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    codes: dict[str, int],
-    code: int,
-    words: str,
-) -> None:
+def test_asv_is_called_as_it_wants(tmp_path, monkeypatch, capfd, codes, code, words):
     store(tmp_path / ".asv" / "results")
     (tmp_path / "asv.py").write_text(f"CODES = {codes}\n{ASV}")
     (tmp_path / "asv.conf.json").write_text("{}")
@@ -133,9 +124,7 @@ def test_asv_is_called_as_it_wants(
         assert calls[1] == ["run", "HEAD^!", "--quick", "--bench", "Work"]
 
 
-def test_outside_a_checkout_one_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_outside_a_checkout_one_sentence(tmp_path, monkeypatch, cli):
     monkeypatch.chdir(tmp_path)
     assert "there is no asv.conf.json here" in cli("bench", code=2).err
     assert main(["bench", "--stored"]) == 2

@@ -63,9 +63,7 @@ def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, cli) -> N
     assert "1 wrong" in out.err
 
 
-def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(
-    tmp_path: Path, capsys: Any, cli
-) -> None:
+def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(tmp_path, capsys, cli):
     """Plain C arrays, which no reader takes; and one table that is read beside one that is not."""
     (tmp_path / "rk.c").write_text("double A[2][2] = {{0, 0}, {1, 0}};\ndouble b[2] = {.5, .5};\n")
     out = cli("audit", tmp_path / "rk.c", "--format", "odeint", code=2)
@@ -271,9 +269,7 @@ GROWING = ("a = a^40", "a = a*a", "a = vcat(a, a)", "a = [a, a]", "a = zeros(100
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("line", GROWING)
 @pytest.mark.parametrize("first", ["10^40", "[1, 1]", "sqrt(2) + 3"])
-def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(
-    tmp_path: Path, line: str, first: str
-) -> None:
+def test_numbers_and_arrays_of_a_source_do_not_grow_without_bound(tmp_path, line, first):
     text = f"function T()\na = {first}\n" + f"{line}\n" * (1 if "for" in line else 40)
     path = tmp_path / "x.jl"
     path.write_text(f"{text}A = [0 0; 1 0]\nreturn ExplicitRKTableau(A, [0, 1], a, 2)\nend\n")

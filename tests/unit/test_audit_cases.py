@@ -113,9 +113,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("text", "said", "case"), CASES)
-def test_what_is_read_in_a_source_is_judged(
-    text: str, said: Case, case: Case, tmp_path: Path
-) -> None:
+def test_what_is_read_in_a_source_is_judged(text, said, case, tmp_path):
     _said(_records(case, text, tmp_path / "in"), said)
 
 
@@ -132,9 +130,7 @@ QUICK = {"Java Shu-Osher", "JavaScript splitting", "Go Adams", "order elsewhere"
         for name, *defect in case["defects"]
     ],
 )
-def test_a_defect_is_found_and_its_right_twin_is_not_accused(
-    case: Case, defect: list[str], tmp_path: Path
-) -> None:
+def test_a_defect_is_found_and_its_right_twin_is_not_accused(case, defect, tmp_path):
     old, new, said = defect
     text = case["text"] if "text" in case else source(case["file"])
     right = _audited(tmp_path / "right", case, text)

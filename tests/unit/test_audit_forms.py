@@ -283,9 +283,7 @@ def tableaux(draw: st.DrawFn, zeros: bool) -> Tableau:
 @pytest.mark.parametrize("form", FORMS, ids=lambda x: x.__name__)
 @settings(max_examples=4, deadline=None)
 @given(st.data())
-def test_a_table_is_read_back_as_it_was_written(
-    form: Callable[[Tableau], str], data: st.DataObject
-) -> None:
+def test_a_table_is_read_back_as_it_was_written(form, data):
     def exact(row: Any) -> Row:
         return [x.value.as_fraction() for x in row]
 

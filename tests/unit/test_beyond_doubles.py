@@ -22,9 +22,7 @@ METHODS = {
 
 @pytest.mark.parametrize("kind", METHODS)
 @pytest.mark.parametrize("command", ["analyze", "export", "plot", "solve"])
-def test_a_coefficient_beyond_doubles_is_no_internal_error(
-    kind: str, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_coefficient_beyond_doubles_is_no_internal_error(kind, command, tmp_path, capsys):
     path = tmp_path / "mine.json"
     path.write_text(json.dumps(METHODS[kind]))
     if command == "solve":

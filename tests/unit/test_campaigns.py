@@ -91,9 +91,7 @@ def test_the_page_of_a_shipped_campaign_has_its_pictures(name: str, tmp_path: Pa
     assert "<figure" not in page and "no record has a number for each of" in page
 
 
-def test_what_was_lost_has_a_colour_of_its_own_and_no_part_in_the_scale(
-    write: Write, tmp_path: Path
-) -> None:
+def test_what_was_lost_has_a_colour_of_its_own_and_no_part_in_the_scale(write, tmp_path):
     campaign = load_campaign(write())
     rows = [
         {"outcome": "completed", "largest": 0.1 * k, "task": task}
@@ -147,9 +145,7 @@ def test_a_long_value_is_cut_in_the_sentence_about_it(tmp_path: Path) -> None:
     assert len(caught) < 200  # it had 3650 characters
 
 
-def test_a_campaign_is_carried_out_once_and_shown(
-    write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_campaign_is_carried_out_once_and_shown(write, tmp_path, capsys):
     words = ["campaign", write(), "--output", str(tmp_path), "--format", "json"]
     assert main(words) == 0
     summary = json.loads(capsys.readouterr().out)
@@ -165,9 +161,7 @@ def test_a_campaign_is_carried_out_once_and_shown(
     assert page.count("<title>1") >= 1  # a cell says its values
 
 
-def test_a_budget_ends_a_campaign_and_the_same_command_goes_on(
-    write: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_budget_ends_a_campaign_and_the_same_command_goes_on(write, tmp_path, capsys):
     words = ["campaign", write("seed = 3", "seed = 3\nbudget = 1e-9"), "--output", str(tmp_path)]
     for left in (5, 4):
         assert main(words) == 0
@@ -200,9 +194,7 @@ def test_the_table_is_written_into_a_folder_of_any_name(tmp_path: Path) -> None:
     assert write_parquet(records, records, folder / "x.parquet") == 1
 
 
-def test_without_pyarrow_a_note_says_how_to_get_the_table(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_pyarrow_a_note_says_how_to_get_the_table(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(UsageError, match=r"pip install 'glmref\[cluster\]'"):
         write_parquet([], [], tmp_path / "r.parquet")

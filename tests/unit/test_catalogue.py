@@ -16,9 +16,7 @@ from glmref.errors import DataError, UsageError
 from tests.build import refused
 
 
-def test_a_shipped_name_wins_over_a_file_of_that_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_shipped_name_wins_over_a_file_of_that_name(tmp_path, monkeypatch):
     (tmp_path / "rk4").write_text("{}")
     monkeypatch.chdir(tmp_path)
     assert path_of("rk4").name == "rk4.json"

@@ -124,9 +124,7 @@ def test_claims_and_their_contraries_have_certificates_that_pass(name: str, tmp_
         ),
     ],
 )  # fmt: skip
-def test_enclosed_methods_have_certificates_that_pass(
-    name: str, otherwise: set[str], tmp_path: Path
-) -> None:
+def test_enclosed_methods_have_certificates_that_pass(name, otherwise, tmp_path):
     """Of what the files claim, and of less: an order below the one that the equations give."""
 
     def less(x: Any) -> Any:
@@ -185,9 +183,7 @@ def test_the_eigenvalue_at_which_a_pair_grows_is_named(claim: str, third: str, p
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_growth_of_a_pair_with_shared_stages_has_two_numbers_for_each_eigenvalue(
-    count: int,
-) -> None:
+def test_growth_of_a_pair_with_shared_stages_has_two_numbers_for_each_eigenvalue(count):
     """Those of a half alone are no growth parameters; `parasitism-free` is about them too."""
     half = {k: shipped("g4123")[k] for k in "AUBV"}
     d = {"format": "glmref-method-1", "name": "x", "class": "partitioned", "separable": False,

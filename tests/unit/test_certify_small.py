@@ -267,9 +267,7 @@ def started(name: str, hats: tuple[str, ...], digits: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("digits", "q"), [(RIGHT, 3), (WRONG, 1)])
 @pytest.mark.parametrize("claim", ["starting-order", "nystrom-starting-order"])
-def test_a_start_of_a_pair_in_decimals_fails_where_it_certainly_does(
-    digits: str, q: int, claim: str
-) -> None:
+def test_a_start_of_a_pair_in_decimals_fails_where_it_certainly_does(digits, q, claim):
     d = started("gsymplectic-n-pair", ("", "_hat"), digits)
     assert answer(d, claim, q) is None
     for declared in (q + 1, q + 2):
@@ -278,9 +276,7 @@ def test_a_start_of_a_pair_in_decimals_fails_where_it_certainly_does(
 
 
 @pytest.mark.parametrize(("digits", "q"), [(RIGHT, 3), (WRONG, 1)])
-def test_a_start_of_one_method_that_fails_beyond_order_1_has_no_certificate(
-    digits: str, q: int
-) -> None:
+def test_a_start_of_one_method_that_fails_beyond_order_1_has_no_certificate(digits, q):
     """The rule that refutes one is for order 1; a certificate without it would be refused."""
     d = started("gsymplectic-n", ("",), digits)
     said = [written(d, "starting-order", x) for x in (q, q + 1)]
@@ -363,9 +359,7 @@ def test_eigenvalues_that_are_rational_and_complex_stand_in_the_field() -> None:
     ("claim", "trees", "failing"),
     [("starting-order", "all", "f[fff]"), ("nystrom-starting-order", "nystrom", "f[k[ff]]")],
 )
-def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(
-    claim: str, trees: str, failing: str
-) -> None:
+def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(claim, trees, failing):
     for declared in (2, 3, 4):
         holds, parts = proved(shipped("gsymplectic-n-pair"), claim, declared)
         assert holds == (declared == 3)

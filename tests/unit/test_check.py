@@ -245,9 +245,7 @@ def test_what_is_no_tableau_is_one_sentence(document: dict[str, Any], said: str)
         ('{"A": [[0]], "b": ["1e400"], "order": 1}', 1, "residual above 1e308"),
     ],
 )
-def test_the_command_reads_a_pipe(
-    text: str, code: int, said: str, monkeypatch: Any, capsys: Any
-) -> None:
+def test_the_command_reads_a_pipe(text, code, said, monkeypatch, capsys):
     import io
 
     monkeypatch.setattr("sys.stdin", io.StringIO(text))
@@ -284,9 +282,7 @@ NINES = "9" * 5000
         (f"[{'0, ' * 300} 1]", "more than 200 entries"),
     ],
 )
-def test_numbers_and_tables_beyond_any_size_are_refused_at_once(
-    weights: str, said: str, tmp_path: Any, cli
-) -> None:
+def test_numbers_and_tables_beyond_any_size_are_refused_at_once(weights, said, tmp_path, cli):
     path = tmp_path / "x.json"
     path.write_text(f'{{"A": [[0, 0], [1, 0]], "b": {weights}, "order": 2, "digits": 20}}', "utf-8")
     assert said in cli("check", path, code=2).err

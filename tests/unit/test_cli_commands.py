@@ -90,9 +90,7 @@ SAME = [
 
 
 @pytest.mark.parametrize(("old", "new"), SAME)
-def test_an_old_name_does_what_the_new_one_does(
-    run: Run, tmp_path: Path, old: list[str], new: list[str]
-) -> None:
+def test_an_old_name_does_what_the_new_one_does(run, tmp_path, old, new):
     tableau, table = tmp_path / "tableau.json", tmp_path / "table.csv"
     tableau.write_text('{"A": [[0, 0], ["1/2", 0]], "b": [0, 1], "order": 2}')
     table.write_text(run("export", "rk4", "--to", "csv")[1])
@@ -177,18 +175,14 @@ def found(verdict: Verdict) -> Finding:
         ([Verdict.OPEN, Verdict.FAILS], 1),
     ],
 )
-def test_exit_code_follows_the_verdicts(
-    run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: list[Verdict], code: int
-) -> None:
+def test_exit_code_follows_the_verdicts(run, monkeypatch, verdicts, code):
     monkeypatch.setattr(
         verification, "verify_file", lambda name, **options: [found(v) for v in verdicts]
     )
     assert run("verify", "euler")[0] == code
 
 
-def test_bad_input_beside_a_failure_is_exit_2_and_keeps_the_failure(
-    run: Run, overclaimed: str
-) -> None:
+def test_bad_input_beside_a_failure_is_exit_2_and_keeps_the_failure(run, overclaimed):
     code, out, err = run("verify", overclaimed, "no-such-method")
     assert code == 2
     assert "FAILS" in out
@@ -321,9 +315,7 @@ def test_certify_says_which_folder_cannot_be_made(run: Run, tmp_path: Path) -> N
     assert f"{str(tmp_path / 'file')!r} is a file; name another folder" in err
 
 
-def test_an_empty_input_of_check_says_what_to_write(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_empty_input_of_check_says_what_to_write(run, monkeypatch):
     monkeypatch.setattr("sys.stdin", io.StringIO("  \n"))
     code, out, err = run("check", "-")
     assert (code, out) == (2, "") and err.startswith("glmref: the standard input is empty; write {")
@@ -338,9 +330,7 @@ def test_the_list_shows_the_order_that_a_method_is_known_by(run: Run) -> None:
     assert [rows[x] for x in names] == [8, 12, 6, 4]
 
 
-def test_a_rosenbrock_method_is_analysed_and_drawn_in_its_own_terms(
-    run: Run, tmp_path: Path
-) -> None:
+def test_a_rosenbrock_method_is_analysed_and_drawn_in_its_own_terms(run, tmp_path):
     code, out, _ = run("analyze", "ros3-printed")
     rows = dict(x.split(maxsplit=1) for x in out.splitlines() if x.startswith("stages"))
     assert code == 0 and rows == {"stages": "3"}
@@ -383,9 +373,7 @@ def test_a_claim_of_sizes_that_fails_is_written_as_a_person_writes_it(run: Run) 
     assert "not decided" not in out and "{" not in out
 
 
-def test_a_terminal_is_told_how_long_an_analysis_has_been_going_on(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_terminal_is_told_how_long_an_analysis_has_been_going_on(run, monkeypatch):
     monkeypatch.setattr("glmref.cli.describing._PATIENCE", 0.0)
     assert "analyzing" not in run("analyze", "rk4")[2]  # no terminal, no progress
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)

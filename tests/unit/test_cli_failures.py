@@ -42,9 +42,7 @@ def broken(name: str, **options: object) -> list[Finding]:
     return [Finding(name, "order", 4, Verdict.HOLDS, 4)]
 
 
-def test_an_unexpected_exception_is_one_sentence_and_exit_3(
-    monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_an_unexpected_exception_is_one_sentence_and_exit_3(monkeypatch, cli):
     monkeypatch.setattr(verification, "verify_file", broken)
     out, err = cli("verify", "rk4", "euler", "gauss-2", "--format", "json", code=3)
     assert [f["method"] for f in json.loads(out)["findings"]] == ["rk4", "gauss-2"]
@@ -53,17 +51,13 @@ def test_an_unexpected_exception_is_one_sentence_and_exit_3(
     assert "please report it" in err
 
 
-def test_debugging_shows_the_traceback_of_an_internal_error(
-    monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_debugging_shows_the_traceback_of_an_internal_error(monkeypatch, cli):
     monkeypatch.setattr(verification, "verify_file", broken)
     monkeypatch.setenv("GLMREF_DEBUG", "1")
     assert "Traceback" in cli("verify", "euler", code=3).err
 
 
-def test_an_exception_outside_any_file_is_one_sentence_too(
-    monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_an_exception_outside_any_file_is_one_sentence_too(monkeypatch, cli):
     from glmref.catalogue import lookup as catalogue
 
     def fail(name: object) -> None:
@@ -136,9 +130,7 @@ def test_the_standard_input_is_utf_8_whatever_the_terminal_has(encoding: str) ->
 
 
 @pytest.mark.parametrize("form", ["json", "junit", "csv", "table"])
-def test_interruption_keeps_what_was_found_and_leaves_with_130(
-    form: str, monkeypatch: pytest.MonkeyPatch, cli
-) -> None:
+def test_interruption_keeps_what_was_found_and_leaves_with_130(form, monkeypatch, cli):
     def interrupted(name: str, **options: object) -> list[Finding]:
         if name == "gauss-2":
             raise KeyboardInterrupt
@@ -358,9 +350,7 @@ def test_a_terminal_gets_colour_and_progress_and_no_color_is_respected() -> None
 
 
 @pytest.mark.slow
-def test_results_come_in_order_whether_in_one_process_or_in_several(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_results_come_in_order_whether_in_one_process_or_in_several(monkeypatch):
     from glmref.cli import parallel
 
     names = ["euler", "no-such-method", "rk4", "gauss-2", "ab-2", "rkf45-3554"]

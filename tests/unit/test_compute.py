@@ -97,9 +97,7 @@ def test_the_scheduler_keeps_nothing_of_a_task_that_has_ended(dask: Executor) ->
 
 
 @pytest.mark.slow
-def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(monkeypatch):
     from glmref.compute import cluster
 
     client = client_of(
@@ -112,9 +110,7 @@ def test_a_cluster_whose_workers_all_died_ends_with_a_sentence(
         next(cluster.Dask(client, "dask:2").run(behave, SQUARES))
 
 
-def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(monkeypatch):
     """It does not wait once more to cancel what was sent."""
     from glmref.compute import cluster
 
@@ -133,9 +129,7 @@ def test_a_scheduler_that_does_not_answer_is_lost_within_its_patience(
 
 
 @pytest.mark.parametrize(("pause", "most"), [(60.0, 1), (0.0, len(SQUARES) + 1)])
-def test_the_scheduler_is_asked_for_its_threads_once_in_a_while(
-    pause: float, most: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_scheduler_is_asked_for_its_threads_once_in_a_while(pause, most, monkeypatch):
     from glmref.compute import cluster
 
     asked: list[float] = []
@@ -196,9 +190,7 @@ def test_timed_tasks_have_a_core_each_and_one_thread() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="nothing is pinned here")
-def test_a_core_that_another_timed_task_has_is_waited_for_and_refused_in_the_end(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_core_that_another_timed_task_has_is_waited_for_and_refused_in_the_end(monkeypatch):
     from glmref.compute import child
 
     monkeypatch.setattr(child, "_WAIT", 0.2)
@@ -252,9 +244,7 @@ def test_a_child_is_deaf_for_ctrl_c_from_its_first_moment_on() -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="has no semaphores to unlink")
 @pytest.mark.parametrize("filters", [None, "default"])
-def test_a_process_that_ends_at_once_leaves_its_semaphores_without_a_warning(
-    filters: str | None,
-) -> None:
+def test_a_process_that_ends_at_once_leaves_its_semaphores_without_a_warning(filters):
     """What a signal ends does so; the tracker of Python wrote two lines to the user."""
     code = (
         "import os\n"
@@ -281,9 +271,7 @@ def test_a_result_that_cannot_be_sent_is_a_failure_of_its_task() -> None:
         child.end()
 
 
-def test_a_worker_that_is_not_what_the_client_is_is_refused(
-    dask: Executor, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_worker_that_is_not_what_the_client_is_is_refused(dask, monkeypatch):
     from glmref.compute import cluster
 
     mine = identity()
@@ -420,9 +408,7 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
-def test_a_run_that_is_killed_and_run_again_loses_nothing_and_does_nothing_twice(
-    tmp_path: Path,
-) -> None:
+def test_a_run_that_is_killed_and_run_again_loses_nothing_and_does_nothing_twice(tmp_path):
     """Its processes are killed at random as well; they end with it."""
     root = Path(__file__).parents[2]
     script = tmp_path / "run.py"

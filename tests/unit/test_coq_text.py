@@ -312,9 +312,7 @@ def test_no_component_grows(text: Text) -> None:
     ("name", "said"),
     [("s3-w3", "decimal"), ("ars-2-2-2", "additive"), ("ros3p", "Rosenbrock"), ("rk-9", "rk-9")],
 )
-def test_what_cannot_be_written_is_refused_in_one_sentence(
-    name: str, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_written_is_refused_in_one_sentence(name, said, capsys):
     assert main([name]) == 2
     output = capsys.readouterr()
     assert said in output.err
@@ -322,9 +320,7 @@ def test_what_cannot_be_written_is_refused_in_one_sentence(
     assert not output.out
 
 
-def test_a_folder_gets_one_file_for_each_name(
-    tmp_path: Any, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_gets_one_file_for_each_name(tmp_path, capsys):
     folder = tmp_path / "new" / "folders"
     assert main(["euler", "rk4", "--output", str(folder)]) == 0
     assert sorted(x.name for x in folder.iterdir()) == ["m_euler.v", "m_rk4.v"]

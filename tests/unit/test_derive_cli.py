@@ -73,9 +73,7 @@ def undisturbed() -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
-def test_a_search_that_is_stopped_goes_on_where_it_was(
-    how: signal.Signals, code: int, tmp_path: Path, undisturbed: list[str]
-) -> None:
+def test_a_search_that_is_stopped_goes_on_where_it_was(how, code, tmp_path, undisturbed):
     """Interrupted or killed, the second run takes over what the first one kept."""
     state = tmp_path / "state"
     words = [str(ANSATZ), "--starts", "96", "--state", str(state)]

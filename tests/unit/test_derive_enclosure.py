@@ -63,9 +63,7 @@ ROOT_2 = "1.41421356237309504880168872420969807856967187537694807317667973799073
         (Fraction(-1, 10**160), 0, "singular"),  # two roots 2e-80 apart, in one box
     ],
 )
-def test_a_root_that_is_not_the_one_within_the_digits_is_refused(
-    gap: Any, centre: Any, said: str
-) -> None:
+def test_a_root_that_is_not_the_one_within_the_digits_is_refused(gap, centre, said):
     shift = rational(Fraction(gap).numerator, Fraction(gap).denominator)
     with pytest.raises((Refused, ZeroDivisionError), match=said):
         root_near(lambda v: [v[0] * v[0] + shift], [centre])

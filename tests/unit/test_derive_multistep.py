@@ -59,9 +59,7 @@ def test_the_order_is_not_higher(cosines: Cosines, claim: str) -> None:
 
 
 @pytest.mark.parametrize("claim", ["order", "order-identity", "starting-order"])
-def test_trees_without_branches_and_all_trees_agree(
-    monkeypatch: pytest.MonkeyPatch, claim: str
-) -> None:
+def test_trees_without_branches_and_all_trees_agree(monkeypatch, claim):
     # below order 9 all trees are compared: with the bound lowered the paths decide
     monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
     found = facts(SEPARABLE)
@@ -70,9 +68,7 @@ def test_trees_without_branches_and_all_trees_agree(
 
 
 @pytest.mark.parametrize(("cosines", "claim"), [(SECOND, "nystrom-"), (SEPARABLE, "")])
-def test_a_start_with_a_wrong_stage_is_not_proved(
-    monkeypatch: pytest.MonkeyPatch, cosines: Cosines, claim: str
-) -> None:
+def test_a_start_with_a_wrong_stage_is_not_proved(monkeypatch, cosines, claim):
     monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
     broken = document(cosines)
     row = broken["starting"]["A"][-1]
@@ -81,9 +77,7 @@ def test_a_start_with_a_wrong_stage_is_not_proved(
     assert found.judge(f"{claim}starting-order", 6).verdict is not Verdict.HOLDS
 
 
-def test_where_stages_are_not_the_solution_all_trees_are_compared(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_stages_are_not_the_solution_all_trees_are_compared(monkeypatch):
     # a splitting has stages of order 1: its paths alone hold through order 4 and more
     monkeypatch.setattr(kernel, "MAX_ORDER", (12, 3, 8, 6, 5))
     found = facts_of(load("forest-ruth-4")).kernel.order_range(free=False)

@@ -125,9 +125,7 @@ def test_a_start_of_another_form_is_refused(target: Target, change: Any, said: s
          (DataError, ExactnessError), "finishing"),
     ],
 )  # fmt: skip
-def test_a_finish_of_another_form_is_refused(
-    target: Target, change: Any, error: Any, said: str
-) -> None:
+def test_a_finish_of_another_form_is_refused(target, change, error, said):
     doc = document(NAME)
     closing = copy.deepcopy(doc["finishing"])
     change(closing)
@@ -195,9 +193,7 @@ def test_too_few_stages_are_reported() -> None:
 
 
 @pytest.mark.parametrize("unknown", ["first", "second"])
-def test_only_a_condition_of_the_first_value_is_left_out_where_it_always_holds(
-    unknown: str,
-) -> None:
+def test_only_a_condition_of_the_first_value_is_left_out_where_it_always_holds(unknown):
     """One unknown, and two conditions, of which one holds whatever it is."""
     digits = "0.125" + "0" * 72
     first, second = (digits, "1/2") if unknown == "first" else ("0", digits)

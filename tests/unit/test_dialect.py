@@ -126,9 +126,7 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 @pytest.mark.slow
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_of_method_is_checked_and_analysed(
-    kind: str, tmp_path: Path, capsys: Any
-) -> None:
+def test_every_kind_of_method_is_checked_and_analysed(kind, tmp_path, capsys):
     right, change = KINDS[kind]
     for content, code in ((right, 0), (right | change, 1)):
         file = write(tmp_path, content)
@@ -176,9 +174,7 @@ RKF45 = {
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("command", ["check", "verify", "analyze"])
 @pytest.mark.parametrize("form", ["plain", "doubles", "format"])
-def test_the_wrong_entry_and_its_correction_are_named_everywhere(
-    command: str, form: str, tmp_path: Path, capsys: Any
-) -> None:
+def test_the_wrong_entry_and_its_correction_are_named_everywhere(command, form, tmp_path, capsys):
     """Fehlberg's pair with 1895 in place of 1859."""
     content = dict(RKF45)
     if form == "doubles":
@@ -232,16 +228,12 @@ def test_a_method_in_doubles_has_order_4_to_16_digits_first(tmp_path: Path, caps
         ({"energy-order": 4}, "energy-order 4 fails: order 3 fails at [oo]"),
     ],
 )
-def test_a_claim_that_fails_says_what_was_found(
-    claim: dict[str, Any], sentence: str, tmp_path: Path, cli
-) -> None:
+def test_a_claim_that_fails_says_what_was_found(claim, sentence, tmp_path, cli):
     file = write(tmp_path, {"A": [["1/2"]], "b": ["1"], "claims": claim})
     assert cli("check", file, code=1).out == sentence + "\n"
 
 
-def test_parts_at_other_times_than_their_row_sums_are_checked_only(
-    tmp_path: Path, capsys: Any, cli
-) -> None:
+def test_parts_at_other_times_than_their_row_sums_are_checked_only(tmp_path, capsys, cli):
     part = {"A": HEUN_A, "b": HEUN_B, "c": ["1/4", "3/4"]}
     file = write(tmp_path, {"parts": [part, part], "order": 1})
     assert verdicts(capsys, "check", file) == verdicts(capsys, "verify", file) == (0, ["holds"])
@@ -293,9 +285,7 @@ SAID = ("format", "name", "class", "claims", "source", "title", "notes", "$schem
         {"A": HEUN["A"], "U": [["1"], ["1"]], "B": [["1/2", "1/2"]], "V": [["1"]]},
     ],
 )
-def test_analyze_and_show_read_it_and_verify_and_cite_say_what_is_missing(
-    content: dict[str, Any], tmp_path: Path, cli
-) -> None:
+def test_analyze_and_show_read_it_and_verify_and_cite_say_what_is_missing(content, tmp_path, cli):
     file = str(write(tmp_path, content))
     assert "order with the identity" in cli("analyze", file).out
     assert json.loads(cli("analyze", file, "--format", "json").out)["order"] == 2

@@ -51,9 +51,7 @@ def test_operations_are_weighted_by_their_latency() -> None:
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_a_small_system_takes_newton_where_its_rounds_cost_less(
-    d: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_small_system_takes_newton_where_its_rounds_cost_less(d, monkeypatch):
     """2.3 rounds, the Jacobian and the solution against 1 + 10 / -log10(rho) rounds."""
     of = Problem(f=tuple(f"-y[{k}]*y[{k}]" for k in range(d)), y0=(1.0,) * d)
     shape, form = shape_of(of), step_form(load("implicit-midpoint"))
@@ -97,9 +95,7 @@ def _depths(tree: ast.AST, depth: dict[str, int]) -> list[int]:
 
 
 @pytest.mark.slow
-def test_rounds_of_a_stage_alone_are_priced_by_their_operations(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_rounds_of_a_stage_alone_are_priced_by_their_operations(monkeypatch):
     assert (chain("newton"), chain("fixed-point")) == (8, 2)
     assert solver_choice._LONE_STAGE_SAVES == 8 - 2
     of = problem("henon-heiles")

@@ -147,9 +147,7 @@ def by_kernel(method: GLM | PartitionedGLM, of: Any, values: np.ndarray, target:
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("target", ["scalar", "array"])
 @pytest.mark.parametrize("name", ["stormer-verlet", "rk4", "ab-2", "symplectic-euler-a"])
-def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
-    name: str, target: str
-) -> None:
+def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(name, target):
     method, of = shipped(name), problem("henon-heiles")
     values = values_of(method, of)
     for k, other in enumerate(near(method)):
@@ -168,9 +166,7 @@ def test_a_method_that_misses_a_structure_by_one_number_is_stepped_as_given(
 @pytest.mark.parametrize("compensated", [True, False])
 @pytest.mark.parametrize("history", [True, False])
 @pytest.mark.parametrize("of", ["pendulum", "outer-solar-system"])
-def test_a_kernel_computes_nothing_that_it_does_not_read(
-    of: str, history: bool, compensated: bool
-) -> None:
+def test_a_kernel_computes_nothing_that_it_does_not_read(of, history, compensated):
     options = Options(compensated=compensated, history=history, target="scalar")
     for name in ("rk4", "ab-3", "gauss-2", "g6245", "stormer-verlet", "multistep-rkn-8"):
         _, text = source(step_form(shipped(name)), problem(of), options)

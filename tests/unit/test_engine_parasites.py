@@ -66,9 +66,7 @@ def check_warned_in_time(given: Problem, method: str, h: float, steps: int) -> N
 
 
 @pytest.mark.parametrize(("given", "h"), [(SHEAR, 0.03), (DRIFT, 0.03)])
-def test_a_lost_orbit_is_reported_before_the_energy_error_is_a_hundredfold(
-    given: Problem, h: float
-) -> None:
+def test_a_lost_orbit_is_reported_before_the_energy_error_is_a_hundredfold(given, h):
     check_warned_in_time(given, "multistep-general-8", h, 1400)
 
 
@@ -82,9 +80,7 @@ KEPT = [(LATTICE, "multistep-general-8")]
     ("given", "h", "steps", "method"),
     [(*row, method) for row in LOST for method in METHODS if (row[0], method) not in KEPT],
 )
-def test_lost_orbits_are_reported_at_other_steps(
-    given: Problem, h: float, steps: int, method: str
-) -> None:
+def test_lost_orbits_are_reported_at_other_steps(given, h, steps, method):
     check_warned_in_time(given, method, h, steps)
 
 
@@ -118,9 +114,7 @@ def test_orbits_that_stay_are_not_reported(given: Problem, method: str, h: float
 
 @pytest.mark.parametrize("how", [{"every": 7}, {"times": [1.2, 2.85, 6.0, 30.0]}])
 @pytest.mark.parametrize("renew", [0, 150])
-def test_what_is_computed_is_the_same_as_without(
-    how: dict[str, Any], renew: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_computed_is_the_same_as_without(how, renew, monkeypatch):
     given = replace(PARTICLE, t_span=(0.0, 30.0))
     found = solve(given, "multistep-general-8", h=0.03, renew=renew, **how)
     monkeypatch.setattr(running, "watched", lambda *_: False)

@@ -98,9 +98,7 @@ def test_the_fixed_point_names_newton_as_the_way_out() -> None:
         ("s5i2-w3", {"steps": 8, "every": 8, "renew": 4}, [None, None, 30, 39, 1]),
     ],
 )
-def test_evaluations_are_counted_by_what_they_are_for(
-    method: str, options: dict[str, int], counts: list[int | None]
-) -> None:
+def test_evaluations_are_counted_by_what_they_are_for(method, options, counts):
     reference, run = (
         solve("kepler", method, h=0.05, engine=x, **options) for x in ("reference", "interpreted")
     )

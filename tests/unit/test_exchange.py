@@ -56,9 +56,7 @@ def test_every_target_names_method_source_and_version(target: str) -> None:
         ("rk4", "petsc", []),
     ],
 )
-def test_what_is_left_out_is_named_in_the_comment_and_on_stderr(
-    name: str, target: str, absent: list[str], cli
-) -> None:
+def test_what_is_left_out_is_named_in_the_comment_and_on_stderr(name, target, absent, cli):
     out, err = cli("export", name, "--to", target)
     comment = " ".join(out.replace("*", "").replace("#", "").replace("%", "").split())
     assert (f"Left out: {', '.join(absent)}." in comment) == bool(absent)

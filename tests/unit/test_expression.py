@@ -234,9 +234,7 @@ def test_a_root_of_unity_counts_with_its_denominator_and_at_most_with_the_larges
     ("text", "digits", "value"),
     [(".5", 1, 0.5), ("5.", 0, 5), ("-.25", 2, -0.25), ("10.50", 2, 10.5)],
 )
-def test_decimals_need_no_digit_on_one_side_of_the_point(
-    text: str, digits: int, value: float
-) -> None:
+def test_decimals_need_no_digit_on_one_side_of_the_point(text, digits, value):
     found = parse(text, digits=digits)
     assert isinstance(found, Ball) and float(found) == value
     assert found.radius() == pytest.approx(10.0**-digits)

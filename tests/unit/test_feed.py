@@ -117,9 +117,7 @@ def client(feed: Path, folder: Path) -> str:
     return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
 
 
-def test_a_client_written_from_the_page_lists_pairs_with_their_defects(
-    feed: Path, tmp_path: Path
-) -> None:
+def test_a_client_written_from_the_page_lists_pairs_with_their_defects(feed, tmp_path):
     lines = client(feed, tmp_path).splitlines()
     assert "dormand-prince-5-4: 7 stages, embedded of order 4" in lines
     at = lines.index("tsitouras-5-4: 7 stages, embedded of order 4")
@@ -136,13 +134,7 @@ def test_a_client_written_from_the_page_lists_pairs_with_their_defects(
         (["--output", "there"], "there/v1 is there already; remove it"),
     ],
 )
-def test_bad_input_is_one_sentence(
-    words: list[str],
-    said: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    cli,
-) -> None:
+def test_bad_input_is_one_sentence(words, said, tmp_path, monkeypatch, cli):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there" / "v1").mkdir(parents=True)
     assert said in cli("feed", *words, code=2).err

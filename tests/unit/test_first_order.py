@@ -39,9 +39,7 @@ def identity(d: int) -> Coupling:
     return Coupling(np.ones((d, d)), np.arange(d))
 
 
-def test_the_slope_of_the_orbit_is_a_part_with_the_growth_parameter_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_slope_of_the_orbit_is_a_part_with_the_growth_parameter_one(monkeypatch):
     monkeypatch.setattr(first_order, "BLOCK", 1 << 14)
     monkeypatch.setattr(first_order, "NUMBERS", 1 << 16)
     swing = problem("pendulum")
@@ -76,9 +74,7 @@ def test_growth_on_the_orbit_says_when() -> None:
         (np.sin(np.linspace(0, 80, 2001)), False),
     ],
 )
-def test_growth_goes_on_beyond_the_orbit_where_it_is_clear(
-    logarithms: np.ndarray, clear: bool
-) -> None:
+def test_growth_goes_on_beyond_the_orbit_where_it_is_clear(logarithms, clear):
     found = made_up(logarithms).reached(np.exp(30.0))
     assert (found is not None) == clear
     if found is not None:

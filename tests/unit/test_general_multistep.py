@@ -71,9 +71,7 @@ def test_a_half_is_explicit_symmetric_and_of_its_order(c: list[Fraction], minus_
 
 
 @given(st.lists(cosines, min_size=2, max_size=2, unique=True), cosines)
-def test_the_error_constant_is_affine_and_can_be_matched(
-    c: list[Fraction], other: Fraction
-) -> None:
+def test_the_error_constant_is_affine_and_can_be_matched(c, other):
     half = GeneralHalf(tuple(c[:1]), True)
     assume(other not in c)
     try:

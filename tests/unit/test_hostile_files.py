@@ -79,9 +79,7 @@ def test_a_device_is_no_result(tmp_path: Path) -> None:
     assert why == "it is neither a file nor a folder"
 
 
-def test_a_named_pipe_is_no_tableau_and_no_certificate(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_named_pipe_is_no_tableau_and_no_certificate(tmp_path, capsys):
     os.mkfifo(tmp_path / "x")
     (tmp_path / "link").symlink_to("x")
     (tmp_path / "loop").symlink_to("loop")
@@ -101,9 +99,7 @@ def test_a_named_pipe_is_no_result_of_asv(tmp_path: Path) -> None:
     assert "named pipe" in why
 
 
-def test_a_named_pipe_is_no_function_of_a_scene(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_named_pipe_is_no_function_of_a_scene(tmp_path, capsys):
     os.mkfifo(tmp_path / "mine.py")
     (tmp_path / "s.toml").write_text(
         'format = "glmref-scene-1"\nname = "s"\ntitle = "t"\nquestion = "q"\n'
@@ -119,9 +115,7 @@ def test_known_failures_are_a_file(odd: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", ["sqlite", "jsonl"])
-def test_a_record_file_is_a_file(
-    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_record_file_is_a_file(suffix, tmp_path, capsys):
     os.mkfifo(tmp_path / f"oscillator-quick.{suffix}")
     assert main(["run", "oscillator", "--quick", "--output", str(tmp_path)]) == 2
     assert "it is a named pipe, and a regular file is needed" in capsys.readouterr().err
@@ -193,9 +187,7 @@ def test_no_device_is_replaced_by_a_file(tmp_path: Path, kind: str) -> None:
     assert not Path("/dev/null").is_file()
 
 
-def test_a_file_is_replaced_in_one_piece_or_not_at_all(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_replaced_in_one_piece_or_not_at_all(tmp_path, monkeypatch):
     path = tmp_path / "x"
     path.write_bytes(b"old")
     path.chmod(0o640)

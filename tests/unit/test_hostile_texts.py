@@ -164,9 +164,7 @@ def hostile_method(tmp_path: Path) -> Path:
     ],
     ids=" ".join,
 )  # fmt: skip
-def test_a_terminal_gets_no_control_character_of_a_file(
-    hostile_method: Path, command: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_terminal_gets_no_control_character_of_a_file(hostile_method, command, capsys):
     assert main([*command, str(hostile_method)]) in (0, 1, 2, 3)
     captured = capsys.readouterr()
     assert captured.out and not CONTROLS.search(captured.out + captured.err)

@@ -203,9 +203,7 @@ def test_a_cache_that_cannot_be_written_costs_the_cache_alone(tmp_path, own, mon
     assert {x.verdict for x in checked(own)} == {Verdict.HOLDS}
 
 
-def test_code_that_moves_to_another_module_is_other_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_code_that_moves_to_another_module_is_other_code(tmp_path, monkeypatch):
     """The same bytes one after another, in modules of other names or lengths."""
     monkeypatch.setattr(cache, "__file__", str(tmp_path / "system" / "cache.py"))
     (tmp_path / "exact").mkdir()
@@ -220,9 +218,7 @@ def test_code_that_moves_to_another_module_is_other_code(
     assert len(found) == 4
 
 
-def test_a_table_that_the_package_reads_is_part_of_its_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_table_that_the_package_reads_is_part_of_its_code(tmp_path, monkeypatch):
     monkeypatch.setattr(cache, "__file__", str(tmp_path / "system" / "cache.py"))
     found = set()
     for place in ("", "problems/named.toml", "data/methods/euler.json", "problems/note.txt"):

@@ -32,9 +32,7 @@ def test_a_root_of_zero_and_forty_one_roots_are_refused() -> None:
     refused(DataError, "41 roots", parse, "+".join(["sqrt(4)"] * 41))
 
 
-def test_an_order_that_could_not_be_looked_for_is_not_decided(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_order_that_could_not_be_looked_for_is_not_decided(monkeypatch):
     def too_large(*_: Any, **__: Any) -> Any:
         raise ExactnessError("too large")
 

@@ -116,9 +116,7 @@ def test_a_method_file_lies_beside_the_scene_or_is_shipped(inner: Path) -> None:
 
 
 @pytest.mark.parametrize("table", ["FIXED", "GRID"])
-def test_a_campaign_names_shipped_problems_and_methods_or_files_beside_it(
-    table: str, inner: Path
-) -> None:
+def test_a_campaign_names_shipped_problems_and_methods_or_files_beside_it(table, inner):
     """In [fixed] nothing was looked at, and a problem there could be any file."""
     write: Callable[[str, str], str] = (
         (lambda method, problem: f"method = {method}\nproblem = {problem}")
@@ -140,9 +138,7 @@ def test_a_campaign_names_shipped_problems_and_methods_or_files_beside_it(
 
 
 @pytest.mark.slow
-def test_a_link_of_a_checkout_that_leads_out_is_unread(
-    inner: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_link_of_a_checkout_that_leads_out_is_unread(inner, capsys):
     (inner / "good.json").write_text('{"A": [["0"]], "b": ["1"], "order": 1}')
     (inner.parent / "secret.json").write_text('{"A": [["0"]], "b": ["2"], "order": 1}')
     (inner / "link.json").unlink()

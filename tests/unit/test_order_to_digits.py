@@ -311,9 +311,7 @@ def test_a_thousandth_is_the_largest_rounding(more: Fraction, goes_on: bool) -> 
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 4])
-def test_beyond_the_last_order_sizes_end_with_the_next(
-    seed: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_beyond_the_last_order_sizes_end_with_the_next(seed, monkeypatch):
     A, b = rounded_method(seed)
     last = 1 if seed % 2 else 2
     monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: last)
@@ -323,9 +321,7 @@ def test_beyond_the_last_order_sizes_end_with_the_next(
     assert [rounded_up(x) for x in found] == [rounded_up(Fraction(x)) for x in wanted]
 
 
-def test_of_many_trees_no_residual_above_a_rounding_goes_on(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_of_many_trees_no_residual_above_a_rounding_goes_on(monkeypatch):
     half = Fraction(1, 2)
     for many, off, length in ((0, 8, 3), (0, 10, 4), (1, 8, 4)):
         monkeypatch.setattr(digits, "MANY", many)
@@ -385,9 +381,7 @@ def test_radii_bound_what_few_bits_lose(s: int, bits: int) -> None:
                     assert off <= group.error, tree
 
 
-def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_next_order_that_is_exact_keeps_the_residual_of_the_last(monkeypatch):
     """b is off by 1e-4, and b a is 1/2: the list does not fall."""
     monkeypatch.setattr(Kernel, "_most", lambda self, *, nystrom: 1)
     b = 1 + Fraction(1, 10**4)

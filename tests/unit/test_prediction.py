@@ -113,9 +113,7 @@ def test_growth_of_first_order_where_no_orbit_is_periodic_is_seen_in_runs_that_b
     ("name", "on", "h", "known"),
     [("gsymplectic-n", "henon-heiles", 0.05, False), ("s5i1-i", "kepler", 0.1, True)],
 )
-def test_a_function_that_is_interpreted_has_a_budget(
-    name: str, on: str, h: float, known: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_function_that_is_interpreted_has_a_budget(name, on, h, known, monkeypatch):
     """Growth is not seen, or whether it stops is not."""
     calls, regular = {"f": 0}, problem(on, **({"eccentricity": "1/10"} if known else {}))
 
@@ -140,9 +138,7 @@ def test_a_function_that_is_interpreted_has_a_budget(
         ("milne-predictor", "fput", 0.125, 561_664),
     ],
 )
-def test_growth_that_comes_late_is_followed_along_a_long_orbit(
-    name: str, on: str, h: float, seen: int
-) -> None:
+def test_growth_that_comes_late_is_followed_along_a_long_orbit(name, on, h, seen):
     """Steps of the loss are those of `parasitic-losses`; on the lattice growth is no first order's.
 
     There the start has little of the direction that grows, and two longer runs show it.

@@ -29,18 +29,14 @@ def truth(claim: str, value: Any, kind: str = "glm", **keys: Any) -> bool | None
     return facts_for(method).find(claim, value).truth
 
 
-def test_the_start_of_a_pair_has_the_identity_as_principal_part(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_start_of_a_pair_has_the_identity_as_principal_part(monkeypatch):
     """Also at the last order that is compared."""
     monkeypatch.setattr(rules, "MAX_ORDER", (1, 1, 1, 1, 1))
     half: dict[str, Any] = {"A": [["1/2"]], "b": ["1"], "A_hat": [["1/2"]], "b_hat": ["1"]}
     assert truth("starting-order", 0, "partitioned-rk", **half) is False
 
 
-def test_a_start_is_not_right_in_principal_parts_that_are_not_known(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_start_is_not_right_in_principal_parts_that_are_not_known(monkeypatch):
     """Butcher's method of effective order 5 keeps no start that is the identity at order 4.
 
     Where trees are compared through order 4 alone, its order is not known, nor that of the start.
@@ -51,9 +47,7 @@ def test_a_start_is_not_right_in_principal_parts_that_are_not_known(
     assert findings(d)["starting-order"].verdict is OPEN
 
 
-def test_of_the_last_order_that_is_compared_no_principal_part_is_free(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_of_the_last_order_that_is_compared_no_principal_part_is_free(monkeypatch):
     """The midpoint rule beside an idle value is right at [o] if one is; order 3 may ask for others."""
     idle: dict[str, Any] = {"A": [["1/2"]], "U": [["1", "0"]], "B": [["1"], ["0"]],
                             "V": [["1", "0"], ["0", "0"]]}  # fmt: skip
@@ -123,9 +117,7 @@ def test_the_solution_that_is_twice_the_value_has_the_order() -> None:
 
 
 @pytest.mark.parametrize(("q", "expected"), [(0, False), (1, None), (2, None)])
-def test_below_the_last_order_a_start_is_right_though_the_order_is_open(
-    q: int, expected: bool | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_below_the_last_order_a_start_is_right_though_the_order_is_open(q, expected, monkeypatch):
     """No tree refutes a coefficient of one digit: of order 1 it is, and so is y0 as a start."""
     monkeypatch.setattr(rules, "HIGHEST", 4)
     start = {"A": [["0"]], "B": [["0"]], "u": ["1"]}

@@ -48,9 +48,7 @@ def powers(V: list[list[Any]]) -> bool | None:
     [([[0, 1], [1, 0]], True), ([[0, 1], [-1, 0]], True), ([[1, 1], [0, 1]], None),
      ([[1, 1], [1, 1]], False), ([[0, 0, 1], [1, 0, 0], [0, 1, 0]], True)],
 )  # fmt: skip
-def test_one_exact_block_on_the_circle_beside_rounded_ones_inside(
-    block: list[list[int]], expected: bool | None
-) -> None:
+def test_one_exact_block_on_the_circle_beside_rounded_ones_inside(block, expected):
     n = len(block)
     V: list[list[Any]] = [[Fraction(x) for x in row] + [Fraction(0)] for row in block]
     V.append([Fraction(0)] * n + [SMALL + Fraction(1, 2)])

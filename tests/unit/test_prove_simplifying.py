@@ -180,9 +180,7 @@ def test_of_a_gauss_method_every_equation_is_needed(s: int) -> None:
 
 
 @pytest.mark.parametrize(("s", "place"), [(6, ("A", 5, 0)), (7, ("A", 3, 4)), (6, ("b", 5))])
-def test_half_of_the_equations_say_enough_of_a_mirrored_table_only(
-    s: int, place: tuple[Any, ...]
-) -> None:
+def test_half_of_the_equations_say_enough_of_a_mirrored_table_only(s, place):
     doc = gauss(s)
     inner: Any = doc
     for key in place[:-1]:

@@ -130,9 +130,7 @@ def test_blocks_that_the_theorems_do_not_speak_of_are_refused() -> None:
     refused(DataError, "I - V is not regular", system, V=[["1", "0"], ["0", "1"]])
 
 
-def test_the_order_that_equations_give_ends_where_trees_are_compared(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_order_that_equations_give_ends_where_trees_are_compared(monkeypatch):
     found = equations_of(shipped("tsitouras-5-4"), {})
     assert implications.order_given(found) == 5
     for most in (5, 4, 2):
@@ -186,9 +184,7 @@ def test_the_first_stage_begins_at_0_where_it_is_explicit_and_starts_at_order_tw
 @pytest.mark.parametrize(
     ("start", "nystrom", "fine"), [(4, 6, True), (6, 8, True), (7, 0, False), (6, 9, False)]
 )
-def test_a_start_has_the_orders_that_are_claimed_and_none_above_the_pair(
-    start: int, nystrom: int, fine: bool
-) -> None:
+def test_a_start_has_the_orders_that_are_claimed_and_none_above_the_pair(start, nystrom, fine):
     record: Any = SimpleNamespace(method=SimpleNamespace(parts={"f": None, "k": None}))
     claims = {"order": 6, "nystrom-order": 8, "nystrom-starting-order": nystrom}
     for document in ({"claims": {**claims, "starting-order": start}, "starting": {"order": 1}},
@@ -245,9 +241,7 @@ def test_why_a_component_has_no_u() -> None:
             component(A, ((Exact(1),), (second,)), B, V)
 
 
-def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_enclosed_finish_is_proved_and_an_exact_one_is_left(monkeypatch):
     """Only what is enclosed has a proof: a start in decimals, and a finish that is."""
     digits = "0.14433756729740644112728719512548936391"
     monkeypatch.setattr(starting, "proposed", lambda key, block: {})

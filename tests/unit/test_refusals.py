@@ -46,9 +46,7 @@ CALLS = [
 
 
 @pytest.mark.parametrize(("group", "values", "words", "engine"), CALLS)
-def test_a_call_is_refused_in_one_sentence(
-    group: dict[str, Any], values: list[Any], words: str, engine: str
-) -> None:
+def test_a_call_is_refused_in_one_sentence(group, values, words, engine):
     call = _named(group["call"])
     arguments = _filled(group.get("arguments", []), values)
     keywords = _filled(group.get("defaults", {}), []) | _filled(group.get("keywords", {}), values)
@@ -72,9 +70,7 @@ FILES = [
 
 
 @pytest.mark.parametrize(("group", "old", "new", "words"), FILES)
-def test_a_file_is_refused_in_one_sentence(
-    group: dict[str, Any], old: str, new: str, words: str, tmp_path: Path
-) -> None:
+def test_a_file_is_refused_in_one_sentence(group, old, new, words, tmp_path):
     text, path = group.get("text", ""), tmp_path / group["name"]
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -83,9 +79,7 @@ def test_a_file_is_refused_in_one_sentence(
 
 
 @pytest.mark.parametrize(("line", "words"), ROWS["command"]["rows"])
-def test_a_command_line_is_refused_with_2_and_one_sentence(
-    line: str, words: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_line_is_refused_with_2_and_one_sentence(line, words, capsys):
     assert main(line.split()) == 2
     out, err = capsys.readouterr()
     assert words in err and (out, err.count("\n")) == ("", 1)

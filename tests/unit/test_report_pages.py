@@ -233,9 +233,7 @@ def test_a_page_has_room_for_so_many_points_and_says_what_is_left_out(tmp_path: 
     assert "In the records and not drawn: orbits of 2 methods." in text and len(text) < 1_000_000
 
 
-def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(
-    tmp_path: Path, records
-) -> None:
+def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(tmp_path, records):
     odd = [
         {**records[0], "state_error": float("nan"), "energy_error": float("inf")},
         {**records[1], "outcome": "not finite", "message": "the values left the numbers at t = 3"},
@@ -257,9 +255,7 @@ def test_nan_an_unfinished_run_and_an_unknown_version_are_shown_as_such(
 
 
 @pytest.mark.slow
-def test_the_policy_allows_our_own_style_and_script_and_nothing_else(
-    tmp_path: Path, records
-) -> None:
+def test_the_policy_allows_our_own_style_and_script_and_nothing_else(tmp_path, records):
     site = pages(tmp_path / "site", stored(tmp_path / "in", "oscillator-quick", records))
     for path in site.glob("*.html"):
         text = path.read_text(encoding="utf-8")
@@ -285,9 +281,7 @@ def test_a_page_of_5000_records_stays_under_a_megabyte(tmp_path: Path, records) 
     assert len(table(site / "run-many.html", "t-many")) == 5000
 
 
-def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(
-    tmp_path: Path,
-) -> None:
+def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(tmp_path):
     source = tmp_path / "in"
     source.mkdir()
     findings = [
@@ -336,9 +330,7 @@ def test_a_finding_about_another_value_than_the_file_claims_is_not_shown(tmp_pat
 
 
 @pytest.mark.slow
-def test_without_an_argument_every_method_has_verdict_proof_order_and_region(
-    tmp_path: Path,
-) -> None:
+def test_without_an_argument_every_method_has_verdict_proof_order_and_region(tmp_path):
     results = read([data_root() / "measurements"])
     build(results, tmp_path / "site", methods=names("methods"))
     shipped = json.loads((data_root() / "measurements" / "stability.json").read_text("utf-8"))
@@ -433,9 +425,7 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
-def test_the_command_names_what_it_cannot_show_and_says_what_to_open(
-    tmp_path: Path, records, cli
-) -> None:
+def test_the_command_names_what_it_cannot_show_and_says_what_to_open(tmp_path, records, cli):
     source = stored(tmp_path / "in", "oscillator-quick", [*records, {"format": "x"}])
     out = tmp_path / "one.html"
     said = cli("report", source, "--single-file", "--output", out)

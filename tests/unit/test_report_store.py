@@ -41,9 +41,7 @@ def reading(folder: Path, name: str, text: str) -> Results:
         (json.dumps({**GOOD, "key": "other", "sha256": "0" * 64}) + "\n", "its checksum"),
     ],
 )
-def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(
-    tmp_path: Path, line: str, why: str
-) -> None:
+def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(tmp_path, line, why):
     found = reading(tmp_path, "x.jsonl", json.dumps(GOOD) + "\n" + line)
     assert len(found.runs[0].records) == 1
     (odd,) = found.odd
@@ -121,9 +119,7 @@ def test_stability_regions_and_orders_seen_are_found_by_method(tmp_path: Path) -
         (SVG.format("", "<g>" * 50_000 + "</g>" * 50_000), "nested too deep"),
     ],
 )
-def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(
-    tmp_path: Path, drawing: str, why: str
-) -> None:
+def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(tmp_path, drawing, why):
     found = reading(tmp_path, "rk4.svg", drawing)
     assert found.portraits == {} and why in found.odd[0][1]
 
@@ -138,9 +134,7 @@ def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Pat
     assert odd[0] == "results" and "abc-env.json" in odd[1]
 
 
-def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(
-    tmp_path: Path,
-) -> None:
+def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(tmp_path):
     (tmp_path / "a.jsonl").write_text(json.dumps(GOOD) + "\n", encoding="utf-8")
     pages = tmp_path / "pages" / "data"
     pages.mkdir(parents=True)

@@ -44,9 +44,7 @@ cosines = st.fractions(min_value=F(-15, 16), max_value=F(15, 16), max_denominato
 
 @given(st.lists(cosines, min_size=1, max_size=3, unique=True), st.booleans(), st.booleans())
 @settings(max_examples=20)
-def test_a_half_has_its_order_and_starts_and_ends_at_the_solution(
-    c: list[Fraction], minus_one: bool, explicit: bool
-) -> None:
+def test_a_half_has_its_order_and_starts_and_ends_at_the_solution(c, minus_one, explicit):
     half = EndedHalf(tuple(c), minus_one, explicit)
     block = half.block()
     A, U, B, V, w = (block[key] for key in ("A", "U", "B", "V", "output"))

@@ -87,9 +87,7 @@ def test_components_have_the_names_of_the_problem() -> None:
     ("method", "h", "every"),
     [("gauss-4", 0.1, 7), ("ab-2", 0.01, 30), ("stormer-verlet", -0.01, 9), ("pair-6-8", 0.1, 4)],
 )
-def test_between_the_rows_the_solution_has_the_accuracy_of_the_run(
-    method: str, h: float, every: int
-) -> None:
+def test_between_the_rows_the_solution_has_the_accuracy_of_the_run(method, h, every):
     steps = 10 * every
     found = glmref.solve(pendulum(), method, h=h, steps=steps, every=every)
     reference = glmref.solve(pendulum(), "gauss-8", h=h, steps=steps, every=1)

@@ -45,9 +45,7 @@ def end_of(q):
         ("gsymplectic-n", 0, 2.0604321400961436),
     ],
 )
-def test_the_intervals_are_those_of_the_literature(
-    name: str, real: float, imaginary: float
-) -> None:
+def test_the_intervals_are_those_of_the_literature(name, real, imaginary):
     method = glmref.load(name)
     assert isinstance(method, glmref.GLM)
     assert real_interval(method).end == pytest.approx(real, rel=1e-14)

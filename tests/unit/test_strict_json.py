@@ -83,9 +83,7 @@ def test_a_long_document_has_a_row_on_each_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_what_json_has_not_is_not_written_and_the_old_file_stays(
-    tmp_path: Path, value: float
-) -> None:
+def test_what_json_has_not_is_not_written_and_the_old_file_stays(tmp_path, value):
     path = tmp_path / "it.json"
     path.write_text("old")
     with pytest.raises(ValueError, match="not JSON compliant"):

@@ -103,9 +103,7 @@ INCONSISTENT: dict[str, Any] = {
         (INCONSISTENT, "growth", ["1", "2"], "the growth matrix has the eigenvalues 0.5, 0"),
     ],
 )  # fmt: skip
-def test_what_is_decided_says_why(
-    keys: dict[str, Any], claim: str, declared: object, said: str
-) -> None:
+def test_what_is_decided_says_why(keys, claim, declared, said):
     found = findings(doc("glm", {claim: declared}, **keys))[claim]
     assert found.verdict is (Verdict.FAILS if declared else Verdict.HOLDS)
     assert found.witness == said
@@ -135,9 +133,7 @@ def test_findings_of_a_method_in_memory_are_a_table_in_a_notebook() -> None:
     assert "tableau</strong>" in unnamed and "no claims" not in unnamed
 
 
-def test_the_certificates_written_are_those_by_which_the_claims_were_decided(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_certificates_written_are_those_by_which_the_claims_were_decided(tmp_path, monkeypatch):
     """Each claim is decided once: nothing is found or judged again for the files."""
     judged: list[Any] = []
 
