@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+from ..exact import Exact
 from ..system.budget import spend
 from .folding import Entries, Folder, Frame, Record, flattened, plain
 from .lexer import Language, Token, tokens
@@ -28,7 +29,7 @@ _HEADS = frozenset(
 #: Words of a choice that begin a statement with what its subject is: ``elif name == "RK4":``.
 _CHOSEN = frozenset("if elif elseif else case otherwise".split())
 #: Words before a block that is no function, class or object.
-CHOICES = frozenset("if else for while switch".split())
+CHOICES = frozenset("if else for while switch match".split())
 _OWN = frozenset("self this Self cls".split())
 #: Other names of quotients: ``Fraction as F``, ``Q = Rational``, ``#define Q(a, b) (1.0*(a)/(b))``.
 _ALIAS = re.compile(
@@ -36,6 +37,10 @@ _ALIAS = re.compile(
     r"|^[ \t]*#[ \t]*define[ \t]+(\w+)\(\w+, ?\w+\)[ \t]*\(?[^\n/]*\w\)?[ \t]*/[^\n/]*$",
     re.MULTILINE,
 )
+#: Numbers in words, which come from another module where they have no value.
+_SPELT = {x: Exact(k) for k, x in enumerate(
+    "zero one two three four five six seven eight nine ten".split())}  # fmt: skip
+_SPELT["half"] = Exact(1) / 2
 _CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
 
 
@@ -94,6 +99,8 @@ class Collector:
     def __init__(self, text: str, language: Language, *, fixed: bool = False) -> None:
         self.text, self.language = text, language
         self.tokens, self.remarks = tokens(text, language, fixed=fixed)
+        if language.name == "fortran":
+            self.tokens = [x._replace(text=".") if x.text == "%" else x for x in self.tokens]
         quotients = {x for pair in _ALIAS.findall(text) for x in pair if x}
         if quotients:
             self.tokens = [x._replace(text="Fraction") if x.text in quotients else x
@@ -467,6 +474,11 @@ class Collector:
         row = self._unlabelled(row)
         if not row:
             return
+        arms = [x for x in _parts(row) if any(y.text == "=>" for y in x)]
+        if self.block.name == "match" and arms:
+            for arm in arms:
+                self._returned(arm[[x.text for x in arm].index("=>") + 1 :])
+            return
         if row[0].text == "return" or (tail and self.language.name == "rust"):
             self._returned(row[1:] if row[0].text == "return" else row)
             return
@@ -539,7 +551,8 @@ class Collector:
             folder.to_comma(())
         if not (typed & _TYPES_OF_INTEGERS) or typed - _TYPES_OF_INTEGERS:
             value = plain(value)
-        self._store(name, subscripts, owner, value, row[0].line, row[equal + 1 :])
+        self._store(name, subscripts, owner, value, row[0].line, row[equal + 1 :],
+                    typed=bool(typed))  # fmt: skip
         rest = row[equal + 1 + folder.at :]
         if rest and rest[0].text in (",", "="):
             more = _equal(rest[1:])
@@ -591,6 +604,8 @@ class Collector:
                         if x.kind == "record" and x.name == owner and last in x.names:
                             return x.names[last]
                     at = at.parent
+            if name in _SPELT:
+                return Number(_SPELT[name])
             raise Unread(f"the name {name!r} is not known")
 
         return look
@@ -608,10 +623,15 @@ class Collector:
 
     def _store(
         self, name: str, subscripts: list[Sequence[Token]], owner: str, value: Any, line: int,
-        row: Sequence[Token],
+        row: Sequence[Token], *, typed: bool = True,
     ) -> None:  # fmt: skip
         if isinstance(value, Record):
             self._record(value, name, line)
+            return
+        if isinstance(value, list) and any(isinstance(x, Record) for x in value):
+            for x in value:  # a list of objects
+                if isinstance(x, Record):
+                    self._record(x, x.name or name, x.line or line)
             return
         block = self.block
         if owner and owner not in _OWN:
@@ -621,8 +641,9 @@ class Collector:
                 block = block.parent
             name, block = block.name, block.parent or block
         if not subscripts or isinstance(value, list):
-            if subscripts and not self._declares(subscripts):
-                if isinstance(value, list) and self._part(name, subscripts[0], value, line):
+            if subscripts and not (self._declares(subscripts) and (
+                    typed or not self._is_part(subscripts))):  # fmt: skip
+                if isinstance(value, list) and self._part(block, name, subscripts[0], value, line):
                     return
                 index = self._index(subscripts)
                 if index is not None and len(index) == 1:
@@ -641,26 +662,42 @@ class Collector:
                 self.frames[id(value)] = item
             return
         index = self._index(subscripts)
+        if self.language.name == "fortran" and [x.text for x in subscripts[0]].count(":") == 2 and (
+                whole_number(value) == 0):  # fmt: skip
+            self._begun(block, name, line).cleared = True
+            return
         if index is None:
             self._lose(name, "an entry is set at run time", line)
             return
         self._entry(block, name, index, value, line)
 
-    def _part(self, name: str, subscripts: Sequence[Token], value: list[Any], line: int) -> bool:
+    def _is_part(self, subscripts: list[Sequence[Token]]) -> bool:
+        """Return whether subscripts of Fortran are a part of a row, as ``A(2, 1:2)``."""
+        first = next((x.text for x in subscripts[0] if x.text in ",:"), "")
+        return self.language.name == "fortran" and first == ","
+
+    def _part(
+        self, block: Block, name: str, subscripts: Sequence[Token], value: list[Any], line: int
+    ) -> bool:
         """Set a part of a row, as ``A[2, :2] = [..]``; return whether it was understood."""
-        held, at = None, self.block
+        held, at = None, block
         while at is not None and held is None:
             held, at = at.names.get(name), at.parent
         end = Token("mark", "]", line, 0, 0, False)
         try:
             *index, last = self._folder([*subscripts, end]).indices("]")
+            if held is None or isinstance(held, Entries):
+                low = self.language.base if last[0] is None else last[0].whole()
+                for k, x in enumerate(value, low):
+                    self._entry(block, name, (*(y.whole() for y in index), k), x, line)
+                return True
             for k in index:
                 held = held[k.whole() - self.language.base] if isinstance(held, list) else None
             if not (isinstance(held, list) and isinstance(last, tuple) and len(last) == 2):
                 return False
             low = 0 if last[0] is None else last[0].whole() - self.language.base
             high = len(held) if last[1] in (None, "end") else last[1].whole()
-        except (Unread, AttributeError, IndexError):
+        except (Unread, AttributeError, IndexError, TypeError):
             return False
         high += len(held) if high < 0 else 0
         if low < 0 or high > len(held) or high - low != len(value):
@@ -724,14 +761,19 @@ class Collector:
             return
         own = block.names.get(name)
         if not isinstance(own, Entries) or index in own:
-            own = Entries()
+            own = self._begun(block, name, line)
             own.cleared = "alloc" in block.called.lower()  # as the other entries of the object are
-            block.names[name] = own
-            item = Item(name, own, line, self.count)
-            block.items.append(item)
-            self.frames[id(own)] = item
         own[index] = value
         self.frames[id(own)].last = line
+
+    def _begun(self, block: Block, name: str, line: int) -> Entries:
+        """Return the entries of a name, none so far."""
+        own = Entries()
+        block.names[name] = own
+        item = Item(name, own, line, self.count)
+        block.items.append(item)
+        self.frames[id(own)] = item
+        return own
 
     def _lose(self, name: str, why: str, line: int) -> None:
         """Mark the array of a name, if it is one: what it holds is not what the code uses."""
@@ -1045,6 +1087,8 @@ def _target(
             return None
         subscripts.insert(0, inside)
         end = k
+        if [x.text for x in row[max(0, end - 2) : end]] in ([".", "at"], ["->", "at"]):
+            end -= 2  # a.at(1)
     if not end or row[end - 1].kind != "name":
         return None
     name, k, owner = row[end - 1].text, end - 1, []

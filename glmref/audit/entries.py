@@ -6,23 +6,24 @@ import re
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
-from math import nan
 from typing import Any
 
 from ..catalogue.keys import MAX_SIZE
 from .collecting import Block, Item
 from .folding import Entries, flattened
 from .lexer import Language
-from .table import ZERO
-from .values import Number, Unread
+from .table import ZERO, Table
+from .values import Number, Unread, size
 
+#: How near a sum must be to 1 for a list to be taken for weights.
+LOOSE = 4e-3
 #: Words of the subject; a file without any of them holds tables only under plain names.
 _WORDS = (
     "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
     "moulton nordsieck suzuki embedded"
 ).split()
 _PHRASES = re.compile(
-    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
+    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|backward.?diff|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
     r"|cash.?karp|bogacki|omelyan|forest.?ruth|split.?(?:operator|step)|operator.?splitting|nos[eé].?hoover"
     r"|low.?storage|2n.?storage|(?<![a-z])(?:lsrk|ruth(?![a-z]))|kick.?drift|drift.?kick|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
 )
@@ -107,6 +108,34 @@ class Array:
         return not any(isinstance(x, list) for x in self.value)
 
 
+_LAST_LETTER = re.compile(
+    r"(?:(?:.*[_\d]|rk)?(?=[a-z]$)|.*(?=(?:drift|kick)s?$))([a-z]+)$", re.IGNORECASE
+)
+#: The letter of ``sC``.
+_CAPITAL = re.compile(r"[a-z]+([A-Z])$")
+
+
+def bare_name(x: Array) -> str:
+    """Return a name without what says that it is one of coefficients."""
+    said = r"[_ ]?(?:coeffs?|coefs?|coefficients|vals|vec)$"
+    return re.sub(said, "", x.name.rstrip("_"), flags=re.IGNORECASE)
+
+
+def last_letter(x: Array) -> str:
+    """Return the letter or word that a name ends with, ``rk4a`` as ``a``."""
+    said = bare_name(x)
+    last = _LAST_LETTER.match(said) or _CAPITAL.match(said)
+    return (last[1] if last else re.split(r"[_.]", said)[-1]).lower()
+
+
+@dataclass
+class Found:
+    """A table, and the arrays that it is made of."""
+
+    table: Table
+    arrays: list[Array]
+
+
 _INDEXED = re.compile(r"^(.*?[^\W\d_])_{0,2}(\d+)(?:_(\d+))?_?$")
 
 
@@ -135,9 +164,14 @@ def arrays(block: Block, language: Language) -> list[Array]:
                 and not any(isinstance(x, list) for x in value)
             ):
                 lists.setdefault(match[1], []).append((int(match[2]), item))
-            if value and _numeric(value):
+            if _deep(value) == {True, False}:
+                told = of_subject(" ".join([*block.path(), item.name]))
+                found += _by_place(item, value, told=told)
+            elif value and _numeric(value):
                 if len(value) == 1 and isinstance(value[0], list):
                     value = value[0]
+                if {*map(_width, value)} == {1} and role_of(item.name)[1] != "A":
+                    value = [x for (x,) in value]  # a column
                 found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
                                    item.lost))  # fmt: skip
                 found += _parts(item, named=of_subject(block.called))
@@ -190,10 +224,54 @@ def _numeric(value: list[Any]) -> bool:
     )
 
 
+def _deep(value: list[Any]) -> set[bool]:
+    """Return whether the entries of a list that are lists hold lists: True and False for both."""
+    return {any(isinstance(y, list) for y in x) for x in value if isinstance(x, list) and x}
+
+
+def _width(x: Any) -> int:
+    """Return how many numbers a row has, 0 for what is none."""
+    return len(x) if isinstance(x, list) and not any(isinstance(y, list) for y in x) else 0
+
+
+def _by_place(item: Item, value: list[Any], *, told: bool) -> list[Array]:
+    """Return the arrays of a list of a matrix and vectors, as ``{c, A, b}``, by what they are.
+
+    The abscissae are before the matrix, or the sums of its rows; the other vectors are weights, and
+    embedded ones; a matrix after the first one is that of a dense output. Without a word of the
+    subject (`told`) most sums must be abscissae.
+    """
+    given = [x for x in value if isinstance(x, list) and x and _numeric(x)]
+    first = next((k for k, x in enumerate(given) if any(isinstance(y, list) for y in x)), 0)
+    if not given:
+        return []
+    A, vectors = given[first], [x for x in given if not any(isinstance(y, list) for y in x)]
+    sums = [sum(map(size, row)) if isinstance(row, list) else size(row) for row in A][::-1]
+
+    def good(c: list[Any]) -> float:
+        pairs = zip(sums, c[::-1], strict=False)
+        return sum(abs(p - size(q)) < LOOSE for p, q in pairs) / len(sums)
+
+    nodes = max([x for x in vectors if x in given[:first]] or vectors, key=good, default=[])
+    if len(vectors) < 2 or not (told or good(nodes) > 0.5):
+        return []
+    names = {id(x): y for x, y in zip([x for x in vectors if x is not nodes], ("b", "bhat"),
+                                      strict=False)}  # fmt: skip
+    names |= {id(nodes): "c", **{id(x): "dense" for x in given if x not in vectors}, id(A): "A"}
+    found = [Array(f"{item.name}_{names[id(x)]}", x, item.line, item.last or item.line, item.at,
+                   item.lost) for x in given if id(x) in names]  # fmt: skip
+    next(x for x in found if x.role == "A").name = item.name
+    return found
+
+
 def _parts(item: Item, *, named: bool) -> list[Array]:
-    """Return rows of a matrix of two rows under the name of weights."""
+    """Return rows, or columns, of a matrix of two or three of them under the name of weights."""
     value = item.value
-    if not (role_of(item.name)[1] == "b" or (named and not item.name)) or len(value) not in (2, 3):
+    if not (role_of(item.name)[1] == "b" or (named and not item.name)):
+        return []
+    if len(value) > 2 and {*map(_width, value)} == {2}:
+        value = [list(x) for x in zip(*value, strict=True)]
+    if len(value) not in (2, 3):
         return []
     if not all(isinstance(x, list) and len(x) >= len(value) for x in value):
         return []
@@ -338,12 +416,3 @@ def _together(stem: str, value: list[Any], items: list[Item]) -> Array:
     lost = next((x.lost for x in items if x.lost), "")
     lines = [x.line for x in items]
     return Array(stem, value, min(lines), max(lines), min(x.at for x in items), lost, named=True)
-
-
-def size(x: Any) -> float:
-    """Return a number as a float, nan for what was not folded."""
-    if not isinstance(x, Number):
-        return nan
-    if x.approximate is None:
-        x.approximate = complex(x.value).real
-    return x.approximate

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import combinations, groupby
-from typing import Any
 
 from ..errors import GlmrefError
 from ..exact import Exact
@@ -21,7 +20,7 @@ from .collecting import Block, Collector, _equal, _partner
 from .compositions import of_weights
 from .lexer import Token
 from .nearest_method import Library
-from .steps import ACCIDENTS, BRANCHES, Form, Step, StepFolder, atom, calls, form, statements
+from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form, statements
 from .table import ZERO, Table
 from .values import Number, Unread
 
@@ -64,37 +63,11 @@ class Moved:
         return self.flow.endswith("()")
 
 
-class _Atoms(StepFolder):
-    """A folder in which a call that is not known stands for its value."""
-
-    def _call(self, name: str, t: Token) -> Any:
-        start = self.at
-        try:
-            found = super()._call(name, t)
-            if isinstance(found, Number):
-                return found
-        except Unread:
-            pass
-        self.at = self.partner(start) + 1
-        return atom(f"{name}()")
-
-
 @dataclass
-class _Moves(Step):
+class _Moves(Names):
     """A function carried out for the flows that it moves on."""
 
     moved: list[Moved] = field(default_factory=list)
-
-    def look(self, name: str) -> Any:
-        """Return what a name holds; what is not read stands for itself."""
-        try:
-            return super().look(name)
-        except Unread:
-            return atom(name)
-
-    def fold(self, row: Sequence[Token], reader: type[StepFolder] = _Atoms) -> Any:
-        """Return the value of an expression."""
-        return super().fold(row, reader)
 
     def take(self, row: list[Token]) -> None:
         """Carry out a statement; ``q, p = kick(q, p, h)`` moves a flow on."""

@@ -39,7 +39,15 @@ _BINARY = {"+": 1, "-": 1, ".+": 1, ".-": 1, "*": 2, "/": 2, "//": 2, ".*": 2, "
 _POWERS = frozenset(("**", "^", ".^"))
 _OPEN = {"(": ")", "[": "]", "{": "}", "(/": "/)"}
 _CLOSE = frozenset(_OPEN.values())
-_METHODS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "minus": "-", "plus": "+"}
+#: Functions of two numbers or vectors, and methods of one, that return what their names say.
+ARITHMETIC = {
+    **dict.fromkeys("add plus vadd addvec addvectors vecadd".split(), "+"),
+    **dict.fromkeys("sub subtract minus".split(), "-"),
+    **dict.fromkeys(
+        "scale mul mult multiply times smul scalevec scalarmultiply multipliedby mapmultiply"
+        .split(), "*"),
+    **dict.fromkeys("div divide dividedby".split(), "/"),
+}  # fmt: skip
 #: Members that are the value itself in another type.
 _COPIES = frozenset(
     "tolist astype to clone to_vec copy double into value flatten numpy item getReal "
@@ -536,8 +544,9 @@ class Folder:
             nxt = self.tokens[self.at + 1]
             if nxt.kind != "name":
                 break
-            members = ("sqrt", "reshape", "T", "transpose", *_COPIES, *_METHODS)
-            if nxt.text in members and self._known(name):
+            members = ("sqrt", "reshape", "T", "transpose", "at", *_COPIES)
+            known = nxt.text in members or nxt.text.lower() in ARITHMETIC
+            if known and self._known(name):
                 break
             self.at += 2
             name = f"{name}.{nxt.text}"
@@ -643,7 +652,8 @@ class Folder:
         if self.language.calls_index or self.language.name == "c":
             held = self.look(name) if self._known(name) else None
             if isinstance(held, list | Entries):
-                return self._taken(held, [x for _, x in self._arguments()[0]])
+                self.take("(")
+                return self._taken(held, self.indices(")"))
         values, words = self._arguments()
         given = [x for _, x in values]
         found = self._function(low, given, words)
@@ -790,8 +800,10 @@ class Folder:
         given = [y for _, y in self._arguments()[0]] if called else []
         if name == "sqrt":
             return _rooted(x)
-        if name in _METHODS and len(given) == 1:
-            return _apply(_METHODS[name], x, given[0], self.language)
+        if name.lower() in ARITHMETIC and len(given) == 1:
+            return _apply(ARITHMETIC[name.lower()], x, given[0], self.language)
+        if name == "at" and given and isinstance(x, list | Entries):
+            return self._taken(x, given)
         if name == "negate":
             return negative(x)
         if name in ("getOne", "getZero"):

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache, partial
-from itertools import pairwise, product
+from itertools import pairwise
 from math import isqrt
 from typing import Any
 
@@ -19,44 +19,24 @@ from ..prove.schemes import reach
 from ..prove.wrong_entry import Trial
 from .collecting import Block
 from .compositions import of_weights
-from .entries import Array, size
+from .entries import LOOSE, Array, Found, bare_name, last_letter
 from .folding import flattened
+from .multistep import MULTISTEP, multistep
 from .table import ZERO, Rows, Table
-from .values import Number, Unread, whole_number
+from .values import Number, Unread, size, whole_number
 
-#: How near a sum must be to 1 for a list to be taken for weights.
-LOOSE = 4e-3
 _SPLITTING = re.compile(
     r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|mclachlan|hamiltonian|"
     r"nos[eé].?hoover",
     re.IGNORECASE,
 )
-_STEPS = re.compile(
-    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d|nordsieck|(?<![a-z])bdf|\blmm\b|"
-    r"backward.?diff",
-    re.IGNORECASE,
-)
 _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
-_ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
 #: Names of the first and second steps of a splitting.
 _FLOWS = (("a", "b"), ("c", "d"), ("a", "ahat"), ("drift", "kick"), ("drifts", "kicks"))
 #: Names of states: steps only where both sum to 1, or the name says that these are coefficients.
 _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
 _NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
-_LAST_LETTER = re.compile(
-    r"(?:(?:.*[_\d]|rk)?(?=[a-z]$)|.*(?=(?:drift|kick)s?$))([a-z]+)$", re.IGNORECASE
-)
-#: The letter of ``sC``.
-_CAPITAL = re.compile(r"[a-z]+([A-Z])$")
-
-
-@dataclass
-class Found:
-    """A table, and the arrays that it is made of."""
-
-    table: Table
-    arrays: list[Array]
 
 
 def _numbers(*arrays: Array) -> None:
@@ -69,22 +49,9 @@ def _numbers(*arrays: Array) -> None:
                 raise Unread(f"an entry of {x.name or 'an array'} is not read: {y}")
 
 
-def _word(x: Array) -> str:
-    """Return a name without what says that it is one of coefficients."""
-    said = r"[_ ]?(?:coeffs?|coefs?|coefficients|vals|vec)$"
-    return re.sub(said, "", x.name.rstrip("_"), flags=re.IGNORECASE)
-
-
-def _letter(x: Array) -> str:
-    """Return the letter or word that a name ends with, ``rk4a`` as ``a``."""
-    word = _word(x)
-    last = _LAST_LETTER.match(word) or _CAPITAL.match(word)
-    return (last[1] if last else re.split(r"[_.]", word)[-1]).lower()
-
-
 def _stem(x: Array) -> str:
-    word = _word(x)
-    return word[: len(word) - len(_letter(x))].lower()
+    said = bare_name(x)
+    return said[: len(said) - len(last_letter(x))].lower()
 
 
 @lru_cache(maxsize=16)
@@ -134,7 +101,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     elif not found and _says(_SPLITTING, text):  # lists of pairs beside others
         found += _splitting(pairs)
     if not found:
-        found += _multistep(block, made)
+        found += multistep(block, made, text)
     return found
 
 
@@ -294,10 +261,10 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
     """Return A, C, m and gamma of the transformed form."""
     for m in vectors:
         s = len(m.value)
-        if not (_letter(m) in ("m", "b") and s > 1):
+        if not (last_letter(m) in ("m", "b") and s > 1):
             continue
         pool = [x for x in (*vectors, *matrices) if _stem(x) == _stem(m) and x is not m]
-        given = {_letter(x): x for x in pool if _letter(x) in ("a", "c", "e", "btilde")}
+        given = {last_letter(x): x for x in pool if last_letter(x) in ("a", "c", "e", "btilde")}
         gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
             x.value for x in block.items
             if x.name in ("gamma", "γ", "g", "gam") and isinstance(x.value, Number)
@@ -434,9 +401,9 @@ def _stages(x: Array) -> Rows | None:
 def _shu_osher(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
     """Return alpha and beta whose rows of alpha sum to 1."""
     for x in matrices:
-        if _letter(x) != "alpha":
+        if last_letter(x) != "alpha":
             continue
-        beta = _nearest(x, [y for y in matrices if _letter(y) == "beta"])
+        beta = _nearest(x, [y for y in matrices if last_letter(y) == "beta"])
         alpha, other = _stages(x), _stages(beta) if beta is not None else None
         if beta is None or alpha is None or other is None or len(alpha) != len(other):
             continue
@@ -472,16 +439,16 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
     entry before the diagonal and b, before it, are the weights: Kennedy, Carpenter, Lewis (2000).
     """
     for x in vectors:
-        if _letter(x) != "a":
+        if last_letter(x) != "a":
             continue
         same = [y for y in vectors if _stem(y) == _stem(x)]
-        b = _nearest(x, [y for y in same if _letter(y) == "b"])
+        b = _nearest(x, [y for y in same if last_letter(y) == "b"])
         if b is None or len(b.value) < 3 or len(b.value) - len(x.value) not in (0, 1):
             continue
         A = [ZERO, *x.value] if len(x.value) < len(b.value) else x.value
         if size(A[0]) != 0 or not 0 < size(b.value[0]) < 1:
             continue
-        nodes = [y for y in same if _letter(y) == "c" and len(A) - len(y.value) in (0, 1)]
+        nodes = [y for y in same if last_letter(y) == "c" and len(A) - len(y.value) in (0, 1)]
         c = _nearest(x, nodes)
         given = [x, b, *([c] if c else [])]
         down = sum(size(y) < 0 for y in A[1:])
@@ -496,6 +463,11 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
                 table.kind, table.b = "rk", [b.value]
                 table.A = [[[*b.value[: i - 1], y, *([ZERO] * (len(A) - i))][: len(A)] if i else
                             [ZERO] * len(A) for i, y in rows]]  # fmt: skip
+            elif c is not None and _keeps_nodes(table):
+                pairs = zip(_stages_of(A, b.value), table.c[0] or (), strict=True)
+                gaps = [abs(sum(map(size, r)) - size(y)) for r, y in pairs]
+                first = next((k for k, x in enumerate(gaps) if x > 1e-6), 0)
+                table.identities = [(f"stage {first + 1} at c[{first + 1}]", gaps[first])]
 
         if down >= 0.8 * len(A[1:]):
             yield from _guarded("", x.line, given, partial(make, A=A))
@@ -503,7 +475,7 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
         if down and any(not isinstance(y, Number) for y in A):
             continue
         turned = [y.of(-y.value, y) if isinstance(y, Number) else y for y in A]
-        for form, values in (("registers", A), *([] if down else [("", turned)])):
+        for form, values in (("registers", A), ("", turned)):
             (found,) = _guarded("", x.line, given, partial(make, A=values, form=form))
             if found.table.loose > 1 or _keeps_nodes(found.table):
                 yield found
@@ -533,8 +505,8 @@ def _stages_of(A: list[Any], b: list[Any]) -> Iterator[list[Number]]:
 
 def _splitting(vectors: list[Array]) -> Iterator[Found]:
     """Yield steps of two flows that each sum to 1."""
-    names = [_NUMBERED.fullmatch(_word(x).lower()) for x in vectors]
-    ends = [(m[2], m[1] + m[3]) if m else (_letter(x), _stem(x))
+    names = [_NUMBERED.fullmatch(bare_name(x).lower()) for x in vectors]
+    ends = [(m[2], m[1] + m[3]) if m else (last_letter(x), _stem(x))
             for m, x in zip(names, vectors, strict=True)]  # fmt: skip
     for x, (letter, stem) in zip(vectors, ends, strict=True):
         others = {(q, stem) for p, q in (*_FLOWS, *_STATES) if letter == p}
@@ -546,7 +518,7 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             continue
         good = [abs(sum(map(size, z.value)) - 1) < LOOSE for z in (x, y)]
         whole = all(size(v) % 1 == 0 for v in (*x.value, *y.value))
-        sure = letter in dict(_FLOWS) or _word(x) != x.name.rstrip("_")
+        sure = letter in dict(_FLOWS) or bare_name(x) != x.name.rstrip("_")
         if not (any(good) if sure else all(good)) or whole:
             continue
 
@@ -574,9 +546,6 @@ def _whole(x: Array, y: Array) -> tuple[Array, Array]:
             other = replace(q, value=[*q.value, *q.value[::-1]])
             return (whole, other) if p is x else (other, whole)
     return x, y
-
-
-# --- multistep ------------------------------------------------------------------------------------
 
 
 def _mirrored(vectors: list[Array], text: str) -> Iterator[Found]:
@@ -614,7 +583,7 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
         if x.named and any(set(values) <= set(map(size, y.value)) for y in vectors if y is not x):
             continue  # the names of the numbers of another list
         same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
-        full = len(values) > 2 and len(values) % 2 == 1 and _letter(x) not in ("b", "c", "d")
+        full = len(values) > 2 and len(values) % 2 == 1 and last_letter(x) not in ("b", "c", "d")
         given: list[Any] = []
         sure = True
         if word and full and sum(same) >= len(same) - 2 and min(values) <= 0:
@@ -631,7 +600,7 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
         if not given and n > 1 and min(half) < 0 < max(half):
             gaps = abs(sum(half) - 1), abs(sum(y**3 for y in half))
             known = (word or 2 * n - 1 in steps) and max(gaps) < 0.5
-            broken = any(y % 1 for y in half) and not _STEPS.search(" ".join(block.path()))
+            broken = any(y % 1 for y in half) and not MULTISTEP.search(" ".join(block.path()))
             if broken and (max(gaps) < LOOSE or (known and min(gaps) < LOOSE)):
                 given = [*x.value[:n], *x.value[: n - 1][::-1]]
         if not given and word and n > 1 and all(isinstance(y, Number) for y in x.value[:n]):
@@ -662,182 +631,3 @@ def _other_flow(x: Array, vectors: list[Array]) -> bool:
 _WEIGHTS = re.compile(
     r"suzuki|yosh(?:ida)?(?![a-z])|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE
 )
-
-
-def _multistep(block: Block, made: list[Array]) -> Iterator[Found]:
-    """Return alpha and beta of linear multistep methods, and rows of Adams methods."""
-    about = " ".join([*block.path(), block.called])
-    named = {_letter(x): x for x in made if x.flat}
-    if {"alpha", "beta"} <= named.keys():
-        a, b = named["alpha"], named["beta"]
-        if len(a.value) > 2 and abs(sum(map(size, a.value))) < LOOSE and _STEPS.search(
-            f"{about} {a.name}"
-        ):  # fmt: skip
-            yield _of_steps(block, [a, b], [(a.value, b.value)], None)
-            return
-    rate = next((x for x in block.items if x.name in ("beta", "β", "b")
-                 and isinstance(x.value, Number)), None)  # fmt: skip
-    a = named.get("alpha", named.get("a"))
-    if rate is not None and a is not None and _STEPS.search(f"{about} {a.name}"):
-        yield _of_differences(a, rate.value)
-        return
-    for x in made:
-        if not _STEPS.search(f"{about} {x.name}"):
-            continue
-        rows = [x.value] if x.flat else [r for r in x.value if isinstance(r, list)]
-        rows = [_trimmed(r) for r in rows if r]
-        adams = _ADAMS.search(f"{about} {x.name}") is not None
-        broken = [y for r in rows for y in r if size(y) % 1 != 0]
-        small = all(abs(size(y)) < 0.1 for y in broken)  # these may be tolerances
-        if len(broken) < 2 or small or any(not isinstance(y, Number) for r in rows for y in r):
-            continue
-        values = [[size(y) for y in r] for r in rows]
-        sums = [abs(sum(r) - 1) < LOOSE or (min(r) > 0 and abs(abs(sum(_alternating(r))) - 1)
-                                            < LOOSE) for r in values]  # fmt: skip
-        steps = _of_steps(block, [x], [([], r) for r in rows], 1) if adams else None
-        one = max(map(len, rows)) > 2  # of two entries one can always be mended
-        slopes = [r for r in rows if abs(sum(map(size, r))) < LOOSE]  # h f is a difference
-        if steps and (2 * sum(sums) >= len(sums) or (one and "question" in steps.table.unread)):
-            yield steps
-        elif not adams and 2 * len(slopes) > len(rows) and len(rows[-1]) > 2:
-            for row in rows:
-                yield _of_differences(replace(x, value=row), Number(Exact(1)))
-        else:
-            table = Table(x.name, x.line, last=x.last, general=True)
-            table.unread = "the coefficients of a multistep method, in a form that is not read"
-            yield Found(table, [x])
-
-
-def _of_differences(x: Array, rate: Number) -> Found:
-    """Return a method with one slope, at the new step: sum alpha_j y_j = h beta f_n.
-
-    The coefficient 1 of y_n may stand among the others, which may have the other sign.
-    """
-    table = Table(x.name, x.line, last=x.last, general=True)
-    try:
-        given, slope = [_fraction(y) for y in x.value], _fraction(rate)
-    except Unread as error:
-        table.unread = str(error)
-        return Found(table, [x])
-    forms: list[tuple[tuple[int, bool, int], list[Fraction], list[Fraction]]] = []
-    for turned, more, sign in product((False, True), (0, 1), (1, -1)):
-        row = [sign * y for y in (given[::-1] if turned else given)]
-        alpha = [*row, Fraction(1)] if more else row
-        beta = [*([Fraction(0)] * (len(alpha) - 1)), slope]
-        good = sum(y == 0 for y in _conditions(alpha, beta, len(alpha) - 1))
-        forms.append(((good, alpha[-1] == 1, -more), alpha, beta))
-    forms.sort(key=lambda y: y[0], reverse=True)
-    _, alpha, beta = forms[0]
-    reached = _order(alpha, beta)
-    table.unread = f"a linear multistep method; by its conditions of order {reached}"
-    if reached >= len(alpha) - 1:
-        return Found(table, [x])
-    for (_, alpha, beta), k in product(forms, range(len(given))):
-        full = len(alpha) - 1
-        moved = _conditions([*alpha[:k], alpha[k] + 1, *alpha[k + 1 :]], beta, full)
-        steps = [(-v, u - v) for v, u in zip(_conditions(alpha, beta, full), moved, strict=True)]
-        found = {v / w for v, w in steps if w}
-        if full > 1 and len(found) == 1 and all(v == 0 for v, w in steps if not w):
-            at = next((y.place for y, z in zip(x.value, given, strict=True)
-                       if abs(z) == abs(alpha[k]) and y.place), None)  # fmt: skip
-            line = f" (line {at[0]})" if at else ""
-            table.unread = (
-                f"question: a multistep method: the coefficient {alpha[k]} of step {k - full} "
-                f"should be {alpha[k] + found.pop()}{line}"
-            )
-            break
-    return Found(table, [x])
-
-
-def _trimmed(row: list[Any]) -> list[Any]:
-    live = [k for k, x in enumerate(row) if size(x) != 0] or [0]
-    return row[live[0] : live[-1] + 1]
-
-
-def _conditions(alpha: list[Fraction], beta: list[Fraction], order: int) -> list[Fraction]:
-    """Return sum alpha_j j^q - q sum beta_j j^(q-1) for q through an order: Dahlquist (1956)."""
-    return [
-        sum((x * j**q for j, x in enumerate(alpha)), Fraction(0))
-        - q * sum((x * j ** (q - 1) for j, x in enumerate(beta) if q), Fraction(0))
-        for q in range(order + 1)
-    ]
-
-
-def _forms(alpha: list[Fraction], beta: list[Fraction]) -> Iterator[tuple[Any, Any]]:
-    """Yield alpha and beta from the oldest step on, as a code may mean them."""
-    for turned, implicit in product((False, True), (False, True)):
-        b = beta[::-1] if turned else beta
-        if alpha:
-            if not implicit:
-                yield (alpha[::-1] if turned else alpha), b
-        elif implicit:
-            yield [*([Fraction(0)] * (len(b) - 2)), Fraction(-1), Fraction(1)][-len(b) :], b
-        else:
-            yield [*([Fraction(0)] * (len(b) - 1)), Fraction(-1), Fraction(1)], [*b, Fraction(0)]
-
-
-def _of_steps(block: Block, arrays: list[Array], rows: Any, least: int | None) -> Found:
-    """Return a table without a tableau: its order, or the one entry that gives the full order."""
-    table = Table(arrays[0].name, arrays[0].line, last=arrays[-1].last, general=True)
-    said: list[str] = []
-    wrong: list[str] = []
-    for alpha, beta in rows:
-        try:
-            a, b = ([_fraction(x) for x in v] for v in (alpha, beta))
-        except Unread as error:
-            table.unread = str(error)
-            return Found(table, arrays)
-        best = max(_order(p, q) for p, q in _forms(a, b))
-        full = len(b) if least else None
-        if full and min(b) > 0:  # the signs of an Adams method alternate, and are the step's here
-            signed = (_alternating(b), _alternating(b[::-1]))
-            best = max(best, *(_order(p, q) for x in signed for p, q in _forms(a, x)))
-        said.append(str(best))
-        if full and best < full and len(b) > 1:
-            found = _entry(a, b, beta, full)
-            wrong += [found] if found else []
-    table.unread = f"a linear multistep method; by its conditions of order {', '.join(said)}"
-    if wrong:
-        table.unread = f"question: a multistep method: {'; '.join(wrong)}"
-    return Found(table, arrays)
-
-
-def _alternating(row: list[Any]) -> list[Any]:
-    """Return a row of which every other entry has the other sign."""
-    return [-x if k % 2 else x for k, x in enumerate(row)]
-
-
-def _fraction(x: Any) -> Fraction:
-    value = x.value.as_fraction() if isinstance(x, Number) else None
-    if value is None:
-        raise Unread("an entry of a multistep method is no fraction")
-    return value
-
-
-def _order(alpha: list[Fraction], beta: list[Fraction]) -> int:
-    gaps = _conditions(alpha, beta, 2 * len(beta) + 1)
-    return next((q for q, x in enumerate(gaps) if abs(x) > 1e-9), len(gaps)) - 1
-
-
-def _entry(alpha: list[Fraction], beta: list[Fraction], given: Any, full: int) -> str:
-    """Name the one entry of beta with which all conditions through an order hold."""
-    for k, x in enumerate(beta):
-        for turned, implicit in product((False, True), (False, True)):
-            if alpha and implicit:
-                continue
-            shifts = []
-            for probe in (Fraction(0), Fraction(1)):
-                changed = [*beta[:k], x + probe, *beta[k + 1 :]]
-                forms = list(_forms(alpha, changed))
-                n = turned if alpha else 2 * turned + implicit
-                shifts.append(_conditions(*forms[n], full))
-            slopes = [(v, u - v) for v, u in zip(*shifts, strict=True)]
-            steps = {-v / w for v, w in slopes if w}
-            if len(steps) == 1 and all(v == 0 for v, w in slopes if not w):
-                at = given[k].place
-                line = f" (line {at[0]})" if at else ""
-                return (
-                    f"entry {k + 1} of a row of {len(beta)} is {x} and should be "
-                    f"{x + steps.pop()}{line}"
-                )
-    return ""

@@ -19,19 +19,18 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
-from .entries import Array, arrays, of_subject, role_of, size
+from .entries import LOOSE, Array, arrays, of_subject, role_of
 from .flows import WORDS, flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums
 from .kinds import others
 from .lexer import Language, Remark
+from .multistep import MULTISTEP, sums_of
 from .readers import ORDINALS, by_name
 from .steps import EULER, flat, steps_of
 from .table import STEP, ZERO, Rows, Table
-from .values import Number, Unread, whole_number
+from .values import Number, Unread, size, whole_number
 
-#: How near a sum must be to its node, or a condition to hold, for a table to be recognised.
-LOOSE = 4e-3
 #: Part of the rows whose sums must be the nodes.
 MOST_ROWS = 0.6
 _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
@@ -39,6 +38,8 @@ _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 _NUMERALS, _WITHIN = 4, 600
 #: A number with many digits, or a root of which weights of a composition are made.
 _LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\bpow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*3")
+#: Two of the products in a sum of slopes.
+_PRODUCTS = re.compile(r"\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]")
 #: A matrix or an argument of this name, not an article.
 _MATRIX = re.compile(r"\b[Aa]\b[\"']?\s*(?:\[|\(|\{|=(?!=)|:|,\s*[Bb]\b)")
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
@@ -54,7 +55,8 @@ def may_hold(text: str, where: str = "") -> bool:
         if len(last) == _NUMERALS and last[-1] - last[0] < _WITHIN:
             break
     else:
-        return _LONG.search(text) is not None and WORDS.search(text) is not None
+        long, sums = _LONG.search(text), _PRODUCTS.search(text)
+        return bool((long and WORDS.search(text)) or (sums and MULTISTEP.search(text)))
     return of_subject(text) or of_subject(where) or _MATRIX.search(text) is not None
 
 
@@ -484,6 +486,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
     """Add the steps that functions make; what is computed says more than names do."""
     lines = [x.line for x in collector.tokens]
     flows = WORDS.search(collector.text) is not None
+    steps = MULTISTEP.search(collector.text) is not None
     for block in blocks:
         if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
             continue
@@ -513,6 +516,10 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
                 and not any(_holds_step(y, x) for y in read)]  # fmt: skip
         if made:  # what names say is something else
             found = [x for x in found if all(x is not y for y in named)] + made
+        if steps and not any(x.line in own for x in found):
+            for table in sums_of(block, given, collector):
+                table.block, table.source = block, STEP
+                found = [*found, table]
         for table in flows_of(block, given, collector) if flows else ():
             found = [x for x in found if not (x.source == STEP and x.unread and x.line in own)]
             table.block, table.order, table.source = block, _own_order(block), STEP
@@ -800,11 +807,9 @@ def _of_block(
         near = _latest(_windows(array, made), array.at)
         near = [x for x in near if x is not array] + _closing(made)
         best = candidates(array, near)
-        called = bool(block.called) and array.name == ""
-        told = _STRONG.search(block.called) is not None
         if best is None or _is_explicit_part(best, made):
             continue
-        if _is_table(best, about=about, called=called, told=told):
+        if _is_table(best, about=about, call=block.called):
             found.append((best, near))
             used.add(id(array))
         elif _HALF.search(array.name):
@@ -860,11 +865,12 @@ def _is_explicit_part(x: Candidate, made: Sequence[Array]) -> bool:
     )  # fmt: skip
 
 
-def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
+def _is_table(x: Candidate, *, about: bool, call: str) -> bool:
     """Return whether a candidate is a table and no other matrix.
 
-    It may stand in a call (`called`), and that call may be one of a tableau (`told`).
+    It may stand in a call of this name, which may be one of a tableau.
     """
+    called, told = call != "" and x.array.name == "", _STRONG.search(call) is not None
     s = len(x.reading.A)
     entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
     broken = sum(y != 0 and y == y and y != round(y) for y in entries)
@@ -872,14 +878,14 @@ def _is_table(x: Candidate, *, about: bool, called: bool, told: bool) -> bool:
     lower = s > 2 and _strict(x.reading.A) and x.match >= MOST_ROWS and x.order > 0
     named = named or (called and x.b is not None and (x.match >= 1 or lower))
     node = x.c is not None and x.c.role == "c"
-    about = about or _says(x)
+    about, other = about or _says(x), call != "" and not of_subject(call)
     if x.match < MOST_ROWS and abs(sum(map(size, x.weights)) - 1) > 0.5:
         return False  # weights of an estimate, or of noise
     if told and named and x.b is not None and x.order > 0 and s > 1:
         return about
     if s == 1:  # tables() requires a declared order or abscissae, too
         given = node or x.reading.c is not None or (x.b is not None and x.b.role == "b")
-        return about and x.array.role in ("A", "beta") and given and x.order > 0
+        return about and x.array.role in ("A", "beta") and given and x.order > 0 and not other
     if not broken and s < 4 and not (named and node and x.b is not None):
         return False
     if s == 2 and x.array.role == "A" and node and x.match >= 1 and x.order >= 2:
@@ -1073,6 +1079,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
             continue
         if y.role == "error" and len(y.value) >= s:
             explicit = _strict(x.reading.A)  # others may estimate in transformed variables
+            if len({*map(size, row)}) == 1:
+                continue  # a stand-in: no estimate has equal weights
             if abs(total) < (0.5 if explicit else LOOSE):
                 table.errors.append(row)
             elif _near(total, 1) and len(row) == s:

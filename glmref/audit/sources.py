@@ -14,6 +14,7 @@ from ..compute.executors import Here
 from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited
 from ..system.files import named_in
+from .entries import of_subject
 from .lexer import ENDINGS, FIXED, language_of
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
@@ -38,6 +39,8 @@ _MARKS: Mapping[str, str] = {
     "odeint": "class",
     "weights": "(?i)suzuki|yoshida|(?:sy|ys)_|composition",
 }
+#: Languages that are not read; a file that may hold tables is said to be unread.
+_OTHERS = frozenset(".cs .kt .lua .nim .pas .scala .swift .zig".split())
 _MOST = 60_000_000  # characters of a file
 
 
@@ -58,7 +61,7 @@ def files(source: Path, form: str) -> list[Path]:
         return [source]
     if not source.is_dir():
         raise UsageError(f"{source} is no file and no folder; give a file or a checkout")
-    endings = SUFFIXES[form] if form else ENDINGS
+    endings = SUFFIXES[form] if form else (*ENDINGS, *_OTHERS)
     hidden = len(source.parts)
     found = [
         x for x in sorted(source.rglob("*"))
@@ -178,6 +181,12 @@ def _rows(
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
         if not (marks(form, text) if form else alone or may_hold(text, path.name)):
+            continue
+        if path.suffix in _OTHERS and not (form or given):
+            if not of_subject(text):
+                continue
+            remark = f"there may be tables, and the language of a file {path.suffix} is not read"
+            yield path, _unread(1, path.name, remark)
             continue
         task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
                 "given": given}  # fmt: skip

@@ -18,11 +18,11 @@ from typing import Any
 from ..errors import GlmrefError
 from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner, _parts
-from .folding import Folder, plain
+from .folding import ARITHMETIC, Folder, plain
 from .inline import ends
 from .lexer import Language, Token
 from .table import ZERO, Table
-from .values import Number, Unread
+from .values import Number, Unread, pairwise
 
 _ONE, _ZERO = Exact(1), Exact(0)
 #: How far from 1 the sum of the weights of a further row may be.
@@ -47,12 +47,6 @@ EULER = re.compile(r"^(?!.*(?:backward|implicit|symplectic|semi|modified|improve
 STAGES = 64
 ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
-#: Functions of two vectors, or of one and a number, that return what their names say.
-_ARITHMETIC = {
-    **dict.fromkeys(("add", "plus", "vadd", "addvec", "addvectors", "vecadd"), "+"),
-    **dict.fromkeys(("sub", "subtract", "minus"), "-"),
-    **dict.fromkeys(("scale", "mul", "mult", "multiply", "times", "smul", "scalevec"), "*"),
-}
 BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
 
@@ -150,11 +144,55 @@ def _loops(row: Sequence[Token]) -> set[str]:
     return found
 
 
+def _elementwise(row: list[Token], counts: set[str]) -> list[Token]:
+    """Return tokens in which what is done to each entry of vectors is done to them.
+
+    ``[a + h*b for a, b in zip(y, k)]`` and ``y.map((a, i) => a + h*k[i])`` become ``(y + h*k)``;
+    names of indices are added to `counts`.
+    """
+    found: list[Token] = []
+    k = 0
+    while k < len(row):
+        x, k = row[k], k + 1
+        end = _partner(row, k - 1) if x.text in ("[", "(") else k
+        inside = row[k:end]
+        words = [y.text for y in inside]
+        made: list[Token] | None = None
+        if x.text == "[" and "for" in words and "in" in words[words.index("for") :]:
+            loop = words.index("for")
+            over = words.index("in", loop)
+            source = inside[over + 1 :]
+            zipped = words[over + 1 : over + 3] == ["zip", "("]
+            values = _parts(source[2:-1]) if zipped else [source]
+            made = _renamed(inside[:loop], inside[loop + 1 : over], values, counts)
+        elif "=>" in words and [y.text for y in found[-2:]] == [".", "map"] and len(found) > 2:
+            arrow = words.index("=>")
+            if words[arrow + 1 : arrow + 2] != ["{"]:
+                made = _renamed(inside[arrow + 1 :], inside[:arrow], [[found[-3]]], counts)
+                found[-3:] = []
+        if made is None:
+            found.append(x)
+            continue
+        found += [x._replace(text="("), *_elementwise(made, counts), x._replace(text=")")]
+        k = end + 1
+    return found
+
+
+def _renamed(
+    row: Sequence[Token], names: Sequence[Token], values: Sequence[list[Token]], counts: set[str]
+) -> list[Token]:
+    """Return tokens with vectors for the names of their entries; further names are indices."""
+    given = [x.text for x in names if x.kind == "name"]
+    vectors = {x: y[0] for x, y in zip(given, values, strict=False) if len(y) == 1}
+    counts |= {x for x in given if x not in vectors}
+    return [vectors.get(x.text, x) for x in row]
+
+
 def flat(given: Sequence[Token], language: Language) -> list[Token]:
     """Return tokens in which ``k[0][i]`` is the name ``k[0]``, ``f.(`` and ``f!(`` are ``f(``."""
-    row = [x._replace(text=".") if x.text == "%" and language.name == "fortran" else x
-           for x in given if x.text != "self" or language.name != "rust"]  # fmt: skip
+    row = [x for x in given if x.text != "self" or language.name != "rust"]
     counts = _loops(row)
+    row = _elementwise(row, counts)
     found: list[Token] = []
     k = 0
     while k < len(row):
@@ -246,7 +284,7 @@ def calls(row: Sequence[Token]) -> list[_Call]:
         ):
             first -= 2
             name = f"{row[first].text}.{name}"
-        if _OTHER.fullmatch(name) or name.rpartition(".")[2].lower() in _ARITHMETIC:
+        if _OTHER.fullmatch(name) or name.rpartition(".")[2].lower() in ARITHMETIC:
             continue
         before = row[first - 1] if first else None
         plain_call = before is None or before.kind == "line" or before.text in (";", "{", "}", ")",
@@ -283,13 +321,14 @@ class StepFolder(Folder):
     def _call(self, name: str, t: Token) -> Any:
         if self.step.is_slope(name, self):
             return self.step.stage(self._arguments()[0])
-        sign = _ARITHMETIC.get(name.rpartition(".")[2].lower())
+        owner, _, last = name.rpartition(".")
+        sign = ARITHMETIC.get(last.lower())
         if sign:
             given = [x for _, x in self._arguments()[0]]
+            given = [self.look(owner), *given] if owner and len(given) == 1 else given
             if len(given) != 2 or not all(isinstance(x, Number) for x in given):
                 raise Unread(f"the function {name[:40]!r} is not read", t.line)
-            x, y = form(given[0]), form(given[1])
-            return given[0].of(x + y if sign == "+" else x - y if sign == "-" else x * y)
+            return pairwise(sign, *given)
         return super()._call(name, t)
 
 
@@ -586,6 +625,36 @@ class Step:
                 rows = [x.of(y.get(step, _ZERO)) for x, y in zip(read, terms, strict=True)]
                 return [ZERO, *rows] if given else rows
         return None
+
+
+class Atoms(StepFolder):
+    """A folder in which a call that is not known stands for its value."""
+
+    def _call(self, name: str, t: Token) -> Any:
+        start = self.at
+        try:
+            found = super()._call(name, t)
+            if isinstance(found, Number):
+                return found
+        except Unread:
+            pass
+        self.at = self.partner(start) + 1
+        return atom(f"{name}()")
+
+
+class Names(Step):
+    """A function carried out with names and calls that are not read standing for themselves."""
+
+    def look(self, name: str) -> Any:
+        """Return what a name holds; what is not read stands for itself."""
+        try:
+            return super().look(name)
+        except Unread:
+            return atom(name)
+
+    def fold(self, row: Sequence[Token], reader: type[StepFolder] = Atoms) -> Any:
+        """Return the value of an expression."""
+        return super().fold(row, reader)
 
 
 def _slopes(x: Any) -> bool:

@@ -150,6 +150,7 @@ def _meant(
     few = 2 if len(method.b[0]) > 2 else 1  # two entries of two stages make another method
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= few
     explained = explained or any(" is that of " in x for x in remarks)
+    explained = explained or any(found == 0 or gap > method.coarse for _, gap in table.identities)
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
     entry = len(record.get("correction", ())) == 1 and one_row_apart(method)
     entry = entry or any(x.startswith("with error weight") for x in remarks)

@@ -11,7 +11,7 @@ import ast
 import re
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from math import prod
+from math import nan, prod
 from typing import Any
 
 from ..errors import ExactnessError
@@ -72,6 +72,15 @@ def whole_number(x: Any) -> int | None:
         return x.whole() if isinstance(x, Number) else None
     except Unread:
         return None
+
+
+def size(x: Any) -> float:
+    """Return a number as a float, nan for what was not folded."""
+    if not isinstance(x, Number):
+        return nan
+    if x.approximate is None:
+        x.approximate = complex(x.value).real
+    return x.approximate
 
 
 def literal(text: str) -> Number:

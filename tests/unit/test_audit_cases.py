@@ -118,7 +118,15 @@ def test_what_is_read_in_a_source_is_judged(text, said, case, tmp_path):
 
 
 #: Cases whose corrections are found soon.
-QUICK = {"Java Shu-Osher", "JavaScript splitting", "Go Adams", "order elsewhere", "one stage"}
+QUICK = {
+    "sum of slopes",
+    "arms of a match",
+    "Java Shu-Osher",
+    "JavaScript splitting",
+    "Go Adams",
+    "order elsewhere",
+    "one stage",
+}
 
 
 @pytest.mark.sampled(1)
