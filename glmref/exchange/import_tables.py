@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from ..audit.code import bare, rewritten, split
+from ..audit.values import Number, Unread, evaluate
 from ..catalogue.claims import ABSCISSAE, EMBEDDED_ORDER, EXPLICIT, ORDER, PRECONSISTENT
 from ..catalogue.files import plain_document
 from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
@@ -24,22 +26,13 @@ from ..catalogue.reader import load_document
 from ..catalogue.strict_json import MAX_BYTES
 from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
-from ..exact.decimals import is_rounded, known_digits
+from ..exact.decimals import known_digits
 from ..exact.expression import MAX_LENGTH, parse, to_text
 from ..system.budget import PROVING, limited, spend
 from .cells import from_cells
 
 _MOST_PLACES = 150
-_MOST_POWER = 400  # of 10 in a number, and digits after its point
 _MOST_BLOCK = MAX_SIZE**2  # entries of a block
-
-#: Names that wrap a number without changing it, and names of the square root.
-_CASTS = {"SUN_RCONST", "RCONST", "PetscReal", "BigFloat", "float", "Float64", "T"}
-_ROOTS = {"sqrt", "SUNRsqrt", "PetscSqrtReal", "np.sqrt", "math.sqrt", "jnp.sqrt", "numpy.sqrt"}
-_TOKEN = re.compile(
-    r"\s*((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?[fFlLqQ]?|[A-Za-z_][\w.]*|//|[-+*/(),])"
-)
-_DECIMAL = re.compile(r"(?<![0-9])[0-9]*\.[0-9]+")
 
 
 @dataclass
@@ -103,54 +96,37 @@ def _complete(text: str, form: str, where: str) -> dict[str, Any]:
 # --- entries -------------------------------------------------------------------------------------
 
 
-def _places(token: str) -> int:
-    """Return digits after the point of a decimal written without exponent; 0 for a whole number."""
-    mantissa, _, power = token.lower().replace("d", "e").partition("e")
-    return max(0, len(mantissa.partition(".")[2]) - int(power or 0))
+def _number(text: str) -> Number:
+    """Return the number that an entry stands for, read as the audit of codes reads it."""
+    if len(text) > MAX_LENGTH:
+        raise DataError(f"the entry has {len(text)} characters and at most {MAX_LENGTH} are read")
+    why = ""
+    try:
+        tree = ast.parse(rewritten(re.sub(r'big"([^"]*)"', r"\1", text)), mode="eval")
+        value = evaluate(tree.body, {})
+    except (Unread, ZeroDivisionError) as error:
+        value, why = None, f" ({error})"
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        value = None
+    if not isinstance(value, Number):
+        shown = text if len(text) < 60 else f"{text[:57]}..."
+        raise DataError(f"the entry {shown!r} is no number or quotient that is read here{why}")
+    return value
 
 
-def _tokens(text: str) -> Iterator[str]:
-    at, text = 0, text.strip()
-    while at < len(text):
-        match = _TOKEN.match(text, at)
-        if match is None:
-            shown = text if len(text) < 60 else f"{text[:57]}..."
-            raise DataError(f"the entry {shown!r} is no number or quotient that is read here")
-        yield match[1]
-        at = match.end()
-
-
-def _normal(text: str) -> tuple[str, list[int]]:
-    """Rewrite an entry in our grammar: the text, and the places of each rounded decimal in it."""
-    text = re.sub(r'big"([^"]*)"', r"\1", text)
-    text = re.sub(r"\(\s*(?:PetscReal|sunrealtype|realtype|double)\s*\)", "", text)
-    out: list[str] = []
-    rounded: list[int] = []
-    for token in _tokens(text):
-        if token[0].isdigit() or token[0] == ".":
-            number = token.rstrip("fFlLqQ").lower().replace("d", "e")
-            mantissa, _, power = number.partition("e")
-            size = int(power or 0) if len(power) < 6 else _MOST_POWER + 1
-            if len(mantissa) > 1000 or size > _MOST_POWER or _places(number) > _MOST_POWER:
-                raise DataError(f"the number {token[:40]!r} has more digits than are read")
-            value, places = Fraction(number), _places(number)
-            if not is_rounded(places):
-                out.append(f"({value})" if value.denominator > 1 else str(value))
-            else:
-                rounded.append(min(places, _MOST_PLACES))
-                out.append(_fixed(value, rounded[-1]))
-        elif token in _CASTS:
-            continue
-        elif token in _ROOTS:
-            out.append("sqrt")
-        else:
-            out.append("/" if token == "//" else token)
-    return "".join(out), rounded
-
-
-def _fixed(value: Fraction, places: int) -> str:
-    digits = str(round(value * 10**places)).rjust(places + 1, "0")
-    return f"{digits[:-places]}.{digits[-places:]}"
+def _written(number: Number, digits: int | None) -> str:
+    """Return a number as an entry: exact in lowest terms, or a decimal with the digits declared."""
+    if number.places is None or digits is None:
+        return to_text(number.value)
+    places = min(max(number.places, digits), digits + 2)
+    value = number.value.as_fraction()
+    if value is None:
+        value = Fraction(number.value.ball().decimal_text(places + 40))
+    sign, size = (
+        "-" if value < 0 else "",
+        str(round(abs(value) * 10**places)).rjust(places + 1, "0"),
+    )
+    return f"{sign}{size[:-places]}.{size[-places:]}"
 
 
 class _Writer:
@@ -218,55 +194,31 @@ class _Writer:
 
     def _entries(self) -> dict[str, list[list[str]]]:
         """Return every entry in our grammar; where all of it is exact, in lowest terms."""
-        normal: dict[str, list[list[tuple[str, list[int]]]]] = {}
+        numbers: dict[str, list[list[Number]]] = {}
         for block, rows in self.found.blocks.items():
             if sum(map(len, rows)) > _MOST_BLOCK:
                 raise DataError(f"`{block}` has more than {_MOST_BLOCK} entries")
-            normal[block] = [[self._entry(x, block, i, j) for j, x in enumerate(row)]
-                             for i, row in enumerate(rows)]  # fmt: skip
-        places = [p for rows in normal.values() for row in rows for _, some in row for p in some]
-        if places and self.digits is None:
-            self.digits = known_digits(places)
-        written: dict[str, list[list[str]]] = {}
-        for block, rows in normal.items():
-            written[block] = []
-            for i, row in enumerate(rows):
-                written[block].append([])
-                for j, (text, some) in enumerate(row):
-                    spend()
-                    try:
-                        written[block][i].append(self._written(text, some))
-                    except DataError as error:
-                        raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
-        return written
+            numbers[block] = [[self._at(block, i, j, _number, x) for j, x in enumerate(row)]
+                              for i, row in enumerate(rows)]  # fmt: skip
+        every = (x for rows in numbers.values() for row in rows for x in row)
+        self.digits = known_digits(min(x.places, _MOST_PLACES) for x in every if x.places)
+        return {
+            block: [[self._at(block, i, j, self._text, x) for j, x in enumerate(row)]
+                    for i, row in enumerate(rows)]
+            for block, rows in numbers.items()
+        }  # fmt: skip
 
-    def _entry(self, text: str, block: str, i: int, j: int) -> tuple[str, list[int]]:
-        if len(text) > MAX_LENGTH:
-            raise DataError(
-                f"`{block}[{i + 1}][{j + 1}]` has {len(text)} characters and at most {MAX_LENGTH} "
-                f"are read"
-            )
+    def _text(self, number: Number) -> str:
+        spend()
+        return _written(number, self.digits)
+
+    @staticmethod
+    def _at(block: str, i: int, j: int, rule: Callable[[Any], Any], x: Any) -> Any:
+        """Return what a rule makes of an entry; where it fails its place is named."""
         try:
-            return _normal(text)
-        except DataError as error:
+            return rule(x)
+        except (DataError, ExactnessError) as error:
             raise DataError(f"`{block}[{i + 1}][{j + 1}]`: {error}") from None
-
-    def _written(self, text: str, places: list[int]) -> str:
-        """Return an entry: exact in lowest terms, or a decimal with the digits declared."""
-        if places and self.digits is not None:
-            least = self.digits
-
-            def fitted(match: re.Match[str]) -> str:
-                given = _places(match[0])
-                kept = min(max(given, least), least + 2)
-                return match[0] if kept == given else _fixed(Fraction(match[0]), kept)
-
-            return _DECIMAL.sub(fitted, text)
-        value = parse(text)
-        try:
-            return to_text(value)
-        except ExactnessError:
-            return text
 
     def _take_exact(
         self, entries: dict[str, list[list[str]]], exact: Mapping[str, Sequence[Sequence[str]]]
@@ -344,15 +296,6 @@ def _comment(text: str) -> dict[str, Any]:
     return about
 
 
-# one that is not closed goes to the end: else the search for the end would be quadratic
-_C_COMMENT = r"/\*.*?(?:\*/|\Z)|//[^\n]*"
-_JULIA_COMMENT = r"#=.*?(?:=#|\Z)|#[^\n]*"
-
-
-def _without_comments(text: str, pattern: str) -> str:
-    return re.sub(pattern, " ", text, flags=re.DOTALL)
-
-
 def _balanced(text: str, at: int) -> str:
     """Return what stands between the bracket at a place and its partner."""
     partner = {"{": "}", "[": "]", "(": ")"}
@@ -368,17 +311,6 @@ def _balanced(text: str, at: int) -> str:
     raise DataError("a bracket is not closed")
 
 
-def _split(text: str, separator: str = ",") -> list[str]:
-    """Split at separators outside brackets; empty parts are left out."""
-    parts, depth, start = [], 0, 0
-    for k, letter in enumerate(text):
-        depth += (letter in "([{") - (letter in ")]}")
-        if letter == separator and depth == 0:
-            parts.append(text[start:k])
-            start = k + 1
-    return [x.strip() for x in (*parts, text[start:]) if x.strip()]
-
-
 def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
     found = [
         m for name in names
@@ -389,13 +321,13 @@ def _c_array(text: str, names: Sequence[str]) -> list[str] | None:
     if not found:
         return None
     flat = _balanced(text, found[0].end() - 1).replace("{", " ").replace("}", " ")
-    return _split(flat)
+    return split(flat, ",")
 
 
 def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found:
     """Return arrays A, b, c and the order from a call with its arguments."""
     about = _comment(text)
-    body = _without_comments(text, _C_COMMENT)
+    body = bare(text)
     found = Found(about=about)
     # both an A and an At: the two parts of an implicit-explicit method
     both = all(_c_array(body, (x,)) for x in ("A", "At", "b", "bt"))
@@ -418,7 +350,7 @@ def _c_table(text: str, call: str, numbers: Callable[[list[str]], int]) -> Found
             found.blocks[f"d{mark}"] = [d]
     match = re.search(rf"\b(?:{call})\s*\(", body)
     if match:
-        arguments = _split(_balanced(body, match.end() - 1))
+        arguments = split(_balanced(body, match.end() - 1), ",")
         found.order = numbers(arguments) or None
         found.lower = _whole(arguments, 2) or None if call.startswith("ARKode") else None
     return found
@@ -431,7 +363,7 @@ def _whole(arguments: Sequence[str], at: int) -> int:
 
 def _sprk(text: str) -> Found | None:
     """Return a table of SPRKStep: arrays a and ahat, and the order that is put into the table."""
-    body = _without_comments(text, _C_COMMENT)
+    body = bare(text)
     if not re.search(r"\bARKodeSPRKTable_(?:Alloc|Create)\s*\(", body):
         return None
     a, ahat = (_c_array(body, (x,)) for x in ("a", "ahat"))
@@ -439,7 +371,7 @@ def _sprk(text: str) -> Found | None:
         raise DataError("there are no arrays `a[] = {...}` and `ahat[] = {...}` of one length")
     order = re.search(r"->\s*q\s*=\s*(\d{1,2})\s*;", body)
     call = re.search(r"\bARKodeSPRKTable_Create\s*\(", body)
-    told = _whole(_split(_balanced(body, call.end() - 1)), 1) if call else 0
+    told = _whole(split(_balanced(body, call.end() - 1), ","), 1) if call else 0
     return Found({"a": [a], "ahat": [ahat]}, int(order[1]) if order else told or None,
                  about=_comment(text))  # fmt: skip
 
@@ -516,7 +448,7 @@ def _julia_array(text: str, names: str, *, matrix: bool) -> list[list[str]] | No
         return None
     body = _balanced(text, match.end() - 1)
     if not matrix:
-        return [_split(re.sub(r"[;\n]", ",", body))]
+        return [split(body, ",;\n")]
     if "," in re.sub(r"\([^)]*\)", "", body):
         raise DataError("a matrix must have blanks between entries and one row a line")
     rows = [line.split() for line in re.split(r"[;\n]", body) if line.strip()]
@@ -525,14 +457,14 @@ def _julia_array(text: str, names: str, *, matrix: bool) -> list[list[str]] | No
 
 def _julia(text: str, names: Sequence[str], call: str, at: int) -> Found:
     found = Found(about=_comment(text))
-    body = _without_comments(text, _JULIA_COMMENT)
+    body = bare(text, "julia")
     for block, name in zip("Abcd", names, strict=False):
         rows = _julia_array(body, name, matrix=block == "A")
         if rows is not None:
             found.blocks[block] = rows
     match = re.search(rf"\b(?:{call})(?:\{{\w+\}})?\s*\(", body)
     if match:
-        arguments = _split(_balanced(body, match.end() - 1))
+        arguments = split(_balanced(body, match.end() - 1), ",")
         found.order = _whole(arguments, at) or None
         named = [x.partition("=")[2] for x in arguments if x.strip().startswith("adaptiveorder")]
         found.lower = _whole(named, 0) or None

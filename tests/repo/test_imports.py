@@ -23,7 +23,7 @@ from tests.sources import PACKAGE, SOURCES, nodes, text
 
 LAYERS = [
     "judge errors findings system", "exact method", "catalogue theory compute", "prove derive",
-    "problems engine", "measure views", "scenes exchange conformance audit", "report cli",
+    "problems engine", "measure views", "scenes audit exchange conformance", "report cli",
     "__main__ __init__",
 ]  # fmt: skip
 HEIGHT = {
