@@ -10,7 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from ..exact import Ball
+from ..exact import Ball, Exact, Scalar
 from . import claims
 from .canonical import canonical
 
@@ -26,9 +26,11 @@ SYMMETRIC = {
 }
 
 
-def decimal(value: Ball, places: int = DIGITS) -> str:
-    """Write the midpoint with a fixed number of digits after the point, rounded to nearest."""
-    scaled = round(Fraction(value.decimal_text(places + 40)) * 10**places)
+def decimal(value: Scalar, places: int = DIGITS) -> str:
+    """Write a number, or a midpoint, with so many digits after the point, rounded to nearest."""
+    exact = value.as_fraction() if isinstance(value, Exact) else None
+    near = Fraction(value.ball().decimal_text(places + 40)) if exact is None else exact
+    scaled = round(near * 10**places)
     digits = str(abs(scaled)).rjust(places + 1, "0")
     return f"{'-' if scaled < 0 else ''}{digits[:-places]}.{digits[-places:]}"
 

@@ -13,7 +13,6 @@ import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any
 
 from ..audit.code import bare, rewritten, split
@@ -24,6 +23,7 @@ from ..catalogue.keys import FORMATS as FORMATS_OF_METHODS
 from ..catalogue.keys import MAX_SIZE, of_second
 from ..catalogue.reader import load_document
 from ..catalogue.strict_json import MAX_BYTES
+from ..catalogue.writer import decimal
 from ..errors import BudgetError, DataError, ExactnessError
 from ..exact import Scalar
 from ..exact.decimals import known_digits
@@ -118,15 +118,7 @@ def _written(number: Number, digits: int | None) -> str:
     """Return a number as an entry: exact in lowest terms, or a decimal with the digits declared."""
     if number.places is None or digits is None:
         return to_text(number.value)
-    places = min(max(number.places, digits), digits + 2)
-    value = number.value.as_fraction()
-    if value is None:
-        value = Fraction(number.value.ball().decimal_text(places + 40))
-    sign, size = (
-        "-" if value < 0 else "",
-        str(round(abs(value) * 10**places)).rjust(places + 1, "0"),
-    )
-    return f"{sign}{size[:-places]}.{size[-places:]}"
+    return decimal(number.value, min(max(number.places, digits), digits + 2))
 
 
 class _Writer:

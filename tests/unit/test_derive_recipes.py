@@ -234,8 +234,8 @@ def test_yoshida_composition_is_reproduced_bit_for_bit() -> None:
 
 
 def test_unknown_recipes_options_and_names_are_refused() -> None:
-    refused(UsageError, "no recipe 'order7'", recipes.run, "order7")
-    refused(UsageError, "no option 'c3'", recipes.run, "order6", {"c3": "1"})
+    refused(UsageError, "no recipe named 'order7'", recipes.run, "order7")
+    refused(UsageError, "the option 'c3' is unknown", recipes.run, "order6", {"c3": "1"})
     refused(UsageError, "`name` must be", recipes.run, "conjugation6", {"name": "s6"})
     refused(UsageError, "`solution`", recipes.run, "yoshida6", {"solution": "D"})
     refused(UsageError, "`family`", recipes.run, "order4", {"family": "x"})
