@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from operator import mul
-from typing import TypeAlias, cast
+from typing import NamedTuple, TypeAlias, cast
 
 from .arithmetic import Fraction, products_of_whole
 from .linalg import dot
@@ -28,23 +28,15 @@ class Fixed:
         self.size = max(map(abs, values))
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(NamedTuple):
     """Trees by their places in an order: the gaps of their conditions, none off by more."""
 
     places: list[int]
     gaps: list[int]
     error: int
 
-    @cached_property
-    def largest(self) -> int:
-        """The largest gap."""
-        return max(map(abs, self.gaps))
-
     def above(self, limit: int) -> list[int]:
         """Return the places of trees whose residual may be above a number of units."""
-        if self.largest + self.error <= limit:
-            return []
         return [k for k, gap in zip(self.places, self.gaps, strict=True)
                 if abs(gap) + self.error > limit]  # fmt: skip
 
@@ -186,7 +178,7 @@ class Sizes:
         for tree, k in places.items():
             alone = len(tree[1]) == 1
             colour, children = tree[1][0] if alone else tree
-            if len(children) > 1:
+            if children:
                 key, first = (colour if alone else "", size(children[-1])), (colour, children[:-1])
                 joined.setdefault(key, {}).setdefault(first, {})[children[-1]] = k
             else:

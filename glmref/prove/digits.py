@@ -160,7 +160,8 @@ class _Residuals:
             level = self.level(n)
             if n < order - 1:
                 self.found.prepare(level)
-            low = max(low, *(int(x.largest - x.error) - 1 for x in self.found.groups(n, b)))
+            sure = (max(map(abs, x.gaps)) - x.error for x in self.found.groups(n, b))
+            low = max(low, *(int(x) - 1 for x in sure))
             yield from self.found.above(n, b, min(low, limit))
 
     def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:

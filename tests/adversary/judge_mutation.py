@@ -136,12 +136,12 @@ class Bench:
             code = 1
             try:
                 change()
-                code = 0
                 for n, case in enumerate(self.cases):
                     if differs(case):
                         os.write(writer, str(n).encode())
-                        code = 1
                         break
+                else:
+                    code = 0
             finally:
                 os._exit(code)
         os.close(writer)
