@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import TypeVar
 
 import numpy as np
 
 from ..errors import GlmrefError
 from ..prove.enclosure import gaps_of
 from .ansatz import Ansatz
+from .partitioned import PairAnsatz
 from .polish import ConvergenceError
 from .search import evaluate, levenberg_marquardt
+
+_Ansatz = TypeVar("_Ansatz", Ansatz, PairAnsatz)
 
 
 class RankError(GlmrefError):
@@ -51,8 +55,8 @@ def pivots(
 
 
 def fix_parameters(
-    ansatz: Ansatz, point: Sequence[float], *, places: int = 3
-) -> tuple[Ansatz, list[float]]:
+    ansatz: _Ansatz, point: Sequence[float], *, places: int = 3
+) -> tuple[_Ansatz, list[float]]:
     """Fix the free parameters at decimals near a solution and solve again, in double precision.
 
     From m equations for n >= m unknowns and a solution (n,) it makes a square ansatz and a solution

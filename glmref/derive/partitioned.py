@@ -15,7 +15,7 @@ p_2 by its inverse changes nothing but w and v: one parameter is always free.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -124,38 +124,6 @@ class PairAnsatz:
             "enclosure": {"equations": self.equations(), "radius": "1e-60"},
             "claims": claims,
         }
-
-
-def fix_parameters(
-    ansatz: PairAnsatz, point: Sequence[float], *, digits: int = 4
-) -> tuple[PairAnsatz, list[float]]:
-    """Fix as many unknowns rationally as there are free parameters, and keep the rest as a start.
-
-    One unknown after another is fixed with so many digits after the point, each time the one whose
-    loss leaves the largest smallest singular value to the Jacobian.
-    """
-    import numpy as np
-
-    from .search import evaluate
-
-    document = ansatz.document()
-    names = list(document["unknowns"])
-    _, jacobians = evaluate(gaps_of(document), np.array([point], dtype=float))
-    left = list(range(len(names)))
-    for _ in range(len(names) - len(document["enclosure"]["equations"])):
-        smallest = [
-            np.linalg.svd(jacobians[0][:, [i for i in left if i != j]], compute_uv=False)[-1]
-            for j in left
-        ]
-        del left[int(np.argmax(smallest))]
-    fixed = {
-        name: str(round(Fraction(x), digits))
-        for i, (name, x) in enumerate(zip(names, point, strict=True))
-        if i not in left
-    }
-    square = replace(ansatz, fixed={**ansatz.fixed, **fixed})
-    known = dict(zip(names, point, strict=True))
-    return square, [known[x] for x in square.document()["unknowns"]]
 
 
 def complete_pair(

@@ -7,7 +7,8 @@ import pytest
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.derive import recipes
-from glmref.derive.partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from glmref.derive.parameters import fix_parameters
+from glmref.derive.partitioned import PairAnsatz, complete_pair, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
 from glmref.errors import DataError, UsageError
 from glmref.prove.enclosure import conditions_of

@@ -23,8 +23,9 @@ from ...errors import UsageError
 from ...findings import Proof
 from ...prove.enclosure import Enclosure
 from ...theory.stability import parasitic_curvature
+from ..parameters import fix_parameters
 from ..parity_start import with_partitioned_start
-from ..partitioned import PairAnsatz, complete_pair, fix_parameters, search_pairs
+from ..partitioned import PairAnsatz, complete_pair, search_pairs
 from ..search import Found
 from .derivation import Derivation, Progress, Statement, in_turn, searched, shipped_names
 from .shipped_pairs import SHIPPED, Shipped
@@ -135,7 +136,7 @@ def _search(options: Mapping[str, str], progress: Progress) -> Derivation:
     def make(found: Found) -> tuple[dict[str, Any] | None, Sequence[Statement]]:
         if max(map(abs, found.point)) >= LARGEST:
             return None, []
-        square, point = fix_parameters(ansatz, found.point)
+        square, point = fix_parameters(ansatz, found.point, places=4)
         if wanted.wanted > 1:
             square = replace(square, name=f"{ansatz.name}-{found.number}")
         where = f"search, seed {wanted.seed}, start {found.number}"
