@@ -23,13 +23,6 @@ def test_growth_of_n_and_p_is_the_printed_one():
     assert growth_parameters(glmref.load("gsymplectic-p")) == (1 + root,)
 
 
-@pytest.mark.parametrize("name", ["thesis-3-8", "s4-symmetric", "g4123", "g6245", "g6245-w3"])
-def test_methods_of_zero_growth_are_free_of_parasitism(name):
-    found = growth(glmref.load(name))
-    assert found.free is True and found.residual == 0
-    assert all(g.mu == 0 for g in found.growths)
-
-
 def test_eigenvalues_come_by_increasing_argument():
     found = growth(glmref.load("g6245"))
     assert [g.eigenvalue for g in found.growths] == [root_of_unity(k, 4) for k in (1, 2, 3)]

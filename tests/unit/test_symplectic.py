@@ -60,21 +60,6 @@ def test_a_wrong_digit_in_a_given_form_fails_although_the_method_has_one():
     assert "entry (1, 1) of D U - B* G V" in found.witness
 
 
-@pytest.mark.parametrize("s", range(1, 6))
-def test_gauss_methods_are_symplectic(s):
-    m = runge_kutta(*tableau(f"gauss-{s}"))
-    found = g_symplectic(m)
-    assert found.holds is True and found.G == ((1,),) and found.D == m.B[0]
-
-
-@pytest.mark.parametrize(
-    "method", [tableau("radau-iia-2"), tableau("lobatto-iiia-3"), (((exact(0),),), (exact(1),))]
-)
-def test_other_runge_kutta_methods_are_not(method):
-    m = runge_kutta(*method)
-    assert g_symplectic(m).holds is False
-
-
 def test_leapfrog_form_of_the_thesis():
     twin = one_leg(*one_leg_twin(["-1", "0", "1"], ["0", "2", "0"]))
     found = g_symplectic(twin)
