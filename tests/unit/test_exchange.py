@@ -396,7 +396,7 @@ def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: st
     assert said in header(glmref.load(name), "c", Comment("", "# ", ""))
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("form", "text", "said"),
     [
