@@ -77,34 +77,11 @@ FILES: dict[str, bytes | Callable[[], bytes]] = {
     "long-entry": _content({"entry": "1+" * 4000 + "1"}),
 }
 
+#: Command lines of any length; others are rows of ``tests/unit/refusals.toml``.
 ARGUMENTS: dict[str, list[str]] = {
-    "unknown-command": ["prove"],
-    "unknown-option": ["verify", "--fast"],
-    "unknown-name": ["verify", "gaus-2"],
-    "unknown-format": ["verify", "--format", "xml"],
-    "unknown-only": ["verify", "rk4", "--only", "beauty"],
-    "only-what-no-file-claims": ["verify", "rk4", "--only", "growth"],
-    "empty-name": ["verify", ""],
-    "name-with-line-ends": ["verify", "a\nb\r\nc"],
-    "name-with-escapes": ["verify", "\x1b]0;title\x07"],
     "name-far-too-long": ["verify", "a" * 100_000],
     "file-name-too-long": ["verify", "a" * 5000 + ".json"],
-    "nonexistent-file": ["verify", "no/such/file.json"],
-    "folder": ["verify", "."],
     "device": ["verify", os.devnull],
-    "show-nothing": ["show"],
-    "show-two-plotted": ["show", "rk4", "euler", "--plot", "both.svg"],
-    "decimal-zero": ["show", "rk4", "--decimal", "0"],
-    "decimal-absurd": ["show", "rk4", "--decimal", "100000000"],
-    "decimal-no-number": ["show", "rk4", "--decimal", "ten"],
-    "analyze-unknown": ["analyze", "rk5"],
-    "cite-nothing": ["cite"],
-    "cite-unknown": ["cite", "rk4", "nobody-1899"],
-    "list-unknown-class": ["list", "--class", "magic"],
-    "list-with-argument": ["list", "rk4"],
-    "errata-unknown": ["errata", "9.9-no-such-thing"],
-    "errata-unknown-verdict": ["errata", "--verdict", "sloppy"],
-    "errata-of-unknown-method": ["errata", "--method", "nobody-1899"],
 }
 
 

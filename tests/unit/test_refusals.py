@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import tomllib
 from functools import reduce
 from importlib import import_module
@@ -12,7 +13,6 @@ from typing import Any
 import pytest
 
 from glmref import errors
-from glmref.cli import main
 from tests.build import refused
 
 ROWS = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
@@ -79,7 +79,7 @@ def test_a_file_is_refused_in_one_sentence(group, old, new, words, tmp_path):
 
 
 @pytest.mark.parametrize(("line", "words"), ROWS["command"]["rows"])
-def test_a_command_line_is_refused_with_2_and_one_sentence(line, words, capsys):
-    assert main(line.split()) == 2
-    out, err = capsys.readouterr()
-    assert words in err and (out, err.count("\n")) == ("", 1)
+def test_a_command_line_is_refused_with_2_and_one_sentence(line, words, cli):
+    out, err = cli(*shlex.split(line), code=2)
+    assert words in err and err.startswith("glmref: ") and (out, err.count("\n")) == ("", 1)
+    assert err[:-1].isprintable() and len(err) < 1000
