@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 from ...catalogue.reader import load_document
 from ...errors import ExactnessError, GlmrefError, UsageError
@@ -40,6 +41,7 @@ class Derivation:
     refused: bool = False  #: Whether the requested method does not exist.
 
 
+_Numbers = TypeVar("_Numbers")
 #: Makes a document with what was proved of it.
 Make = Callable[[], tuple[dict[str, Any], Sequence[Statement]]]
 
@@ -54,6 +56,24 @@ def in_turn(recipe: str, makers: Mapping[str, Make], progress: Progress) -> Deri
         statements += proved
     progress("done", len(makers), len(makers))
     return Derivation(recipe, documents, statements)
+
+
+def completed(
+    recipe: str,
+    numbers: Mapping[str, _Numbers],
+    complete: Callable[[str, _Numbers, str], tuple[dict[str, Any], Sequence[Statement]]],
+    progress: Progress,
+    where: str = "",
+) -> Derivation:
+    """Return the derivation of methods from their numbers, by name.
+
+    ``where`` says for the files what was given, by default the recipe and the name.
+    """
+    makers = {
+        name: partial(complete, name, of, where or f"recipe {recipe}, name = {name}")
+        for name, of in numbers.items()
+    }
+    return in_turn(recipe, makers, progress)
 
 
 def searched(
@@ -132,8 +152,8 @@ def rational_option(name: str, text: str) -> Fraction:
     return fraction
 
 
-def shipped_names(name: str, shipped: Mapping[str, Any]) -> list[str]:
-    """Return the one name that is given, or all names of shipped methods.
+def chosen(name: str, shipped: Mapping[str, _Numbers]) -> Mapping[str, _Numbers]:
+    """Return the shipped method of the name that is given, or all of them.
 
     Raises
     ------
@@ -142,4 +162,4 @@ def shipped_names(name: str, shipped: Mapping[str, Any]) -> list[str]:
     """
     if name and name not in shipped:
         raise UsageError(f"`name` must be one of {', '.join(shipped)}, got {name!r}")
-    return [name] if name else list(shipped)
+    return {name: shipped[name]} if name else shipped

@@ -23,7 +23,7 @@ from ...findings import Proof
 from ...theory.residues import in_order, residues
 from ..general_multistep import general_document, matching_cosine
 from ..halves import EndedHalf, GeneralHalf
-from .derivation import Derivation, Progress, Statement, complete_exactly, in_turn, shipped_names
+from .derivation import Derivation, Progress, Statement, chosen, complete_exactly, completed
 from .multistep import CLAIMS
 from .sources import derived_source
 
@@ -104,7 +104,7 @@ def halves_of(roots: Shipped, *, matched: bool = True) -> tuple[GeneralHalf, Gen
 
 
 def _complete(
-    name: str, q: GeneralHalf, p: GeneralHalf, where: str, notes: Sequence[str]
+    name: str, roots: Shipped, where: str, *, matched: bool
 ) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Build a document and prove its claims.
 
@@ -113,8 +113,8 @@ def _complete(
     ExactnessError
         When a claim is not proved.
     """
-    order = q.order
-    semi = isinstance(q, EndedHalf)
+    q, p = halves_of(roots, matched=matched)
+    order, semi = q.order, roots.semi
     systems = "semi-separable systems" if semi else "systems that are not separable"
     title = (
         f"{'Symmetric' if semi else 'Explicit symmetric'} partitioned multistep method of order "
@@ -134,7 +134,7 @@ def _complete(
         "growth": [str(x.as_fraction()) for x in in_order(found)],
     }
     complete_exactly(
-        document, claims, derived_source(where, "general-multistep", _PAGES[semi]), notes
+        document, claims, derived_source(where, "general-multistep", _PAGES[semi]), roots.notes
     )
     largest = max(abs(complex(x.mu)) for half in found.values() for x in half)
     text = (
@@ -166,13 +166,6 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         given = {name: Shipped(options["q"], options["p"], semi=semi)}
         where, matched = f"roots {options['q']}; {options['p']}", options["match"] == "p"
     else:
-        given = {name: SHIPPED[name] for name in shipped_names(options["name"], SHIPPED)}
-        where, matched = "", True
-
-    def make(name: str, roots: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
-        q, p = halves_of(roots, matched=matched)
-        place = where or f"recipe general-multistep, name = {name}"
-        return _complete(name, q, p, place, roots.notes)
-
-    makers = {name: partial(make, name, roots) for name, roots in given.items()}
-    return in_turn("general-multistep", makers, progress)
+        given, where, matched = chosen(options["name"], SHIPPED), "", True
+    complete = partial(_complete, matched=matched)
+    return completed("general-multistep", given, complete, progress, where)

@@ -14,13 +14,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 from ...errors import UsageError
 from ...findings import Proof
 from ..multistep import TwoKicks, multistep_document, two_kick_document
-from .derivation import Derivation, Progress, Statement, complete_exactly, in_turn, shipped_names
+from .derivation import Derivation, Progress, Statement, chosen, complete_exactly, completed
 from .sources import derived_source, long_notes
 
 OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
@@ -138,7 +137,7 @@ def claims_of(order: int, *, second: bool) -> dict[str, Any]:
 
 
 def _complete(
-    name: str, numbers: Shipped, notes: Sequence[str], where: str
+    name: str, numbers: Shipped, where: str
 ) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Build a document and prove its claims.
 
@@ -150,6 +149,7 @@ def _complete(
     second, order = not numbers.q, 2 * len(numbers.p) + 2
     document = numbers.document(name, order)
     source = derived_source(where, "multistep", "docs/multivalue.md")
+    notes = [*numbers.notes, *long_notes(name)]
     complete_exactly(document, claims_of(order, second=second), source, notes)
     systems = "second-order" if second else "separable"
     text = (
@@ -182,16 +182,5 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         where = f"cosines {options['q']}; {options['p']}"
         if numbers.slopes:
             where += f"; slopes {options['slopes']}, weight {weight}"
-        make = partial(_complete, name, numbers, (), where)
-        return in_turn("multistep", {name: make}, progress)
-    makers = {
-        name: partial(
-            _complete,
-            name,
-            SHIPPED[name],
-            [*SHIPPED[name].notes, *long_notes(name)],
-            f"recipe multistep, name = {name}",
-        )
-        for name in shipped_names(options["name"], SHIPPED)
-    }
-    return in_turn("multistep", makers, progress)
+        return completed("multistep", {name: numbers}, _complete, progress, where)
+    return completed("multistep", chosen(options["name"], SHIPPED), _complete, progress)

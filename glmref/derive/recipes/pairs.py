@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from ...catalogue.reader import load_document
@@ -27,7 +26,7 @@ from ..parameters import fix_parameters
 from ..parity_start import with_partitioned_start
 from ..partitioned import PairAnsatz, complete_pair, search_pairs
 from ..search import Found
-from .derivation import Derivation, Progress, Statement, in_turn, searched, shipped_names
+from .derivation import Derivation, Progress, Statement, chosen, completed, searched
 from .shipped_pairs import SHIPPED, Shipped
 from .sources import derived_source, long_notes, stored
 
@@ -60,17 +59,17 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     """
     if options["n"]:
         return _search(options, progress)
-    names = shipped_names(options["name"], SHIPPED)
-    return in_turn("pairs", {x: partial(_complete, SHIPPED[x]) for x in names}, progress)
+    return completed("pairs", chosen(options["name"], SHIPPED), _complete, progress)
 
 
-def _complete(shipped: Shipped) -> tuple[dict[str, Any], Sequence[Statement]]:
+def _complete(
+    name: str, shipped: Shipped, where: str
+) -> tuple[dict[str, Any], Sequence[Statement]]:
     """Return a shipped pair, with its start where one is on record, and what was proved."""
-    name = shipped.ansatz.name
     document, enclosure = complete_pair(
         shipped.ansatz,
         shipped.start.split(),
-        source=derived_source(f"recipe pairs, name = {name}", "pairs", _PAGE),
+        source=derived_source(where, "pairs", _PAGE),
         notes=[*shipped.notes, *long_notes(name)],
     )
     half = rough_pair_starts().get(name)
