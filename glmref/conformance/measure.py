@@ -15,7 +15,7 @@ from .read_orders import HIGHEST, first_defect, nearest
 from .subject import NotOffered, Subject
 from .taylor import taylor_states
 from .vector_problems import TestProblem, array, problems
-from .verdicts import INPUT_CHANGED, Judgement, errors_of, floor_of, order_judgement, same
+from .verdicts import Judgement, errors_of, floor_of, input_judgement, order_judgement, same
 
 #: Length of the runs that measure an order.
 _TIME = 4.0
@@ -40,12 +40,11 @@ class Measurement:
         problem, h = self.task.problem, _TIME / steps
         if "solve" in self.subject.offers:
             return self.subject.solve(self.name, problem, h, steps)[-1]
-        values = self._started(h)
-        for n in range(steps):
-            values = self.subject.step(self.name, problem, float(self.task.t0) + n * h, values, h)
+        t0, begin = float(self.task.t0), self._started(h)
+        *_, (_, values) = self.subject.steps(self.name, problem, t0, begin, h, steps)
         if self._carried == 1 or "finish" not in self.subject.offers:
             return values[0]
-        return self.subject.finish(self.name, problem, float(self.task.t0) + _TIME, values, h)
+        return self.subject.finish(self.name, problem, t0 + _TIME, values, h)
 
     @property
     def _carried(self) -> int:
@@ -69,13 +68,11 @@ class Measurement:
         self._end(_SHORT)
         offers = self.subject.offers
         if "step" in offers and (self._carried == 1 or "start" in offers):
-            h = _TIME / _SHORT
+            h, t0 = _TIME / _SHORT, float(self.task.t0)
             values = self._started(h)
-            argument = values[0] if len(values) == 1 else values
-            kept, t0 = argument.copy(), float(self.task.t0)
-            self.subject.call("step", self.name, self.task.problem, t0, argument, h)
-            if not np.array_equal(argument, kept):
-                return Judgement(False, INPUT_CHANGED)
+            return input_judgement(
+                self.subject.leaves_input(self.name, self.task.problem, t0, values, h)
+            )
         return Judgement(True)
 
     def repeatable(self) -> Judgement:

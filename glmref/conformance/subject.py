@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,17 +95,32 @@ class Subject:
 
     def step(self, method: str, problem: Any, t: float, values: np.ndarray, h: float) -> np.ndarray:
         """Take one step; values (r, d) in and out."""
-        given = values[0] if len(values) == 1 else values
-        answer = self.call("step", method, problem, t, given.copy(), h)
+        answer = self.call("step", method, problem, t, _given(values).copy(), h)
         return _array(answer, values.shape, "step")
+
+    def leaves_input(
+        self, method: str, problem: Any, t: float, values: np.ndarray, h: float
+    ) -> bool:
+        """Take a step and return whether the values it was given are what they were."""
+        given = _given(values).copy()
+        self.call("step", method, problem, t, given, h)
+        return bool((given == _given(values)).all())
+
+    def steps(
+        self, method: str, problem: Any, t: float, values: np.ndarray, h: float, count: int
+    ) -> Iterator[tuple[float, np.ndarray]]:
+        """Yield time and values (r, d) at the start and after each of so many steps."""
+        yield t, values
+        for n in range(count):
+            values = self.step(method, problem, t + n * h, values, h)
+            yield t + (n + 1) * h, values
 
     def stages(
         self, method: str, problem: Any, t: float, values: np.ndarray, h: float,
         shape: tuple[tuple[int, int], ...],
     ) -> list[np.ndarray]:  # fmt: skip
         """Return stage values: one array, or for a pair the two of Q and P."""
-        given = values[0] if len(values) == 1 else values
-        answer = self.call("stages", method, problem, t, given.copy(), h)
+        answer = self.call("stages", method, problem, t, _given(values).copy(), h)
         if len(shape) == 1:
             return [_array(answer, shape[0], "stages")]
         try:
@@ -124,8 +139,7 @@ class Subject:
         self, method: str, problem: Any, t: float, values: np.ndarray, h: float
     ) -> np.ndarray:
         """Return the solution (d,) that belongs to the values (r, d)."""
-        given = values[0] if len(values) == 1 else values
-        answer = self.call("finish", method, problem, t, given.copy(), h)
+        answer = self.call("finish", method, problem, t, _given(values).copy(), h)
         return _array(answer, (values.shape[1],), "finish")
 
     def solve(
@@ -180,6 +194,11 @@ def _is_foreign(file: Path) -> bool:
     return file.is_relative_to(_PACKAGE) or not {"site-packages", "dist-packages"}.isdisjoint(
         file.parts
     )
+
+
+def _given(values: np.ndarray) -> np.ndarray:
+    """Return values as an adapter is given them: one value is a vector."""
+    return values[0] if len(values) == 1 else values
 
 
 # --- answers ------------------------------------------------------------------------------------

@@ -11,8 +11,6 @@ import numpy as np
 
 from .subject import AdapterError, Subject
 
-INPUT_CHANGED = "step changes the array it is given; it must work on a copy"
-
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
@@ -24,6 +22,12 @@ class Judgement:
     #: For claims with a value.
     declared: object = True
     value: object = None
+
+
+def input_judgement(left: bool) -> Judgement:
+    """Decide whether a step leaves its input alone."""
+    said = "step changes the array it is given; it must work on a copy"
+    return Judgement(left, "" if left else said)
 
 
 #: Part of the first difference above which a later one shows no state that repeats itself.
