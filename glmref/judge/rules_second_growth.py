@@ -64,17 +64,15 @@ def terms_of(m: Component, x: Space, bend: list) -> tuple:
     return tuple(conj(x.zeta) * y for y in (I1, *(dot(W, apply(m.B, y)) for y in slopes[1:])))
 
 
-def one_map_of_order_2_underlies_the_method(case: SecondCase) -> bool:
-    """1 is a simple eigenvalue of V, and the map Phi is y + h f + h^2 f' f / 2 + .."""
-    u, _ = case.method.vectors_to_one("o", consistent=True)
-    if u is None or sum(len(x.W) for x in case.spectra["o"] if not bool(x.zeta - 1)) != 1:
-        return False
-    return vanishes(case.underlying.map(PATH) - Fraction(1, 2))
-
-
 def eigenvalues_are_simple(case: SecondCase) -> bool:
-    """Every eigenvalue of V of modulus 1 is simple."""
-    return all(len(x.W) == 1 for x in case.others("o"))
+    """Every eigenvalue of V of modulus 1 is simple, 1 too, so that one map Phi underlies."""
+    return all(len(x.W) == 1 for x in case.spectra["o"])
+
+
+def map_is_of_order_2(case: SecondCase) -> bool:
+    """The map Phi is y + h f + h^2 f' f / 2 + .."""
+    consistent = case.method.vectors_to_one("o", consistent=True)[0] is not None
+    return consistent and vanishes(case.underlying.map(PATH) - Fraction(1, 2))
 
 
 def parasitic_matrices_are_0(case: SecondCase) -> bool:
@@ -97,8 +95,8 @@ def another_invariant_is_declared(case: SecondCase) -> bool:
     return len(case.claimed) != len(case.invariants) or any(map(apart, case.gap))
 
 
-_SUPPOSED = (one_map_of_order_2_underlies_the_method, eigenvalues_are_simple,
-             parasitic_matrices_are_0, terms_of_first_order_rotate)  # fmt: skip
+_SUPPOSED = (eigenvalues_are_simple, map_is_of_order_2, parasitic_matrices_are_0,
+             terms_of_first_order_rotate)  # fmt: skip
 _THEOREM = (
     "where the growth parameters are 0 and the terms of z^2 imaginary, a parasitic component obeys "
     "phi' = h^2 (I3 f' f' f' phi + I1 f''(f' f, phi)), but for rotations, commutators and total "

@@ -25,7 +25,7 @@ from ..theory.underlying import UnderlyingMethod
 from .ranges import Range
 
 #: Orders through which trees are taken, one after another until a condition fails.
-_THROUGH = (3, 5, 6, LARGEST_CONJUGATE)
+_THROUGH = (3, 5, 7, LARGEST_CONJUGATE)
 
 
 class ModifiedRules:
