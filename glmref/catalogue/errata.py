@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..errors import DataError, UsageError
-from ..system.arguments import no_such, unknown_key
+from ..errors import DataError
+from ..system.arguments import no_such, one_of, unknown_key
 from .files import data_root
 from .strict_json import read_json, shown
 
@@ -142,8 +142,8 @@ def find_errata(
         For a verdict or proof that does not exist.
     """
     for key, value, allowed in (("verdict", verdict, VERDICTS), ("proof", proof, PROOFS)):
-        if value is not None and value not in allowed:
-            raise UsageError(f"`{key}` must be one of {', '.join(allowed)}, got {value!r}")
+        if value is not None:
+            one_of(key, value, allowed)
     sought = text.casefold()
     return tuple(
         record

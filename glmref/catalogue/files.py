@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from ..errors import DataError, UsageError, did_you_mean
-from ..system.arguments import no_such
+from ..errors import DataError, UsageError
+from ..system.arguments import no_such, one_of
 from ..system.files import given_file, read_text
 from .keys import is_plain
 from .strict_json import MAX_BYTES, Double, parse_json, read_json, shown
@@ -64,11 +64,7 @@ def names(folder: str = "methods") -> list[str]:
     UsageError
         For another word.
     """
-    if not isinstance(folder, str) or folder not in (*FOLDERS, "all"):
-        raise UsageError(
-            f"`folder` must be 'methods', 'broken' or 'all', got {shown(folder)}"
-            f"{did_you_mean(shown(folder), (*FOLDERS, 'all'), ', ', '')}"
-        )
+    one_of("folder", folder, (*FOLDERS, "all"))
     return sorted(k for k, (where, _) in _index(data_root()).items() if folder in ("all", where))
 
 

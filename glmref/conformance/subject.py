@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import GlmrefError, UsageError
+from ..system.arguments import one_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -59,9 +60,7 @@ class Subject:
         self._tolerance = getattr(adapter, "tolerance", 1e-14)
         for key in self.methods:
             self.tolerance(key)
-        self.starts = getattr(adapter, "starts", "file")
-        if self.starts not in ("file", "own"):
-            raise UsageError(f"`starts` of {name} must be 'file' or 'own', got {self.starts!r}")
+        self.starts = one_of("starts", getattr(adapter, "starts", "file"), ("file", "own"))
         self.problems = _problems(getattr(adapter, "problems", None), name)
 
     @property

@@ -25,7 +25,7 @@ from typing import Any
 from ..errors import UsageError
 from ..method.component import SEPARABLE
 from ..problems.model import Problem
-from ..system.arguments import shown
+from ..system.arguments import one_of
 from ..theory.trees import Tree, parse_tree, trees
 
 #: Largest order of the trees of the shipped set.
@@ -127,8 +127,7 @@ def tree_problem(tree: Tree | str, kind: str = "autonomous") -> TreeProblem:
         kind: alternating ``f`` and ``k`` for separable problems, ``o`` for the others.
     """
     t = parse_tree(tree) if isinstance(tree, str) else tree
-    if kind not in KINDS:
-        raise UsageError(f"`kind` must be one of {', '.join(KINDS)}, got {shown(kind)}")
+    one_of("kind", kind, KINDS)
     found = list(dict.fromkeys(_subtrees(t)))
     if kind == "separable":
         return _separable(t, found)

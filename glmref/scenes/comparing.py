@@ -51,7 +51,7 @@ from ..problems import Problem, from_path
 from ..problems import problem as shipped_problem
 from ..problems.canonical import constant_matrix
 from ..problems.formula import Formula
-from ..system.arguments import number
+from ..system.arguments import number, one_of
 from ..system.terminal import saying
 from ..views.chart import Series, svg
 from ..views.tables import Style, columns
@@ -215,8 +215,7 @@ class Comparison:
 
     def svg(self, *, against: str = "seconds") -> str:
         """Return the picture: error against ``"seconds"`` or ``"evaluations"``."""
-        if against not in ("seconds", "evaluations"):
-            raise UsageError(f"`against` must be seconds or evaluations, got {against!r}")
+        one_of("against", against, ("seconds", "evaluations"))
         label = "seconds" if against == "seconds" else "right-hand-side evaluations"
         return svg(
             self.series if against == "seconds" else self.evaluation_series,

@@ -35,7 +35,8 @@ def one_of(
         Of the class ``error``, for anything else.
     """
     if not isinstance(value, str) or value not in known:
-        raise error(f"`{name}` must be one of {', '.join(known)}, got {shown(value)}")
+        near = did_you_mean(shown(value, str), known, "; ")
+        raise error(f"`{name}` must be one of {', '.join(known)}, got {shown(value)}{near}")
     return str(value)
 
 

@@ -14,6 +14,7 @@ from ...exact import Exact
 from ...exact.expression import parse
 from ...findings import Proof
 from ...prove.verifier import verify
+from ...system.arguments import one_of
 from ..search import Found
 
 #: Largest residual in double precision of an end that is taken for a solution.
@@ -160,6 +161,4 @@ def chosen(name: str, shipped: Mapping[str, _Numbers]) -> Mapping[str, _Numbers]
     UsageError
         For a name that is not shipped.
     """
-    if name and name not in shipped:
-        raise UsageError(f"`name` must be one of {', '.join(shipped)}, got {name!r}")
-    return {name: shipped[name]} if name else shipped
+    return {name: shipped[one_of("name", name, shipped)]} if name else shipped

@@ -24,6 +24,7 @@ from ...errors import UsageError
 from ...exact import Exact, ball
 from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
+from ...system.arguments import one_of
 from ..polish import polish
 from ..recognise import exact_text, surds
 from .derivation import Derivation, Progress, Statement, proved_exactly, rational_option
@@ -48,9 +49,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     UsageError
         For another family, or numbers that are not rational.
     """
-    family = options["family"]
-    if family not in _DEFAULT_B1:
-        raise UsageError(f"`family` must be thesis or symmetric, got {family!r}")
+    family = one_of("family", options["family"], _DEFAULT_B1)
     b1 = rational_option("b1", options["b1"] or _DEFAULT_B1[family])
     if b1 in (0, Fraction(1, 2)):
         raise UsageError(f"`b1` must not be 0 or 1/2, got {b1}: a weight vanishes")

@@ -20,6 +20,7 @@ from ...exact import Exact
 from ...exact.expression import parse, to_text
 from ...findings import Proof
 from ...prove.starting import target_of
+from ...system.arguments import one_of
 from ...theory.second_order import second_order
 from ..recognise import exact_text
 from .derivation import Derivation, Progress, Statement, proved_exactly, rational_option
@@ -41,8 +42,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         For a c2 that is not rational or at a pole, a z off the unit circle, or a requested
         start that is not on record.
     """
-    if options["start"] not in ("auto", "yes", "no"):
-        raise UsageError(f"`start` must be auto, yes or no, got {options['start']!r}")
+    start = one_of("start", options["start"], ("auto", "yes", "no"))
     c2, z = rational_option("c2", options["c2"]), _unit(options["z"])
     progress("tableau", 0, 3)
     member = family(c2)
@@ -58,9 +58,9 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     progress("proof", 2, 3)
     statements = [proved_exactly(document)]
     on_record = document["name"] in rough_starts()
-    if options["start"] == "yes" and not on_record:
+    if start == "yes" and not on_record:
         raise UsageError(f"no start is on record for {document['name']}: derive without `start`")
-    if on_record and options["start"] != "no":
+    if on_record and start != "no":
         document, more = _started(document)
         statements.append(more)
     progress("done", 3, 3)

@@ -21,6 +21,7 @@ from ...catalogue.reader import load_document
 from ...errors import UsageError
 from ...findings import Proof
 from ...prove.enclosure import Enclosure
+from ...system.arguments import one_of
 from ...theory.stability import parasitic_curvature
 from ..parameters import fix_parameters
 from ..parity_start import with_partitioned_start
@@ -119,14 +120,13 @@ def _read(options: Mapping[str, str]) -> tuple[PairAnsatz, _Wanted]:
         raise UsageError(
             f"`n`, `order`, `seed`, `tries` and `wanted` must be whole numbers ({error})"
         ) from None
-    for key in ("nystrom", "circle"):
-        if options[key] not in ("yes", "no"):
-            raise UsageError(f"`{key}` must be yes or no, got {options[key]!r}")
-    nystrom = options["nystrom"] == "yes"
+    nystrom, circle = (
+        one_of(key, options[key], ("yes", "no")) == "yes" for key in ("nystrom", "circle")
+    )
     name = f"pair-{'rkn-' if nystrom else ''}{order}-{n}-found"
     title = f"Explicit pair of order {order} with {n} evaluations"
     ansatz = PairAnsatz(name, n, order, nystrom=nystrom, starts=options["starts"], title=title)
-    return ansatz, _Wanted(seed, tries, count, options["circle"] == "yes")
+    return ansatz, _Wanted(seed, tries, count, circle)
 
 
 def _search(options: Mapping[str, str], progress: Progress) -> Derivation:

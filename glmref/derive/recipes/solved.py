@@ -9,12 +9,12 @@ from functools import partial
 from typing import Any
 
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
-from ...errors import UsageError
 from ...exact import ball
 from ...exact.linalg import Matrix
 from ...findings import Proof
 from ...prove.enclosure import Enclosure, gaps_of, prove
 from ...prove.starting import Target
+from ...system.arguments import one_of
 from ..ansatz import Ansatz
 from ..linear_start import linear_start
 from ..parity_start import complete, finishing_block, starting_block
@@ -129,11 +129,9 @@ def deriver(
     """
 
     def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
-        name = options["name"]
-        if name != "all" and name not in table:
-            raise UsageError(f"`name` must be all or one of {', '.join(table)}, got {name!r}")
+        name = one_of("name", options["name"], ("all", *table))
+        start = one_of("start", options["start"], ("yes", "no")) == "yes"
         chosen = list(table) if name == "all" else [name]
-        start = options["start"] == "yes"
         makers = {each: partial(finish, table[each], start=start) for each in chosen}
         return in_turn(recipe, makers, progress)
 

@@ -13,10 +13,10 @@ from fractions import Fraction
 from typing import Any
 
 from ...catalogue.writer import fill
-from ...errors import UsageError
 from ...exact import ball
 from ...findings import Proof
 from ...prove.enclosure import gaps_of, prove
+from ...system.arguments import one_of
 from ..ansatz import Ansatz
 from ..polish import polish
 from .derivation import Derivation, Progress, Statement
@@ -49,9 +49,7 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     UsageError
         For another solution than A, B or C.
     """
-    which = options["solution"]
-    if which not in SOLUTIONS:
-        raise UsageError(f"`solution` must be A, B or C, got {which!r}")
+    which = one_of("solution", options["solution"], SOLUTIONS)
     progress(which, 0, 1)
     ansatz = Ansatz(
         "yoshida-6-midpoint" if which == "A" else f"yoshida-6-midpoint-{which.lower()}",
