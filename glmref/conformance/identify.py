@@ -17,6 +17,7 @@ from ..exact import Ball
 from ..exact.expression import parse
 from ..method import GLM, Method, PartitionedGLM
 from ..method.preconsistency import stage_times
+from ..method.rounding import float_arrays
 from ..prove.analysis import analyze
 from .probe import read
 from .readings import Reading, clean, needed, without_idle
@@ -239,16 +240,11 @@ def matches(reading: Reading) -> list[Match]:
 def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
     """Return coefficients of a method as doubles, without stages on which nothing depends."""
     method = load(name)
-
-    def doubles(matrix: Any) -> Any:
-        return np.array([[complex(x) for x in row] for row in matrix])
-
-    if method.additive:  # right-hand sides that are summed are not told apart by a step
+    # right-hand sides that are summed are not told apart by a step
+    if method.additive or not method.is_real:
         return None
-    halves = [tuple(doubles(x) for x in c.matrices) for c in method.components]
-    if any(np.abs(x.imag).max() > 0 for half in halves for x in half):
-        return None
-    left, _ = without_idle([(A.real, U.real, B.real, V.real) for A, U, B, V in halves])
+    halves = [[float_arrays(x)[0] for x in c.matrices] for c in method.components]
+    left, _ = without_idle([(A, U, B, V) for A, U, B, V in halves])
     return tuple(x for half in left for x in half)
 
 
@@ -299,7 +295,7 @@ def _other_times(
 def _abscissae(name: str) -> np.ndarray:
     """Return the abscissae of a method as doubles, without stages on which nothing depends."""
     (block,) = load(name).components
-    blocks = [np.array([[complex(x) for x in row] for row in m]) for m in (block.A, block.B)]
+    blocks = [float_arrays(m)[0] for m in (block.A, block.B)]
     c = np.array([complex(x).real for x in stage_times(block)])
     return c[needed(*blocks)]
 

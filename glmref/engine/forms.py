@@ -28,7 +28,7 @@ from ..exact.linalg import Matrix
 from ..method import GLM
 from ..method.component import SEPARABLE
 from ..method.preconsistency import output, preconsistency_vector, stage_times
-from ..method.rounding import CLOSE, as_double, split_float
+from ..method.rounding import CLOSE, as_double, split_rows
 from ..method.stage_order import StageBlock, dependency_blocks
 from .tableau import as_balls
 
@@ -370,13 +370,6 @@ def large(u: Sequence[Scalar] | None, r: int) -> tuple[bool, ...]:
     if u is None:
         return (True,) * r
     return tuple(x.magnitude() > CLOSE for x in u)
-
-
-def split_rows(matrix: Matrix) -> tuple[tuple[Row, ...], tuple[Row, ...]]:
-    """Round a matrix; return it and its rounding residual."""
-    pairs = [[split_float(x) for x in row] for row in matrix]
-    first, second = (tuple(tuple(pair[k] for pair in row) for row in pairs) for k in (0, 1))
-    return first, second
 
 
 def failing(checks: Mapping[str, Matrix]) -> str:

@@ -17,6 +17,7 @@ from ..compute.records import in_json
 from ..engine.outcome import Solution
 from ..errors import UsageError
 from ..method import Method
+from ..method.rounding import float_arrays
 from ..problems.model import Problem
 from .longtime import along, energy_scale, exponent, g_form
 
@@ -79,7 +80,7 @@ def samples_of(problem: Problem, method: Method, solution: Solution, quantity: s
             form = problem.quadratic.get(quantity.removeprefix("form of "))
             if form is None or len(method.components) > 1 or method.G is None:
                 raise UsageError(f"{method.name} on {problem.name} has no {quantity!r}")
-            G = np.array([[complex(x) for x in row] for row in method.G])
+            G, _ = float_arrays(method.G)
             values = g_form(np.asarray(solution.history), G, form.matrix)
         else:
             known = {"energy": problem.hamiltonian, **problem.quadratic, **problem.invariants}

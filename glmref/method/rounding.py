@@ -18,6 +18,7 @@ from ..exact.linalg import Matrix
 if TYPE_CHECKING:
     import numpy as np
 
+Rows = tuple[tuple[float, ...], ...]
 #: A number this close to an integer or to zero counts as one in doubles.
 CLOSE = 1e-40
 
@@ -77,13 +78,19 @@ class FloatGLM:
     name: str = ""
 
 
+def split_rows(matrix: Matrix) -> tuple[Rows, Rows]:
+    """Round a real matrix; return its rows and their rounding residuals."""
+    pairs = [[split_float(x) for x in row] for row in matrix]
+    first, second = (tuple(tuple(pair[k] for pair in row) for row in pairs) for k in (0, 1))
+    return first, second
+
+
 def float_arrays(matrix: Matrix) -> tuple[np.ndarray, np.ndarray]:
     """Round a matrix: the array and the array of residues."""
     import numpy as np
 
     if all(x.is_real() for row in matrix for x in row):
-        pairs = [[split_float(x) for x in row] for row in matrix]
-        both = np.array(pairs, dtype=float).reshape(len(matrix), len(matrix[0]), 2)
-        return both[..., 0].copy(), both[..., 1].copy()
+        first, second = (np.array(x, dtype=float) for x in split_rows(matrix))
+        return first, second
     rounded = np.array([[complex(x) for x in row] for row in matrix])
     return rounded, np.zeros_like(rounded)
