@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..findings import Verdict
 from ..views.tables import FORMATS, Style, columns, counted, json_text, one_line, shown_value
 from .output import FAILED, HOLDS, INTERNAL, Progress, complain, format_option, say
 
@@ -28,14 +29,17 @@ def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) 
     """Run the conformance suite on an integrator.
 
     ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit codes: 0
-    every check holds, 1 one fails, 2 the adapter or an option is bad, as of `python -m
-    glmref.conformance`.
+    every check holds, 1 one fails, 2 the adapter or an option is bad; under pytest the codes are
+    pytest's.
     """
-    from argparse import Namespace
+    from ..conformance.suite_findings import findings_of, ids_of, text_of
 
-    from ..conformance.__main__ import judge
-
-    return judge(Namespace(adapter=adapter, known_failures=known_failures, format=form, list=ids))
+    # what the adapter prints goes to stderr, so that stdout holds the findings and nothing else
+    with redirect_stdout(sys.stderr):
+        listed = ids_of(adapter) if ids else []
+        found = [] if ids else findings_of(adapter, known_failures)
+    say("\n".join(listed) if ids else text_of(found, form, Style.of(sys.stdout)))
+    return FAILED if any(x.verdict is Verdict.FAILS for x in found) else HOLDS
 
 
 @click.command(short_help="Identify the method of an integrator.")
@@ -48,17 +52,12 @@ def probe(adapter: str, method: str | None, form: str) -> int:
     ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit code 3
     when something could not be determined; the output says what.
     """
-    from ..conformance.adapter import load_adapter
     from ..conformance.identify import FORMAT, identify
-    from ..conformance.subject import Subject
+    from ..conformance.suite_findings import loaded
 
     # what the adapter prints goes to stderr
-    with redirect_stdout(sys.stderr):
-        subject = Subject(load_adapter(adapter), f"the adapter {adapter!r}")
-        try:
-            found = identify(subject, method)
-        finally:
-            subject.close()
+    with redirect_stdout(sys.stderr), loaded(adapter) as subject:
+        found = identify(subject, method)
     if form == "json":
         say(json_text({"format": FORMAT, "probes": [x.as_json() for x in found]}))
     else:

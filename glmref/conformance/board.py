@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -15,6 +14,7 @@ from ..system.arguments import no_such
 from ..views.tables import one_line
 from .adapter import SHIPPED
 from .checks import RESTS_ON, claim_of
+from .verdicts import defect_of
 
 #: The adapter that is wrong on purpose: a board on which it is not red shows nothing.
 PLANTED = "planted"
@@ -23,7 +23,6 @@ PLANTED = "planted"
 DEFAULT = tuple(x for x in SHIPPED if x not in ("reference", "compiled"))
 #: Columns of the board.
 CLAIMS = tuple(RESTS_ON)
-_DEFECT = re.compile(r".* \(off by \S+, rounding explains \S+\); (?P<defect>.+)")
 
 
 @dataclass(frozen=True)
@@ -55,9 +54,8 @@ class Row:
             return Cell(None, "no check of this kind")
         for found, verdict in ((wrong, Verdict.FAILS), (undecided, Verdict.OPEN)):
             if found:
-                said = one_line(found[0].witness)
-                named = _DEFECT.fullmatch(said)
-                return Cell(verdict, named["defect"] if named else said)
+                said = found[0].witness
+                return Cell(verdict, defect_of(said) or one_line(said))
         return Cell(Verdict.HOLDS, f"{len(mine)} of {len(mine)} checks hold")
 
 
@@ -94,7 +92,7 @@ def board(names: Sequence[str] = (), seconds: float = 600) -> Iterator[Run]:
             _check_shipped(name)
     for name in names or DEFAULT:
         command = f"glmref conformance {name} --format json"
-        words = [sys.executable, "-m", "glmref.conformance", name, "--format", "json"]
+        words = [sys.executable, "-m", "glmref", "conformance", name, "--format", "json"]
         try:
             done = subprocess.run(
                 words, capture_output=True, text=True, check=False, timeout=seconds,
@@ -107,7 +105,7 @@ def board(names: Sequence[str] = (), seconds: float = 600) -> Iterator[Run]:
             listed = [Finding.from_json(x) for x in json.loads(done.stdout)["findings"]]
         except (ValueError, KeyError, TypeError):
             last = (done.stderr.strip() or f"it ended with code {done.returncode}").splitlines()[-1]
-            reason = one_line(last.removeprefix("glmref.conformance: "))
+            reason = one_line(last.removeprefix("glmref: "))
             yield Run(name, _release(name), command, reason=reason)
             continue
         methods = dict.fromkeys(x.method for x in listed)

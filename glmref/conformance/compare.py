@@ -18,7 +18,7 @@ from .faults import NOTES, wrong_runs
 from .subject import AdapterError, NotOffered, Subject
 from .vector_problems import TestProblem, array
 from .vectors import Case, Vectors
-from .verdicts import Judgement, errors_of, input_judgement, order_judgement, same
+from .verdicts import Judgement, deviation, errors_of, input_judgement, order_judgement, same
 
 
 class Comparison:
@@ -89,7 +89,7 @@ class Comparison:
             said = stage_order(part, right, allowed) or self._stage_defect(case, found)
             i, k = np.unravel_index(np.abs(part - right).argmax(), part.shape)
             where = f"component {k + 1} of stage {letter}_{i + 1}"
-            return Judgement(False, _sentence(where, part[i, k], right[i, k], allowed, said), gap)
+            return Judgement(False, deviation(where, part[i, k], right[i, k], allowed, said), gap)
         return Judgement(True)
 
     def _stage_defect(self, case: Case, found: Sequence[np.ndarray]) -> str:
@@ -162,7 +162,7 @@ class Comparison:
         if not said and case.kind == "start":
             said = start_order(self.subject, self.vectors, case.problem).removeprefix("; ")
         where = f"component {i + 1} of {what} {k + 1}"
-        return Judgement(False, _sentence(where, found[k, i], right[k, i], allowed, said), gap)
+        return Judgement(False, deviation(where, found[k, i], right[k, i], allowed, said), gap)
 
     # --- runs -----------------------------------------------------------------------------------
 
@@ -233,7 +233,7 @@ class Comparison:
         i = int(np.abs(found[n] - right[n]).argmax())
         step = n if len(found) > 1 else int(case.data["steps"])
         where = f"component {i + 1} of the solution after {step} steps"
-        message = _sentence(where, found[n, i], right[n, i], allowed, said)
+        message = deviation(where, found[n, i], right[n, i], allowed, said)
         return Judgement(False, message, float(gaps.max()))
 
     def _bug_of_run(self, case: Case, found: np.ndarray, allowed: float) -> str:
@@ -361,11 +361,3 @@ def _ours(name: str) -> Any:
 
 def _form(G: np.ndarray, C: np.ndarray, values: np.ndarray) -> float:
     return float(np.einsum("ij,ia,ab,jb->", G, values, C, values))
-
-
-def _sentence(where: str, found: float, right: float, allowed: float, said: str) -> str:
-    text = (
-        f"{where} is {found:.17g} and must be {right:.17g} "
-        f"(off by {abs(found - right):.2g}, rounding explains {allowed:.2g})"
-    )
-    return f"{text}; {said}" if said else text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,6 +10,7 @@ from math import inf, log2
 
 import numpy as np
 
+from ..views.tables import one_line
 from .subject import AdapterError, Subject
 
 
@@ -22,6 +24,25 @@ class Judgement:
     #: For claims with a value.
     declared: object = True
     value: object = None
+
+
+#: A deviation and, behind it, the name of the defect.
+_NAMED = re.compile(r".* \(off by \S+, rounding explains \S+\); (?P<defect>.+)")
+
+
+def deviation(where: str, found: float, right: float, allowed: float, defect: str) -> str:
+    """Return the sentence on a number that is wrong, with the defect that explains it."""
+    text = (
+        f"{where} is {found:.17g} and must be {right:.17g} "
+        f"(off by {abs(found - right):.2g}, rounding explains {allowed:.2g})"
+    )
+    return f"{text}; {defect}" if defect else text
+
+
+def defect_of(sentence: str) -> str:
+    """Return the defect that a sentence of :func:`deviation` names, or ``""``."""
+    named = _NAMED.fullmatch(one_line(sentence))
+    return named["defect"] if named else ""
 
 
 def input_judgement(left: bool) -> Judgement:

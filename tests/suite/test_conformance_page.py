@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from glmref.cli import main as glmref_main
-from glmref.conformance.__main__ import main as conformance_main
 from glmref.conformance.adapter import SHIPPED
 from glmref.conformance.checks import RESTS_ON
 from glmref.conformance.pipe import OFFERS
@@ -61,18 +60,18 @@ def commands() -> list[tuple[list[str], int, str]]:
 @pytest.mark.parametrize(("words", "code", "shown"), commands(), ids=lambda x: str(x)[:60])
 def test_a_command_does_what_the_page_shows(here, capsys, words, code, shown):
     if words[:3] == ["python", "-m", "glmref.conformance"]:
-        run, words = conformance_main, words[3:]
+        words = ["conformance", *words[3:]]
     else:
-        run, words = glmref_main, words[1:]
+        words = words[1:]
     words = [x.replace("cmd:python", f"cmd:{shlex.quote(sys.executable)}") for x in words]
-    assert run(words) == code
+    assert glmref_main(words) == code
     pattern = re.escape(shown.rstrip("\n")).replace(re.escape("..."), ".*?")
     assert re.fullmatch(pattern, capsys.readouterr().out.rstrip("\n"), re.DOTALL)
 
 
 @pytest.mark.slow
 def test_the_smallest_adapter_passes_and_is_read_as_what_it_is(here: Path, capsys) -> None:
-    assert conformance_main(["mine:RungeKutta4"]) == 0
+    assert glmref_main(["conformance", "mine:RungeKutta4"]) == 0
     assert "13 of 13 hold" in capsys.readouterr().out
     assert glmref_main(["probe", "mine:RungeKutta4", "--format", "json"]) == 0
     (probe,) = json.loads(capsys.readouterr().out)["probes"]

@@ -150,7 +150,7 @@ def test_known_failures_are_strict_and_need_a_reason(here) -> None:
     passing.stdout.fnmatch_lines(["*XPASS(strict)*fixed long ago*"])
     unmatched = known("abscissae/rk4/force: gone\n")
     assert unmatched.ret == 4
-    unmatched.stderr.fnmatch_lines(["*no check has the id*the nearest is abscissae/rk4/forced*"])
+    unmatched.stderr.fnmatch_lines(["*no check has the id*did you mean abscissae/rk4/forced*"])
     for text, words in (
         ("step/rk4/cubic\n", "needs a reason"),
         ("step/rk4/cubic: a\n" * 2, "twice"),
