@@ -105,26 +105,14 @@ def _norm(shape: Shape, problem: Problem) -> float:
 
 
 def _jacobian(problem: Problem) -> np.ndarray | None:
-    t, y, d = problem.t_span[0], np.array(problem.y0, dtype=float), problem.dimension
+    """Return df/dy at the start; ``None`` where it has no value or takes too many differences."""
+    if problem.jacobian is None and problem.dimension > _DIFFERENCES_UP_TO:
+        return None
     with np.errstate(all="ignore"):
-        if problem.jacobian is not None:
-            try:
-                return np.asarray(problem.jacobian(t, y), dtype=float)
-            except (ArithmeticError, ValueError):
-                return None  # no value there
-        if d > _DIFFERENCES_UP_TO:
-            return None
-        columns = []
         try:
-            base = np.asarray(problem.f(t, y), dtype=float)
-            for k in range(d):
-                moved = y.copy()
-                moved[k] += 1e-8 * (abs(y[k]) + 1)
-                slope = np.asarray(problem.f(t, moved), dtype=float)
-                columns.append((slope - base) / (moved[k] - y[k]))
+            return problem.slope_at(problem.t_span[0], np.array(problem.y0, dtype=float))
         except (ArithmeticError, ValueError):
             return None
-    return np.stack(columns, axis=1)
 
 
 def _norm_estimate(shape: Shape, problem: Problem) -> float:

@@ -61,7 +61,7 @@ def damped_eigenvalues(problem: Problem, t_end: float) -> tuple[complex, ...] | 
         if len(run.t) < 2:  # a solution that ends early is shown up to its end
             return None
     with np.errstate(all="ignore"):
-        matrices = np.array([_jacobian(problem, t, y) for t, y in zip(run.t, run.y, strict=True)])
+        matrices = np.array([problem.slope_at(t, y) for t, y in zip(run.t, run.y, strict=True)])
     matrices = matrices[np.isfinite(matrices).all(axis=(1, 2))]
     if not len(matrices):
         return None
@@ -74,19 +74,6 @@ def damped_eigenvalues(problem: Problem, t_end: float) -> tuple[complex, ...] | 
         sector = round(np.angle(x) / (math.pi / 2 / _SECTORS))
         sectors[sector] = max(sectors.get(sector, 0j), x, key=abs)
     return tuple(sectors.values())
-
-
-def _jacobian(problem: Problem, t: float, y: np.ndarray) -> np.ndarray:
-    """Return df/dy: by its formula, or by differences over the root of round-off."""
-    if problem.jacobian is not None:
-        return np.asarray(problem.jacobian(t, y), dtype=float)
-    size = 2.0**-26 * (np.abs(y) + 2.0**-10 * np.abs(y).max())
-    base = np.asarray(problem.f(t, y), dtype=float)
-    columns = [
-        (np.asarray(problem.f(t, y + step), dtype=float) - base) / step[k]
-        for k, step in enumerate(np.diag(size))
-    ]
-    return np.array(columns).T
 
 
 @lru_cache(maxsize=4096)

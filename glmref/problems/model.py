@@ -278,6 +278,19 @@ class Problem(Shown):
         given = "".join(f", {key}={value}" for key, value in self.parameters.items())
         return f"<Problem {self.name}{given}, dimension {self.dimension}>"
 
+    def slope_at(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return df/dy at one state (d,): by its formula, or by differences, (d, d)."""
+        if self.jacobian is not None:
+            return np.asarray(self.jacobian(t, y), dtype=float)
+        base, columns = np.asarray(self.f(t, y), dtype=float), []
+        sizes = 2.0**-26 * (np.abs(y) + 2.0**-10 * (np.abs(y).max() or 1.0))
+        for k, size in enumerate(sizes):
+            moved = y.copy()
+            moved[k] += size
+            slope = np.asarray(self.f(t, moved), dtype=float)
+            columns.append((slope - base) / (moved[k] - y[k]))
+        return np.stack(columns, axis=1)
+
     @property
     def dimension(self) -> int:
         """Number d of components."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..errors import UsageError
+from ..system.arguments import whole
 from .formula import Number, exact_number
 
 
@@ -43,6 +44,4 @@ def count(value: object, name: str, *, least: int = 1, most: int = 10**7) -> int
         Naming the parameter, its range and the value.
     """
     result = exact_number(value, name)
-    if result != int(result) or not least <= result <= most:
-        raise UsageError(f"`{name}` must be a whole number from {least} to {most}, got {value}")
-    return int(result)
+    return whole(name, int(result) if result == int(result) else value, least, most)
