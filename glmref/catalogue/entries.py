@@ -10,6 +10,7 @@ from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import Weight, parse, rational, weigh
 from ..exact.linalg import Matrix, Vector
+from ..system.arguments import whole
 from ..system.budget import spend
 from .keys import MAX_SIZE, RESERVED
 from .strict_json import shown
@@ -63,11 +64,7 @@ class Entries:
     def read_constants(self) -> None:
         """Read the declared digits, then the unknowns and constants, each using those above it."""
         digits = self.doc.get("digits")
-        if digits is not None and (isinstance(digits, bool) or not isinstance(digits, int)):
-            raise self.error(f"`digits` must be a whole number, got {shown(digits)}")
-        if digits is not None and not 1 <= digits <= 150:
-            raise self.error(f"`digits` must lie between 1 and 150, got {digits}")
-        self.digits = digits
+        self.digits = None if digits is None else whole("digits", digits, 1, 150, self.error)
         for key in ("unknowns", "constants"):
             block = self.doc.get(key, {})
             if not isinstance(block, dict):

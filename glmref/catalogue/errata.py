@@ -89,10 +89,7 @@ def _record(row: object, where: str) -> Erratum:
     for key in names[:6]:
         _text(row, key, where)
     for key, allowed in (("verdict", VERDICTS), ("proof", PROOFS)):
-        if row[key] not in allowed:
-            raise DataError(
-                f"{where}: `{key}` must be one of {', '.join(allowed)}, got {shown(row[key])}"
-            )
+        one_of(key, row[key], allowed, lambda said: DataError(f"{where}: {said}"))
     test, method = row.get("test"), row.get("method", [])
     if test is not None:
         _text(row, "test", where)

@@ -30,7 +30,7 @@ from ..method import (
 from ..method.additive import MAX_PARTS
 from ..method.embedded import EmbeddedRow
 from ..method.preconsistency import output
-from ..system.arguments import unknown_key
+from ..system.arguments import one_of, unknown_key
 from .claims import SIZE, SOLUTION, PlainClaims
 from .entries import Entries
 from .files import document, names
@@ -92,9 +92,7 @@ class _Reader(Entries):
         if "class" not in self.doc:
             raise self.error(self._class_missing())
         kind = self.text("class")
-        if kind not in BLOCKS:
-            raise self.error(f"`class` must be one of {', '.join(BLOCKS)}, got {kind!r}")
-        self._check_keys(kind)
+        self._check_keys(one_of("class", kind, BLOCKS, self.error))
         new = of_second(self.doc) if self.doc["format"] == FORMAT else ""
         if new:
             raise self.error(f"{new} belongs to the format {FORMATS[1]!r}; say so in `format`")
@@ -526,9 +524,7 @@ class _Reader(Entries):
     def _check_real(self, built: Method) -> None:
         """Refuse complex entries in a tableau that does not say ``"field": "complex"``."""
         field = self.doc.get("field", "real")
-        if field not in ("real", "complex"):
-            raise self.error(f"`field` must be 'real' or 'complex', got {shown(field)}")
-        if field == "complex":
+        if one_of("field", field, ("real", "complex"), self.error) == "complex":
             return
         blocks: dict[str, Any] = {}
         for n, c in enumerate(built.components, 1):

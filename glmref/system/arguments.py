@@ -10,6 +10,9 @@ from typing import Any
 
 from ..errors import GlmrefError, UsageError, did_you_mean, shortened
 
+#: Makes an error of its sentence: a class of errors, or what adds the place to the sentence.
+Refusal = Callable[[str], GlmrefError]
+
 
 def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> str:
     """Write any value in one short line: also one that is long, or cannot be written.
@@ -24,15 +27,13 @@ def shown(value: object, write: Callable[[Any], str] = repr, most: int = 60) -> 
     return "".join(x if x.isprintable() else "?" for x in shortened(text, most))
 
 
-def one_of(
-    name: str, value: Any, known: Collection[str], error: type[GlmrefError] = UsageError
-) -> str:
+def one_of(name: str, value: Any, known: Collection[str], error: Refusal = UsageError) -> str:
     """Return a word that is one of those known.
 
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for anything else.
+        Of ``error``, for anything else.
     """
     if not isinstance(value, str) or value not in known:
         near = did_you_mean(shown(value, str), known, "; ")
@@ -60,7 +61,7 @@ def unknown_key(
 
 
 def listed(
-    name: str, value: Any, what: str = "a list of numbers", error: type[GlmrefError] = UsageError
+    name: str, value: Any, what: str = "a list of numbers", error: Refusal = UsageError
 ) -> Collection[Any]:
     """Return a list, or what has a length and is gone through as one; not a text, nor a mapping.
 
@@ -69,7 +70,7 @@ def listed(
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for anything else, such as a generator, which may have no end.
+        Of ``error``, for anything else, such as a generator, which may have no end.
     """
     try:
         if isinstance(value, str | bytes | bytearray | Mapping):
@@ -82,14 +83,14 @@ def listed(
 
 def whole(
     name: str, value: Any, least: int = 0, most: int | None = None,
-    error: type[GlmrefError] = UsageError,
+    error: Refusal = UsageError,
 ) -> int:  # fmt: skip
     """Return a whole number within limits, of Python or of numpy.
 
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for anything else; ``True`` is no number.
+        Of ``error``, for anything else; ``True`` is no number.
     """
     try:
         found = None if isinstance(value, bool) else index(value)
@@ -101,13 +102,13 @@ def whole(
     return found
 
 
-def number(name: str, value: Any, error: type[GlmrefError] = UsageError) -> float:
+def number(name: str, value: Any, error: Refusal = UsageError) -> float:
     """Return a finite real number as a double: also of a Fraction, a Decimal, a decimal in a text.
 
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for anything else; complex numbers and ``True`` are none.
+        Of ``error``, for anything else; complex numbers and ``True`` are none.
     """
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
     try:
@@ -124,13 +125,13 @@ def number(name: str, value: Any, error: type[GlmrefError] = UsageError) -> floa
     return found
 
 
-def flag(name: str, value: Any, error: type[GlmrefError] = UsageError) -> bool:
+def flag(name: str, value: Any, error: Refusal = UsageError) -> bool:
     """Return True or False, of Python or of numpy.
 
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for anything else.
+        Of ``error``, for anything else.
     """
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if isinstance(value, bool) or (kind == "b" and value.shape == ()):
@@ -138,13 +139,13 @@ def flag(name: str, value: Any, error: type[GlmrefError] = UsageError) -> bool:
     raise error(f"`{name}` must be True or False, got {shown(value)}")
 
 
-def place(name: str, value: Any, error: type[GlmrefError] = UsageError) -> Path:
+def place(name: str, value: Any, error: Refusal = UsageError) -> Path:
     """Return where a file is or will be.
 
     Raises
     ------
     GlmrefError
-        Of the class ``error``, for what is neither a text nor a path.
+        Of ``error``, for what is neither a text nor a path.
     """
     if not isinstance(value, str | Path):
         raise error(f"`{name}` must be a file, got {shown(value)}")

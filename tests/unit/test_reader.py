@@ -218,7 +218,7 @@ def test_lists_are_read_up_to_their_largest_size() -> None:
 
 @pytest.mark.parametrize(
     ("digits", "fault"),
-    [(0, "between 1 and 150"), (151, "between 1 and 150"), (True, "whole number"),
+    [(0, "whole number from 1 to 150"), (151, "whole number from 1 to 150"), (True, "whole number"),
      ("3", "whole number"), (1, ""), (150, "")],
 )  # fmt: skip
 def test_digits_are_a_whole_number_from_1_to_150(digits: Any, fault: str) -> None:
