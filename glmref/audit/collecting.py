@@ -431,6 +431,11 @@ class Collector:
             if name in ("RKTableau", "IMEXTableau", "ExplicitTableau", "tableau") and typed:
                 name = typed[0]
         self._begin(name, row[0].line, column)
+        words = [x.text for x in row[:12]]
+        if self.language.name == "julia" and "(" in words:
+            at = words.index("(") + 1
+            if words[at : at + 1] == ["::"]:  # an argument that is only a type
+                self.block.own = words[at + 1]
         if self.language.name == "julia" and len(row) > 2 and row[-1].text == "end":
             self._close(row[-1].line)
 
@@ -488,6 +493,8 @@ class Collector:
             self._data(row[1:])
             return
         equal = _equal(row)
+        if equal is None and self.language.name == "c":
+            row, equal = _comma_initialised(row)
         if equal is None:
             self._expression(row)
             return
@@ -996,6 +1003,16 @@ def _equal(row: Sequence[Token]) -> int | None:
             elif depth == 0 and x.text in ("=", ":=", "+=", "-=", "*=", "/="):
                 return k
     return None
+
+
+def _comma_initialised(row: Sequence[Token]) -> tuple[Sequence[Token], int | None]:
+    """Return ``A << 0, 0, 1, 0`` of a matrix of C++ as ``A = {0, 0, 1, 0}``, with its sign."""
+    at = next((k for k, x in enumerate(row) if x.text == "<<"), len(row))
+    rest = row[at + 1 :]
+    if not rest or any(x.text in ("<<", ">>") or x.kind == "string" for x in rest):
+        return row, None
+    marks = [rest[k]._replace(kind="mark", text=x) for k, x in ((0, "="), (0, "{"), (-1, "}"))]
+    return [*row[:at], *marks[:2], *rest, marks[2]], at
 
 
 def _is_definition(row: Sequence[Token], equal: int) -> bool:

@@ -25,7 +25,7 @@ _WORDS = (
 _PHRASES = re.compile(
     r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|backward.?diff|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
     r"|cash.?karp|bogacki|omelyan|forest.?ruth|split.?(?:operator|step)|operator.?splitting|nos[eé].?hoover"
-    r"|low.?storage|2n.?storage|(?<![a-z])(?:lsrk|ruth(?![a-z]))|kick.?drift|drift.?kick|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
+    r"|low.?storage|2n.?storage|(?<![a-z])(?:lsrk|lserk|ruth(?![a-z])|rk[abc]\b)|kick.?drift|drift.?kick|collocation.{0,9}(?:method|scheme)|stiffly.?accurate|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
 )
 
 
@@ -60,6 +60,8 @@ _SPLIT = re.compile(r"_|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z]+)")
 
 def role_of(name: str) -> tuple[str, str]:
     """Return what a name has besides its role, and the role, ``""`` where it has none."""
+    if re.match(r"k[A-Z]", name):  # kAlpha, a constant of C++
+        name = name[1:]
     whole = name.replace("_", "").lower()
     if whole in _ROLES:
         return "", _ROLES[whole]

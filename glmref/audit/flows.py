@@ -44,6 +44,8 @@ _LOOSE = 4e-3
 _MOST = 12
 #: Multiples of Störmer's method and of Euler's, which are no numbers of a method.
 _PLAIN = frozenset((0.0, 0.25, 0.5, 1.0, 2.0))
+#: Names of symmetric methods of order 2.
+_SECOND = re.compile(r"verlet|leap.?frog|strang|st(?:ö|oe)rmer|s2(?!\d)", re.IGNORECASE)
 _FLOAT = re.compile(r"\d*\.?\d+\.?(?:e[-+]?\d{1,2})?")
 _NAMES = "the coefficients of a splitting have names that are not read"
 
@@ -196,9 +198,11 @@ def _composed(moves: list[Moved]) -> Iterator[Table]:
                 x.place = (move.line, move.text)
             sizes = [complex(x.value).real for x in made]
             gaps = abs(sum(sizes) - 1), abs(sum(x**3 for x in sizes))
-            if max(gaps) < _LOOSE and min(sizes) < 0:
+            even = max(abs(x - y) for x, y in zip(sizes, sizes[::-1], strict=True)) < _SAME
+            known = even and gaps[0] < _SAME and gaps[1] < 0.9 and _SECOND.search(flow) is not None
+            if (max(gaps) < _LOOSE or known) and min(sizes) < 0:
                 table = of_weights("", mine[0].line, made)
-                table.general, table.sure, table.last = True, False, mine[-1].line
+                table.general, table.sure, table.last = True, gaps[1] > _LOOSE, mine[-1].line
                 yield table
 
 

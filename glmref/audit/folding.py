@@ -17,8 +17,18 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..errors import ExactnessError
 from ..exact import Exact
-from .lexer import Language, Token
-from .values import Number, Unread, accident, bounded, filled, literal, pairwise, power
+from .lexer import LANGUAGES, Language, Token, tokens
+from .values import (
+    Number,
+    Unread,
+    accident,
+    bounded,
+    filled,
+    literal,
+    pairwise,
+    power,
+    whole_number,
+)
 
 #: Calls that leave one number as it is; so do names of types, which begin with a capital.
 _CASTS = frozenset(
@@ -364,6 +374,15 @@ class Folder:
             return found
         return x
 
+    def _unquoted(self, x: Any) -> Any:
+        """Return the number that a string in a list is, as ``'3/32'``."""
+        quoted = isinstance(x, str) and re.fullmatch(r"""["']\s*-?[\d.]+(?:/\d+)?\s*["']""", x)
+        if not quoted:
+            return x
+        found = plain(self._literal_text(x))
+        found.place = (self.tokens[self.at - 1].line, x[:80])
+        return found
+
     def items(self, close: str, *, keep: bool = False) -> list[Any]:
         """Read entries parted by commas, through the closing bracket."""
         found: list[Any] = []
@@ -372,7 +391,7 @@ class Folder:
         while not self.sees(close):
             if self.peek() is None:
                 raise Unread("a bracket is not closed")
-            found.append(self._entry((close,)))
+            found.append(self._unquoted(self._entry((close,))))
             if self.sees(",", ";"):
                 self.at += 1
             elif not self.sees(close):
@@ -468,7 +487,7 @@ class Folder:
             else:
                 found += [Number(Exact(0)) if isinstance(x, Number) else []
                           for _ in range(len(found), place)]  # fmt: skip
-                found.append(x)
+                found.append(self._unquoted(x))
             if self.sees(",", ";"):
                 self.at += 1
             elif not self.sees("}"):
@@ -629,8 +648,8 @@ class Folder:
                     continue
                 label = ""
                 nxt = self.tokens[self.at + 1] if self.at + 1 < self.end else None
-                if t.kind == "name" and nxt is not None and nxt.text == "=":
-                    label, self.at = t.text, self.at + 2
+                if nxt is not None and (nxt.text == "=>" or (t.kind == "name" and nxt.text == "=")):
+                    label, self.at = t.text.strip("\"'"), self.at + 2
                 start = self.at
                 x = self._entry((")",))
                 part = [y for y in self.tokens[start : self.at] if y.kind != "line"]
@@ -654,8 +673,14 @@ class Folder:
             if isinstance(held, list | Entries):
                 self.take("(")
                 return self._taken(held, self.indices(")"))
+        start = self.at
         values, words = self._arguments()
         given = [x for _, x in values]
+        if low == "loads" and given and isinstance(given[0], str):
+            lines = [x.line for x in self.tokens[start : self.at] if x.kind == "string"]
+            return self._of_json(given[0], lines[0] if lines else t.line)
+        if low == "dict" and words and _is_numbered(words):
+            return _numbered(words)
         found = self._function(low, given, words)
         if found is not _NOT_KNOWN:
             return found
@@ -694,6 +719,12 @@ class Folder:
             return given[0]  # a call that looks at what another one returns
         raise Unread(f"the function {name[:40]!r} is not read", t.line)
 
+    def _of_json(self, text: str, line: int) -> Any:
+        """Return what a text of JSON in a source holds."""
+        inside, language = text.strip("\"'"), LANGUAGES["javascript"]
+        found = [x._replace(line=x.line + line - 1) for x in tokens(inside, language)[0]]
+        return Folder(found, language, self.look).expression()
+
     def _function(self, low: str, given: list[Any], words: Mapping[str, Any]) -> Any:
         """Return the value of a function that is known by its name, or a mark."""
         if low in _QUOTIENTS and given:
@@ -727,8 +758,12 @@ class Folder:
             if not isinstance(parts, list) or not all(isinstance(x, list) for x in parts):
                 raise Unread("parts of an array are not lists")
             return bounded(x for part in parts for x in part)
-        if low == "reshape" and len(given) >= 2:
-            return self._reshaped(given[0], given[1:])
+        if low == "reshape" and given and len(given) + ("shape" in words) >= 2:
+            dims = [*given[1:2], *([words["shape"]] if "shape" in words else [])]
+            places = [whole_number(x) for x in flattened([words.get("order", [])])]
+            if places == [2, 1] and isinstance(dims[0], list):  # rows first
+                return transposed(self._reshaped(given[0], [dims[0][::-1]]))
+            return self._reshaped(given[0], dims if len(given) < 3 else given[1:])
         if low in _OF_LISTS and len(given) == 1 and isinstance(given[0], list) and not words:
             return _OF_LISTS[low](given[0])
         if low in ("exp", "log", "sin", "cos", "tan", "abs", "min", "max", "sum", "len", "diag"):

@@ -74,7 +74,8 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     found: list[Found] = []
     matrices = [x for x in made if not x.flat]
     vectors = [x for x in made if x.flat]
-    for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, _nystrom):
+    nystrom = partial(_nystrom, text=text)
+    for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, nystrom):
         found += rule(block, matrices, vectors)
     steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
     pairs = [y for x in steps for y in _columns(x)]
@@ -89,8 +90,8 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         table.unread = "a method for stochastic equations, which is not read"
         return [Found(table, made)]
     if len(matrices) == len(steps):
-        storage = _low_storage(vectors)
-        found += [x for x in storage if x.table.loose > 1 or _says(_STORAGE, text)]
+        found += _two_registers(vectors)
+        found += [x for x in _low_storage(vectors) if x.table.loose > 1 or _says(_STORAGE, text)]
         steps = [] if found else list(_splitting(vectors))
         for x in steps:
             good = x.table.loose > 1 or _says(_SPLITTING, text)
@@ -331,8 +332,11 @@ def transformed(
 _PRIME = re.compile(r"(?:p|prime|dot|d|v|ʹ|')$")
 
 
-def _half_squares(A: Rows, c: Sequence[Any]) -> bool:
-    """Return whether most rows sum to half of the squares of nodes, and few to the nodes."""
+def _half_squares(A: Rows, c: Sequence[Any], least: int = 2) -> bool:
+    """Return whether most rows sum to half of the squares of nodes, and few to the nodes.
+
+    So do as many as `least`; of two rows that are said to be of a Nystrom method it is one.
+    """
     s = len(A)
     sums, times = [sum(map(size, row)) for row in A], [size(x) for x in c]
     if len(times) == s - 1:
@@ -341,16 +345,22 @@ def _half_squares(A: Rows, c: Sequence[Any]) -> bool:
         return False
     live = [(x, y) for x, y in zip(sums, times, strict=True) if x or y]
     good = sum(abs(x - y * y / 2) < LOOSE for x, y in live)
-    return good > 1 and good >= 0.6 * len(live) and sum(
+    return good >= least and good >= min(least / 2, 0.6) * len(live) and sum(
         abs(x - y) < LOOSE for x, y in live
     ) < 0.6 * len(live)  # fmt: skip
 
 
-def _nystrom(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+_NYSTROM = re.compile("nystr[oöø]m|rkn", re.IGNORECASE)
+
+
+def _nystrom(
+    block: Block, matrices: list[Array], vectors: list[Array], *, text: str
+) -> Iterator[Found]:
     """Return A, b, b' and c of q'' = g(q), and A' of q'' = g(q, q')."""
     for x in matrices:
         A = _square(x, strict=True)
-        times = [y for y in vectors if A is not None and _half_squares(A, y.value)]
+        least = 1 if x.named and len(x.value) == 3 and _says(_NYSTROM, text) else 2
+        times = [y for y in vectors if A is not None and _half_squares(A, y.value, least)]
         c = next((y for y in times if y.role == "c"), None)
         if A is None or c is None:
             continue
@@ -480,6 +490,39 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
             if found.table.loose > 1 or _keeps_nodes(found.table):
                 yield found
                 break
+
+
+def _two_registers(vectors: list[Array]) -> Iterator[Found]:
+    """Yield methods with delta, gamma_0, gamma_1 and beta.
+
+    u1 += delta u0, u0 = gamma_0 u0 + gamma_1 u1 + beta h f(u0): the methods 2S of Ketcheson (2010),
+    "Runge-Kutta methods with minimum storage implementations".
+    """
+    named = {re.sub(r"[\W_]|ma", "", x.name.lower()): x for x in vectors}
+    if not {"delta", "gam0", "gam1", "beta"} <= named.keys():
+        return
+    given = [named[x] for x in ("delta", "gam0", "gam1", "beta")]
+    s = len(given[3].value)
+    if any(len(x.value) != s for x in given) or s < 2:
+        return
+
+    def make(table: Table) -> None:
+        zero = [Exact(0)] * (s + 1)  # of y and of the slopes
+        u0, u1, rows = [Exact(1), *zero[1:]], zero, []
+        for k, (d, p, q, beta) in enumerate(zip(*(x.value for x in given), strict=True)):
+            rows.append(u0)
+            u1 = [x + d.value * y for x, y in zip(u1, u0, strict=True)]
+            u0 = [p.value * y + q.value * x for x, y in zip(u1, u0, strict=True)]
+            u0[k + 1] = u0[k + 1] + beta.value
+        rows.append(u0)
+        digits = given[1].value[-1]
+        made = [[digits.of(x) for x in row[1:]] for row in rows]
+        table.A, table.b, table.c = [made[:-1]], [made[-1]], [None]
+        gaps = [abs(complex(row[0]) - 1) for row in rows]
+        table.identities = [(f"gamma_0 and gamma_1 of stage {k} keep the value", g)
+                            for k, g in enumerate(gaps)]  # fmt: skip
+
+    yield from _guarded("", given[3].line, given, make)
 
 
 def _keeps_nodes(table: Table) -> bool:

@@ -32,10 +32,14 @@ _ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNOR
 def multistep(block: Block, made: list[Array], text: str) -> Iterator[Found]:
     """Return alpha and beta of linear multistep methods, and rows of Adams methods."""
     about = " ".join([*block.path(), block.called])
-    pairs = list(_in_pairs(made, about, text))
+    pairs = [*_in_pairs(made, about, text), *_nordsieck(made, about, text)]
     if pairs:
         yield from pairs
         return
+    below = next((x.value for x in block.items if x.name in ("den", "denom", "denominator")
+                  and isinstance(x.value, Number) and size(x.value) > 1), None)  # fmt: skip
+    if below is not None:
+        made = [replace(x, value=[_over(y, below) for y in x.value]) if x.flat else x for x in made]
     named = {last_letter(x): x for x in made if x.flat}
     if {"alpha", "beta"} <= named.keys():
         a, b = named["alpha"], named["beta"]
@@ -94,6 +98,60 @@ def _in_pairs(made: list[Array], about: str, text: str) -> Iterator[Found]:
             if rows[0] and all(len(p) + 1 == len(q) for p, q in pairwise(rows)):
                 for row, rate in zip(rows, beta.value, strict=True):
                     yield _of_differences(replace(x, value=row), rate)
+
+
+def _over(x: Any, below: Number) -> Any:
+    """Return an entry whose denominator stands apart."""
+    if not isinstance(x, Number):
+        return x
+    found = x.of(x.value / below.value, below)
+    found.place = x.place
+    return found
+
+
+def _nordsieck(made: list[Array], about: str, text: str) -> Iterator[Found]:
+    """Yield the vectors l that correct a Nordsieck vector, known by their second entries, 1.
+
+    Where l(x) = sum l_j x^j, the derivative of that of an Adams method is (1 + x) (1 + x/2) ..
+    (1 + x/(q - 1)), and its value at 0 the coefficient of the new slope; of a BDF l(x) is
+    (1 + x) (1 + x/2) .. (1 + x/q), over its derivative at 0: Gear (1971), chapter 9.
+    """
+    for x in made:
+        rows = [r for r in x.value if isinstance(r, list) and len(r) > 1]
+        if len(rows) < 3 or any(size(r[1]) != 1 for r in rows) or "nordsieck" not in text.lower():
+            continue
+        table = Table(x.name, x.line, last=x.last, general=True)
+        wrong: list[str] = []
+        known = 0
+        for row in rows:
+            given = [y.value.as_fraction() if isinstance(y, Number) else None for y in row]
+            both = (_vector(len(row) - 1, adams=x) for x in (True, False))
+            differ = [[k for k, p in enumerate(given) if p != v[k]] for v in both]
+            apart = min(differ, key=len)
+            best = _vector(len(row) - 1, adams=apart is differ[0])
+            known += not apart
+            wrong += [
+                f"entry {k + 1} of a row of {len(row)} is {given[k]} and should be {best[k]}"
+                + (f" (line {row[k].place[0]})" if row[k].place else "")
+                for k in apart
+                if len(apart) == 1
+            ]
+        table.unread = f"multistep: {known} of {len(rows)} vectors are those of Gear"
+        if wrong and 2 * known >= len(rows):
+            table.unread = f"question: a multistep method: {'; '.join(wrong)}"
+        yield Found(table, [x])
+
+
+def _vector(q: int, *, adams: bool) -> list[Fraction]:
+    """Return l_0, .., l_q of an Adams method or of a BDF."""
+    products = [[Fraction(1)]]  # (1 + x) .. (1 + x/n)
+    for n in range(1, q + 1):
+        last = [*products[-1], Fraction(0)]
+        products.append([y + (last[k - 1] / n if k else 0) for k, y in enumerate(last)])
+    if not adams:
+        return [y / products[q][1] for y in products[q]]
+    first = sum((-(y * (-1) ** (k + 1)) / (k + 1) for k, y in enumerate(products[q])), Fraction(0))
+    return [first, *(y / (k + 1) for k, y in enumerate(products[q - 1]))]
 
 
 def _of_differences(x: Array, rate: Number) -> Found:

@@ -38,8 +38,11 @@ _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 _NUMERALS, _WITHIN = 4, 600
 #: A number with many digits, or a root of which weights of a composition are made.
 _LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\bpow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*3")
-#: Two of the products in a sum of slopes.
-_PRODUCTS = re.compile(r"\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]")
+#: Two of the products in a sum of slopes, or whole numbers over a denominator.
+_PRODUCTS = re.compile(
+    r"[\[{(] ?-?\d+(?:, ?-?\d+){2}"
+    r"|\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]"
+)
 #: A matrix or an argument of this name, not an article.
 _MATRIX = re.compile(r"\b[Aa]\b[\"']?\s*(?:\[|\(|\{|=(?!=)|:|,\s*[Bb]\b)")
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
@@ -378,8 +381,9 @@ def _weights(
                 continue
             x = x.with_role("b")  # c beside alpha
         order = order_in(reading, row)
-        if order == 0 and x.role != "b":
-            continue
+        again = node is not None and node.role != "c" and x.value == node.value
+        if order == 0 and (x.role != "b" or again):
+            continue  # nodes under the name of weights, too
         rank = 10 * (x.role == "b") - 5 * (x.role == "embedded") + order - (len(x.value) < s)
         rank -= 0.001 * abs(x.at - array.at)
         if best is None or rank > best[0]:
@@ -794,7 +798,7 @@ def _of_block(
         table.order = _own_order(block)
         used |= {id(y) for y in x.arrays}
     for array in [x for x in made if id(x) not in used]:
-        if array.flat and array.role != "A" and not (array.role == "beta" and len(array.value) < 2):
+        if array.flat and array.role not in ("A", "beta"):
             continue
         if (
             array.role in ("b", "error", "embedded", "c")
@@ -808,6 +812,8 @@ def _of_block(
         near = [x for x in near if x is not array] + _closing(made)
         best = candidates(array, near)
         if best is None or _is_explicit_part(best, made):
+            continue
+        if array.role == "beta" and len(array.value) > 1 and best.match < MOST_ROWS:
             continue
         if _is_table(best, about=about, call=block.called):
             found.append((best, near))
@@ -943,7 +949,7 @@ def key_of(value: Any) -> tuple[float, ...]:
 
 
 def _title(block: Block, array: Array) -> str:
-    path = [x for x in block.path() if x not in CHOICES | {"__init__"}]
+    path = [x for x in block.path() if x not in CHOICES | {"__init__", "namespace"}]
     base = path[-1] if path else ""
     if block.kind == "record" and len(base) < 3 and len(path) > 1:  # B->A of a function
         base = path[-2]
@@ -1145,7 +1151,7 @@ def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) ->
              for z in (explicit, implicit)]  # fmt: skip
     table.c = [[ZERO, *t] if t is not None and len(t) == s - 1 else t for t in times]
     table.rows, table.errors = [], []
-    table.line = min(x.array.line, y.array.line)
+    table.line, table.last = min(x.array.line, y.array.line), max(x.array.last, y.array.last)
     return table
 
 
@@ -1166,7 +1172,7 @@ _SAID = re.compile(
 #: ``primary order 4``, and of a pair ``order 8(5, 3)``, ``Dormand-Prince 5(4)``.
 _PRIMARY = re.compile(
     r"\b(?:primary|main) order[ :=]+(\d{1,2})\b"
-    r"|\b(?:order|prince|fehlberg|shampine|karp|verner)(?: of)?[ :=]+(\d{1,2}) ?\(\d",
+    r"|\b(?:order|prince|fehlberg|shampine|karp|verner)(?: of)?[ :=]+(\d{1,2}) ?\((?:order )?\d",
     re.IGNORECASE,
 )
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cache, lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,8 @@ from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited
 from ..system.files import named_in
 from .entries import of_subject
-from .lexer import ENDINGS, FIXED, language_of
+from .lexer import ENDINGS, FIXED, Language, language_of
+from .literals import mended
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
 from .recognising import key_of, may_hold, tables
@@ -217,8 +220,37 @@ def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
     state = file.stat()
     written = (state.st_mtime_ns, state.st_size)
     tables = _tables(file, written, task["form"], tuple(task["declared"].items()), task["given"])
-    library = _library() if task["compare"] else None
-    return judge(tables[task["number"]], library, search=task["search"])
+    library, table = _library() if task["compare"] else None, tables[task["number"]]
+    record = judge(table, library, search=task["search"])
+    language = language_of(file)
+    low = record.get("found", 0) < (record.get("declared") or 0)
+    if low and task["search"] and language and table.general and not record.get("correction"):
+        _search(record, table, task, language)
+    return record
+
+
+def _search(
+    record: dict[str, Any], table: Table, task: Mapping[str, Any], language: Language
+) -> None:
+    """Look for the one number of the source with which a table has its order; then it is asked."""
+    file, place = Path(task["file"]), task["number"]
+
+    def form(x: Table) -> tuple[int, str, int, int]:
+        return x.line, x.kind, len(x.rows), len(x.errors)
+
+    def again(text: str) -> Table | None:
+        with suppress(GlmrefError, Unread, ValueError, LookupError, TypeError, AttributeError):
+            read_so = _read(file, text, task["form"], task["declared"], task["given"])
+            found = next(islice(read_so, place, None), None)
+            if found is not None and form(found) == form(table):
+                return replace(found, order=table.order)
+        return None
+
+    found = mended(read_source(file) or "", language, table, again)
+    if found and record["status"] in ("question", "unread", "wrong"):
+        record["status"] = "question" if record["status"] == "unread" else record["status"]
+        record["correction"] = found
+        record["remarks"].append(f"with this number the order is {table.order}")
 
 
 @lru_cache(maxsize=4)

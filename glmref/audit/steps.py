@@ -604,7 +604,8 @@ class Step:
                     return None
                 return row, [(n, r, None) for n, y, r in full if r != row and y is not x], errors, 0
         own = [x for x in done if x[0] == state or (x[0],) in form(x[1]).terms]
-        last = (own or free or done)[-1:]
+        off = [x for x in full if abs(complex(sum((y.value for y in x[2]), _ZERO)) - 1) > 1e-6]
+        last = own[-1:] or (off if len(full) > 1 else [])[:1] or (free or done)[-1:]
         if not last:
             return None
         rest = [(n, r, None) for n, _, r in full if n != last[0][0]]

@@ -301,7 +301,9 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
         total = abs(complex(sum(vector(error), Exact(0))))
         if total > 1e-12 * method.scale:
             remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
-            remarks += estimate(method, list(vector(error)))
+            said = estimate(method, list(vector(error)))
+            k = re.search(r"error weight (\d+) =", " ".join(said))
+            remarks += [f"{x}{_line(error[int(k[1]) - 1 :] if k else error)}" for x in said]
             if total > method.coarse and status in _GOOD:
                 status = "wrong"
     return status
@@ -438,8 +440,9 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
                 said = (
                     "sums to 0: it may be that of an error estimate, in place of embedded weights"
                 )
-            remarks.append(f"the row {label} {said}")
-            status = "question" if status in ("right", "digits") else status
+            remarks.append(f"the row {label} {said}{_line(weights)}")
+            named = abs(total) <= coarse and re.search(r"hat|low|emb", label, re.IGNORECASE)
+            status = "question" if status in ("right", "digits") or named else status
         elif declared is not None and size > fine and size > 1e-12 * method.scale:
             remarks.append(f"the row {label} has order {declared} to {size:.1e}")
         elif table.general and declared is None and order < least and status in _GOOD:
@@ -452,6 +455,12 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
             said = f", declared is {declared}" if declared is not None else ""
             remarks.append(f"the row {label} has order {order}{said}: the rows may be exchanged")
     return status
+
+
+def _line(row: Sequence[Any]) -> str:
+    """Return where a row begins, as far as its reader noted it."""
+    place = next((x.place for x in row if getattr(x, "place", None)), None)
+    return f" (line {place[0]})" if place else ""
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> dict[str, int]:

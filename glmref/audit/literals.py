@@ -1,0 +1,139 @@
+"""The one number of a source that, changed, gives a table the order that is declared.
+
+A number may stand in several entries, as a constant with a name or in the arithmetic of a step, so
+that no single entry explains the defect. The source is read again with another number in its place,
+and that it has the order is seen in the source's own form.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from time import process_time
+
+from ..errors import GlmrefError
+from ..prove.schemes import reach
+from ..prove.wrong_entry import Trial
+from .lexer import Language, Token, tokens
+from .table import STEP, Table
+from .values import Unread
+
+#: Seconds of processor time for one table.
+_SECONDS = 40.0
+#: Steps of the secant method, and how near a whole number must be.
+_STEPS, _WHOLE = 12, 1e-6
+_PLAIN = re.compile(r"\d*\.?\d+|\d+\.")
+#: What stands before a name whose sign may be wrong.
+_BEFORE = frozenset("= ( [ { ,".split())
+
+#: Residuals of conditions by their trees, and how large those of a right table are.
+Residuals = tuple[dict[str, float], float]
+
+
+def mended(
+    text: str, language: Language, table: Table, again: Callable[[str], Table | None]
+) -> list[dict[str, str | int]]:
+    """Return the numbers with another value of as many digits that give the declared order.
+
+    Parameters
+    ----------
+    text : str
+        The source.
+    language : Language
+    table : Table
+        With a declared order, which it has not.
+    again : callable
+        Reads the same table in another text.
+
+    Returns
+    -------
+    list of dict
+        At most three, as the corrections of :func:`~.table_verdicts.judge`; those that have the
+        digits of the source in another order alone, if there are any.
+    """
+    end = process_time() + _SECONDS
+    first, last, block = table.line, max(table.last, table.line), table.block
+    if block is not None and block.parent is not None:
+        first, last = min(first, block.line), max(last, block.last if table.source == STEP else 0)
+    every = tokens(text, language)[0]
+    inside = [k for k, x in enumerate(every) if first <= x.line <= last]
+    start = _residuals(table)
+    found: list[dict[str, str | int]] = []
+    if start is None:
+        return []
+    for k in inside:
+        x = every[k]
+        if process_time() > end:
+            break
+        new = next(
+            (
+                said
+                for said in _values(every, k, start, lambda said, x=x: _residuals(
+                    again(text[: x.start] + said + text[x.start + len(x.text) :])))
+            ),
+            "",
+        )  # fmt: skip
+        if new:
+            found.append({"entry": f"the number {x.text}", "is": x.text, "should be": new,
+                          "line": x.line, "text": x.text})  # fmt: skip
+    alike = [x for x in found if sorted(str(x["is"])) == sorted(str(x["should be"]).strip("-"))]
+    return (alike or found)[:3]
+
+
+def _residuals(table: Table | None) -> Residuals | None:
+    """Return the residuals of the conditions through the declared order."""
+    if table is None or table.unread or table.order is None:
+        return None
+    with suppress(GlmrefError, Unread, ArithmeticError, LookupError, ValueError):
+        method = Trial(table)
+        levels = reach(method.scheme(), table.order).residuals
+        return {t: complex(x).real for level in levels for t, x in level.items()}, method.coarse
+    return None
+
+
+def _good(found: Residuals | None) -> bool:
+    return found is not None and all(abs(x) <= found[1] for x in found[0].values())
+
+
+def _values(
+    row: Sequence[Token], k: int, start: Residuals, residuals: Callable[[str], Residuals | None]
+) -> Iterator[str]:
+    """Yield what a token should be: the other sign, the root of a condition, a small number."""
+    x = row[k]
+    if x.kind == "name":
+        if k and row[k - 1].text in _BEFORE and _good(residuals(f"(-{x.text})")):
+            yield f"-{x.text}"
+        return
+    if x.kind != "number" or not _PLAIN.fullmatch(x.text) or float(x.text) == 0:
+        return
+    if _good(residuals(f"(-{x.text})")):
+        yield f"-{x.text}"
+    new = _root(x.text, start[0], residuals)
+    if new and new != x.text and _good(residuals(f"({new})")):
+        yield new
+    if float(x.text) % 1 == 0 and float(x.text) < 10:
+        for n in range(1, 10):
+            new = f"{n}{x.text.partition('.')[1]}{x.text.partition('.')[2]}"
+            if new != x.text and _good(residuals(new)):
+                yield new
+
+
+def _root(
+    said: str, start: dict[str, float], residuals: Callable[[str], Residuals | None]
+) -> str:  # fmt: skip
+    """Return the value, to the digits of a number, at which its worst condition holds."""
+    old, places = float(said), min(15, len(said.partition(".")[2]))
+    tree = max(start, key=lambda t: abs(start[t]), default="")
+    before, last, value = old, start.get(tree, 0.0), old + max(abs(old), 0.5) / 64
+    for _ in range(_STEPS):
+        found = residuals(f"({value!r})")
+        now = None if found is None else found[0].get(tree)
+        if now is None or now == last or not abs(value) < 1e6 * (1 + abs(old)):
+            return ""
+        before, last, value = value, now, value - now * (value - before) / (now - last)
+        if abs(value - before) < 1e-15 * (1 + abs(value)):
+            break
+    if places == 0 and abs(value - round(value)) > _WHOLE:
+        return ""
+    return f"{value:.{places}f}" + ("." if said.endswith(".") else "")
