@@ -86,14 +86,14 @@ ADVICE: tuple[Advice, ...] = (
         ("gauss-4", "gauss-5", "gauss-8"),
         "symplectic and of high order; its stages are computed side by side",
         "Hamiltonian",
-        ("multistep-general-8", "gauss-2", "gauss-3", "s5i1-w3"),
-        "`multistep-general-8`, explicit, needs fewer evaluations. With `renew=1000` it was lost "
-        "on one of seventeen such systems in a million steps, without on six in ten million, each "
-        "time with a notice ({doc}`nonseparable`). On the double pendulum, at 1e-9, `gauss-4` "
-        "takes "
-        "0.42 to 0.80 of the time of six G-symplectic methods; the seventh, `order8-s5i1-w3`, "
-        "takes 0.87 of its time ({doc}`order6-measurements`). On Kepler's orbit with eccentricity "
-        "0.6 `gauss-7` and `gauss-8` are the fastest of `gauss-3` to `gauss-8` ({doc}`engine`).",
+        ("multistep-general-8c", "multistep-general-8", "gauss-2", "gauss-3", "s5i1-w3"),
+        "`multistep-general-8c`, explicit, needs fewer evaluations. With `renew=1000` it lost one "
+        "of seventeen such systems in a million steps, `-8` without renewal six in ten million, "
+        "each time with a notice ({doc}`nonseparable`). On the double pendulum, at 1e-9, "
+        "`gauss-4` takes 0.42 to 0.80 of the time of six G-symplectic methods; the seventh, "
+        "`order8-s5i1-w3`, takes 0.87 of its time ({doc}`order6-measurements`). On Kepler's orbit "
+        "with eccentricity 0.6 `gauss-7` and `gauss-8` are the fastest of `gauss-3` to `gauss-8` "
+        "({doc}`engine`).",
     ),
     Advice(
         "charges in fields, rotating frames: q' = f(p), p' = g(q, p)",

@@ -194,6 +194,11 @@ def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
     return (f"h = {h:g} is beyond {limit}",)
 
 
+def _unit(steps: int) -> float:
+    """Return what rounding may have moved a solution by, relative."""
+    return float(np.finfo(float).eps) * (_ROUNDING + _WALK * math.sqrt(steps))
+
+
 def _largest(rows: np.ndarray) -> float:
     """Return the largest norm of a row."""
     return math.sqrt(np.square(rows).sum(axis=1).max())
@@ -230,6 +235,7 @@ class Watch:
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.energy_error = 0.0  #: Of the first steps.
+        self.alarm = 0.0  #: The error of the energy that was the last reason to look.
 
     def parasitic(self, halves: Sequence[np.ndarray], *, least: bool = True) -> np.ndarray:
         """Return the size (2,) of the parasitic part in each half (WINDOW, d) of a window.
@@ -253,14 +259,11 @@ class Watch:
             bool((self.parasitic(halves, least=least) > limit).any()) for least in (False, True)
         )
 
-    def _error_of_energy(self, solutions: np.ndarray, function: Any, samples: int) -> float:
-        """Return the largest or the median error at some solutions, relative."""
+    def _errors_of_energy(self, solutions: Sequence[np.ndarray] | np.ndarray) -> list[float]:
+        """Return the errors of the energy at solutions (d,), relative."""
         assert self.hamiltonian is not None
-        first, *others = (
-            float(self.hamiltonian(y)) for y in (self.y0, *solutions[:: WINDOW // samples])
-        )
-        errors = [abs(x - first) for x in others]
-        return float(function(errors)) / max(abs(first), np.finfo(float).tiny)
+        first, *others = (float(self.hamiltonian(y)) for y in (self.y0, *solutions))
+        return [abs(x - first) / max(abs(first), np.finfo(float).tiny) for x in others]
 
     def large(self, solutions: np.ndarray, step: int) -> bool:
         """Return whether the parasitic part is large against the truncation error, or energy lost.
@@ -274,7 +277,7 @@ class Watch:
             _largest(fit.truncation @ y) for fit, y in zip(self.fits, halves, strict=True)
         ]
         size = np.array([_largest(y) for y in halves])
-        unit = np.finfo(float).eps * (_ROUNDING + _WALK * math.sqrt(step))
+        unit = _unit(step)
         now = np.maximum(np.array(truncation), unit * size)
         if self.first is None:
             # what the start leaves is in the error from the beginning
@@ -284,12 +287,11 @@ class Watch:
         if self.hamiltonian is None:
             return self._exceeds(halves, FACTOR * self.scale)
         if step <= _EARLY:
-            self.energy_error = max(
-                self.energy_error, self._error_of_energy(solutions, max, 4 * _SAMPLES)
-            )
+            early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
+            self.energy_error = max(self.energy_error, *early)
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        error = self._error_of_energy(solutions, np.median, _SAMPLES)
+        error = float(np.median(self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])))
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
@@ -300,6 +302,20 @@ class Watch:
             return True  # the energy is not in every direction a measure
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
         return error > factor * max(self.energy_error, unit)
+
+    def alarming(self, y: np.ndarray, step: int) -> bool:
+        """Return whether the energy at a solution (d,) says that the last steps be looked at.
+
+        So it does where its error has grown as much as :meth:`large` asks for at least, and has
+        doubled since it last did.
+        """
+        if self.hamiltonian is None or step <= _EARLY:
+            return False
+        (error,) = self._errors_of_energy([y])
+        if error <= max(_ENERGY_TOO * max(self.energy_error, _unit(step)), 2 * self.alarm):
+            return False
+        self.alarm = error
+        return True
 
     def notice(self, time: float, step: int) -> str:
         """Return the sentence on what was found at a step."""

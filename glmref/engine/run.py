@@ -26,7 +26,7 @@ from .solver_choice import newton_bytes, with_band
 from .starting_values import Start, starting_values
 
 #: Renewals from which on compiling their start takes less time than it saves.
-_MANY = 50
+_MANY = 20
 
 
 class RenewalFailed(Exception):
@@ -274,6 +274,8 @@ class Run:
                 if mark in marks and not self.plan.every:
                     self._keep(mark, kernel.values(state))
                 if self._renews(mark):
+                    if self._alarming(kernel.values(state), mark):
+                        self._locate(kernel, state, t0)
                     state = self._renewed(kernel, state)
                     self._hold(state)
                 if mark in begins and self.suspect is None:
@@ -310,6 +312,11 @@ class Run:
         assert self.watch is not None
         return self.suspect is None and self.watch.large(self.reference.solution(values), step)
 
+    def _alarming(self, values: np.ndarray, step: int) -> bool:
+        if self.watch is None or self.suspect is not None:
+            return False
+        return self.watch.alarming(self.reference.solution(values), step)
+
     def _warn(self, found: bool, step: int) -> None:
         if not found or self.watch is None:
             return
@@ -338,27 +345,35 @@ class Run:
                 self._hold(state)
         return outcome
 
-    def _successive(self, kernel: Kernel, state: State, t0: float) -> tuple[np.ndarray, Outcome]:
-        """Return the values (n, r, d) of a state and of the steps after it, n = WINDOW at most."""
-        values = np.zeros((WINDOW, *self.rows.shape[1:]))
+    def _successive(
+        self, kernel: Kernel, state: State, t0: float, count: int = WINDOW
+    ) -> tuple[np.ndarray, Outcome]:
+        """Return the values (n, r, d) of a state and of the steps after it, n = ``count`` at most.
+
+        Rows are written anew from the first one.
+        """
+        values = np.zeros((count, *self.rows.shape[1:]))
         values[0], first = kernel.values(state), state.step
         state.tally[5] = 1
-        outcome = self._advance(kernel, state, first + WINDOW - 1, t0, values, every=1)
+        outcome = self._advance(kernel, state, first + count - 1, t0, values, every=1)
         return values[: state.step - first + 1], outcome
 
     def _locate(self, kernel: Kernel, state: State, t0: float) -> None:
         """Take the steps since the last sound state again; warn of the first large window.
 
-        Nothing of these steps is counted or kept.
+        Each window has half of the one before. Nothing of these steps is counted or kept.
         """
         if self.watch is None or self.sound is None or self.suspect is not None:
             return
         ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
-        seconds, last, found = self.seconds, state.step, False
+        seconds, last, half = self.seconds, state.step, WINDOW // 2
         state.take_back(*self.sound)
-        while state.step + WINDOW <= last and not found:
-            values, _ = self._successive(kernel, state, t0)
-            found = len(values) < WINDOW or self._large(values, state.step)
+        found, values = False, np.zeros((0, *self.rows.shape[1:]))
+        while state.step + (half if len(values) else WINDOW - 1) <= last and not found:
+            count = half + 1 if len(values) else WINDOW
+            more, _ = self._successive(kernel, state, t0, count)
+            values = np.concatenate([values[half:], more[1:]]) if len(values) else more
+            found = len(more) < count or self._large(values, state.step)
         self._warn(found, state.step)
         state.take_back(*ended)
         state.trouble, self.seconds = trouble, seconds

@@ -309,3 +309,27 @@ def test_the_matrix_of_a_step_is_its_derivative(name: str) -> None:
         4 * i + k for c, ks in ((q, (0, 1)), (p, (2, 3))) for i in range(len(c.V)) for k in ks
     ]
     assert np.abs(found - whole[np.ix_(places, places)]).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "h"),
+    [
+        ("discrete-schroedinger", "multistep-general-8b", 0.022),
+        ("hyperbolic-oscillator", "multistep-general-6", 0.0189),
+    ],
+)
+def test_a_renewed_run_is_looked_at_where_its_energy_has_grown(
+    name: str, method: str, h: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The notice is for steps before which the error has not grown a hundredfold; not so late."""
+    given, options = problem(name), {"h": h, "steps": 40_000, "every": 1, "renew": 1000}
+    found = solve(given, method, **options)
+    energy = np.array([float(given.hamiltonian(y)) for y in found.y])
+    error = np.abs(energy - energy[0])
+    assert found.suspect is not None
+    until = round(found.suspect / h)
+    medians = np.median(error[: until // WINDOW * WINDOW].reshape(-1, WINDOW), axis=1)
+    assert medians.max() < 100 * error[: 3 * WINDOW].max()
+    monkeypatch.setattr(Watch, "alarming", lambda *_: False)
+    late = solve(given, method, **options).suspect
+    assert late is None or late > found.suspect + 200 * h

@@ -61,6 +61,9 @@ SHIPPED: Mapping[str, Shipped] = {
     "multistep-general-6": Shipped("69/100 -37/100 -1", "-7/100 -43/50", (_RESIDUES,)),
     "multistep-general-8": Shipped("169/200 149/200 7/40 -1", "29/50 -3/200 -81/100", (_RESIDUES,)),
     "multistep-general-8b": Shipped("3/4 21/100 -7/20 -1", "9/25 -9/50 -24/25", (_RESIDUES,)),
+    "multistep-general-8c": Shipped(
+        "16/25 51/100 1/20 -49/50", "39/100 -9/100 -399/400", (_RESIDUES,)
+    ),
     "multistep-kinetic-6": Shipped("6/25 -1", "3/100 -2/5 -99/100", (_VELOCITIES,), semi=True),
     "multistep-kinetic-8": Shipped(
         "22/25 -53/100 -33/50", "69/100 17/50 -2/25 -1", (_VELOCITIES,), semi=True
