@@ -19,7 +19,7 @@ from ..method import GLM, Method, PartitionedGLM
 from ..method.preconsistency import outputs, preconsistency_vector, stage_times, unit_place
 from ..prove.facts import facts_of
 from .faults import reversal
-from .numbers import decimal_of, decimals, upper_text
+from .numbers import decimal_text, decimals, upper_text
 from .scheme import error_bound, error_field
 from .vector_problems import TestProblem
 
@@ -80,7 +80,7 @@ class Bench:
         """Return every coefficient as a decimal, so that no reader of expressions is needed."""
 
         def shown(matrix: Matrix) -> list[list[str]]:
-            return [[decimal_of(x, SHOWN) for x in row] for row in matrix]
+            return [[decimal_text(x, SHOWN) for x in row] for row in matrix]
 
         m = self.method
         found: dict[str, Any] = {}

@@ -6,7 +6,7 @@ from decimal import Context
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Exact, rounded_decimal
+from ..exact import Ball, Exact, rounded_decimal
 
 
 def fraction_of(x: Any) -> Fraction:
@@ -26,7 +26,8 @@ def decimal_text(x: Any, digits: int) -> str:
     >>> decimal_text(Fraction(-1, 3 * 10**8), 4)
     '-3.333e-9'
     """
-    value = rounded_decimal(fraction_of(x), digits).normalize(Context(prec=digits))
+    number = x if isinstance(x, Exact | Ball) else fraction_of(x)
+    value = rounded_decimal(number, digits).normalize(Context(prec=digits))
     if -6 <= value.adjusted() < digits or not value:
         return f"{value:f}"
     return f"{value:e}".replace("e+", "e")
@@ -66,11 +67,3 @@ def upper_text(x: Any, digits: int = 2) -> str:
         if Fraction(text) == first:
             text = decimal_text(first + 10 * step, digits)
     return text
-
-
-def decimal_of(x: Any, digits: int) -> str:
-    """Return the decimal of a coefficient: an algebraic number or a ball."""
-    value = x.as_fraction() if isinstance(x, Exact) else None
-    if value is not None:
-        return decimal_text(value, digits)
-    return decimal_text(Fraction(x.ball().decimal_text(digits + 20)), digits)

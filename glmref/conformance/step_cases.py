@@ -14,7 +14,7 @@ from ..exact import ball
 from ..method import Method
 from .bench import FAULT_DIGITS, SHOWN, Bench
 from .faults import Wrong, wrong_start, wrong_steps
-from .numbers import decimal_of, decimals, exact_decimal, fraction_of
+from .numbers import decimal_text, decimals, exact_decimal, fraction_of
 from .proof import add_wrong, bound_of, conserved_form
 from .scheme import ball_field, enclosed_step
 from .vector_problems import TestProblem
@@ -109,7 +109,7 @@ class StepCases:
         size = (values[0] - values[1]).magnitude()
         if size > 1e-36:
             raise DataError(f"{case['id']}: the conserved form changes by {size:g}")
-        return decimal_of(values[0], SHOWN)
+        return decimal_text(values[0], SHOWN)
 
     def start(self, task: TestProblem) -> dict[str, Any]:
         """Return starting values of the method's own starting method."""
