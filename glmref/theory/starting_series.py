@@ -55,7 +55,7 @@ Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), section
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
@@ -460,20 +460,77 @@ def _solver() -> Any:
             self.eta[as_judged(t)] = list(map(as_number, value))
 
         def settle_all(self) -> None:
-            """Take the multiple eigenvalue 1 of one V, read as 0; that of several is left open."""
+            """Take the multiple eigenvalue 1 of one V; that of several is left open."""
             if not self.of.complete:
                 return
             try:
-                super().settle_all()
+                if self.order > 1:
+                    self.settle()
+                else:
+                    self.settle_first()
             except Refused:
                 self.loose = True
                 return
-            self.last = None  # that there is no series is seen at the next order
             for t in self.pool(self.order) if self.order == 1 or not self.free else ():
                 read = series.dot(self.w[t[0]], self.eta[t])
                 self.eta[t] = [x - read * y for x, y in zip(self.eta[t], self.u[t[0]], strict=True)]
 
+        def settle_first(self) -> None:
+            """Take the principal part of order 1; where none is found, that of most conditions.
+
+            The shift along the flow adds a multiple of W u to beta, which takes an entry to zero;
+            the others solve a regular part of (K - I) beta = -W R([o]), K = W B U N: that its
+            corank is 1 is proved over balls, too.
+            """
+            before, decided = dict(self.eta), False
+            with suppress(Refused):
+                super().settle_all()
+                decided = self.last is not None  # there is none
+                if not decided:
+                    return
+            self.eta, self.last = before, None
+            (node,) = self.pool(1)
+            c = self.of.components[node[0]]
+            columns = [linalg.matvec(c.W, linalg.matvec(c.B, linalg.matvec(c.U, x))) for x in c.N]
+            square = linalg.sub(linalg.transpose(tuple(columns)), linalg.identity(len(columns)))
+            residual = _scalars(self.condition((node[0], (node,))))
+            beta = _bordered(square, residual, linalg.matvec(c.W, c.u))
+            if beta is None:
+                if decided:
+                    return
+                raise Refused("no principal part of order 1 is shown to be the only one")
+            self.move(node, list(map(as_number, beta)))
+
     return Made
+
+
+def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Scalar] | None:
+    """Return the x with square x = -residual and one entry 0, where along has none.
+
+    ``None`` means that none is shown.
+
+    One row is left out: the others must be regular in the other columns. Where several may be, it
+    is the one that the x found satisfies best.
+    """
+    size, best = len(square), None
+    for column in (j for j in range(size) if along[j].is_zero() is False):
+        kept = [j for j in range(size) if j != column]
+        for row in range(size):
+            rows = [i for i in range(size) if i != row]
+            part = tuple(tuple(square[i][j] for j in kept) for i in rows)
+            try:
+                found = linalg.solve(part, tuple((-residual[i],) for i in rows))
+            except ExactnessError:
+                continue
+            x: list[Scalar] = [_ZERO] * size
+            for j, value in zip(kept, found, strict=True):
+                x[j] = value[0]
+            left = (linalg.dot(square[row], x) + residual[row]).magnitude()
+            if best is None or left < best[0]:
+                best = left, x
+        if best is not None:
+            return best[1]
+    return None
 
 
 def tableau(table: Mapping[str, Any]) -> Any:
