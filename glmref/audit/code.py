@@ -1,4 +1,4 @@
-"""Statements of C and Fortran sources, as Python statements with their lines."""
+"""Statements of C sources, as Python statements with their lines."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ _COMMENTS = {
     # a text may hold the address of a page
     "c": r'/\*.*?(?:\*/|\Z)|//[^\n]*|"(?:\\.|[^"\\\n]){0,1000}+"',
     "julia": r'#=.*?(?:=#|\Z)|"""(?s:.*?)(?:"""|\Z)|#[^\n]*',
-    "fortran": r"![^\n]*",
 }
 #: A number with a point or an exponent, in any of the languages.
 _FLOAT = re.compile(
@@ -150,25 +149,6 @@ def rewritten(text: str) -> str:
         text = f"{name} = {value.strip()}"
     text = text.replace("{", "[").replace("}", "]")
     return quoted(text)
-
-
-# --- Fortran --------------------------------------------------------------------------------------
-
-
-def fortran_statements(text: str) -> Iterator[Statement]:
-    """Yield the statements of Fortran."""
-    for number, row in enumerate(text.split("\n"), 1):
-        row = row.strip()
-        row = re.sub(r"^(\w+)\s*\(([\s\w,]*)\)\s*=(?!=)", r"\1[\2] =", row.rstrip(";"))
-        opened = re.match(r"(?:module procedure|subroutine|function)\s+(\w+)", row, re.IGNORECASE)
-        if opened:
-            yield Statement(f"procedure {opened[1]}", number, "open")
-        elif re.match(r"end (?:procedure|subroutine|function)", row, re.IGNORECASE):
-            yield Statement("", number, "close")
-        elif row:
-            declared = re.match(r"real\s*\(\w+\)\s*,\s*parameter\s*::\s*(.*)$", row, re.IGNORECASE)
-            body = declared[1] if declared else row
-            yield Statement(quoted(re.sub(r"(?<=\d)_(?:wp|dp)\b", "", body)), number)
 
 
 def split(text: str, marks: str) -> list[str]:

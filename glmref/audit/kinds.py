@@ -276,16 +276,18 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
         if A is None or C is None or not any(size(y) for row in C for y in row):
             continue
         error = given.get("e") or given.get("btilde")
+        lower = [whole_number(x.value) for x in block.items if re.fullmatch("ros_?ELO", x.name)]
+        low_order = lower[0] - 1 if lower and lower[0] and lower[0] > 1 else None
 
         def make(table: Table, A: Rows = A, C: Rows = C, m: Array = m, g: Any = gammas[0],
-                 error: Array | None = error) -> None:  # fmt: skip
+                 error: Array | None = error, least: int | None = low_order) -> None:  # fmt: skip
             low = list(error.value) if error is not None else None
             low = [*low, *([ZERO] * (len(m.value) - len(low)))] if low else None
             made = transformed(table.name, table.line, g, A, C, m.value, low)
             if abs(sum(map(size, made.b[0])) - 1) > 0.5:
                 raise Unread("the coefficients of a Rosenbrock method, in a form that is not read")
-            table.kind, table.A, table.b, table.c, table.rows = (
-                made.kind, made.A, made.b, made.c, made.rows)  # fmt: skip
+            table.kind, table.A, table.b, table.c = made.kind, made.A, made.b, made.c
+            table.rows = [(name, row, least) for name, row, _ in made.rows]
 
         arrays = [given["a"], given["c"], m, *([error] if error else [])]
         yield from _guarded("", min(y.line for y in arrays), arrays, make)

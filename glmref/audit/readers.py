@@ -63,7 +63,7 @@ class _Run:
             "NULL": None,
             "nullptr": None,
             "nothing": None,
-            "1-based": 1 if language in ("julia", "fortran") else 0,
+            "1-based": 1 if language == "julia" else 0,
         }
         self.globals: Scope = dict(self.scope)
         self.header, self.line, self.depth = "", 1, 0
@@ -625,98 +625,11 @@ def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
     return int(digits[1]) or None if alone and len(digits[1]) == 1 else None
 
 
-def _kpp(text: str) -> Iterator[Table]:
-    """Read Rosenbrock methods of KPP, whose A, C and m stand for alpha, gamma and b.
-
-    ``C = diag(1 / gamma_ii) - Gamma^-1``, ``A = alpha Gamma^-1``, ``m = b Gamma^-1`` (Hairer and
-    Wanner 1996, IV.7, (7.25)); entries are stored by rows below the diagonal.
-    """
-    run = _Run(text, "fortran")
-    name, line = "", 1
-    for step, _ in run.steps():
-        if step.kind == "open":
-            name, line = step.text.removeprefix("procedure "), step.line
-        elif step.kind == "close":
-            if "ros_A" in run.scope:
-                yield from _guarded(_of_kpp, run, name, line)
-            elif {"rkA", "rkB"} <= run.scope.keys():
-                yield from _guarded(_of_rk, run, name, line)
-            for key in [x for x in run.scope if x.startswith(("rk", "ros"))]:
-                run.scope.pop(key)  # a procedure within another one has its own
-
-
-def _matlode(text: str) -> Iterator[Table]:
-    """Yield the methods of MATLODE, written as those of KPP."""
-    text = re.sub(r"%[^\n]*", "", text)
-    text = re.sub(r"^\s*function\b[^\n=]*=?\s*(\w+)", r"subroutine \1", text, flags=re.MULTILINE)
-    yield from _kpp(f"{text}\nend subroutine\n")
-
-
-def _of_rk(run: _Run, name: str, line: int) -> Table:
-    """Return entries ``rkA(i, j)``, ``rkB(i)``, ``rkC(i)``, and weights of the estimate ``rkE``."""
-    A, b, c, error = (_need(run.scope.get(x)) for x in ("rkA", "rkB", "rkC", "rkE"))
-    if not isinstance(A, Sparse) or not isinstance(b, Sparse | list):
-        raise Unread("the entries of rkA and rkB do not stand one by one")
-    s = _stages(max(k for key in A.entries for k in key))
-
-    def row(x: Sparse | list[Any]) -> list[Number]:  # as a column or as a row
-        if isinstance(x, list):
-            return vector(x, s)
-        return [x.entries.get((k,), x.entries.get((1, k), ZERO)) for k in range(1, s + 1)]
-
-    table = Table(name, line, A=[_square(A, s, base=1)], b=[row(b)])
-    table.c = [row(c) if isinstance(c, Sparse) else None]
-    explicit = all(j < i for i, j in A.entries if complex(A.entries[i, j].value) != 0)
-    if isinstance(error, Sparse) and explicit:  # of implicit methods in terms of Z
-        table.errors = [row(error)]
-    return table
-
-
-def _of_kpp(run: _Run, name: str, line: int) -> Table:
-    s = whole_number(run.scope.get("ros_S", run.scope.get("rosS"))) or 0
-
-    def low(key: str) -> Rows:
-        held = _need(run.scope.get(key))
-        if s > 1 and not isinstance(held, Sparse):
-            raise Unread(f"{key} is missing")
-        get = held.entries.get if isinstance(held, Sparse) else (lambda k, d: d)
-        return [
-            [get((i * (i - 1) // 2 + j + 1,), ZERO) if j < i else ZERO for j in range(s)]
-            for i in range(s)
-        ]
-
-    def row(key: str) -> list[Number]:
-        held = _need(run.scope.get(key))
-        if not isinstance(held, Sparse):
-            raise Unread(f"{key} is missing")
-        return [held.entries.get((k + 1,), ZERO) for k in range(s)]
-
-    g, A, C, m, e = row("ros_Gamma")[0], low("ros_A"), low("ros_C"), row("ros_M"), row("ros_E")
-    table = transformed(name, line, g, A, C, m, e)
-    table.order = _order_of_kpp(run.text, name)
-    elo = whole_number(run.scope.get("ros_ELO", run.scope.get("rosELO")))
-    if elo is not None and elo > 1:  # "the minimum between the two orders plus 1"
-        table.rows = [(label, row, elo - 1) for label, row, _ in table.rows]
-    return table
-
-
-def _order_of_kpp(text: str, name: str) -> int | None:
-    """Return the order that the text above a method of KPP gives."""
-    found = re.search(
-        rf"SUBROUTINE {name}\b(?:(?!END SUBROUTINE).)*?ORDER (\d)",
-        text,
-        re.DOTALL | re.IGNORECASE,
-    )
-    return int(found[1]) if found else None
-
-
 FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "json": from_json,
     "csv": from_csv,
     "petsc": _petsc,
     "julia": _julia,
-    "kpp": _kpp,
-    "matlode": _matlode,
     "constants": constants,
     "principia": structs,
     "odeint": odeint,
@@ -727,8 +640,6 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "csv": (".csv",),
     "petsc": (".c",),
     "julia": (".jl",),
-    "kpp": (".f90",),
-    "matlode": (".m",),
     "constants": (".cc", ".C", ".cpp", ".hh"),
     "principia": (".hpp",),
     "odeint": (".hpp",),

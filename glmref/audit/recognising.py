@@ -953,7 +953,7 @@ def _title(block: Block, array: Array) -> str:
     base = path[-1] if path else ""
     if block.kind == "record" and len(base) < 3 and len(path) > 1:  # B->A of a function
         base = path[-2]
-    if array.stem and array.stem.lower() not in base.lower():
+    if array.stem not in ("", "rk", "ros") and array.stem.lower() not in base.lower():
         return array.name if not base or not block.parent else f"{base}.{array.name}"
     return base or array.name or "table"
 
@@ -1060,6 +1060,8 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
 
 #: Names of the number of steps that a method looks at.
 _STEPS = frozenset(("steps", "nsteps", "n_steps", "num_steps"))
+#: Names that embedded weights do not have.
+_ESTIMATE = re.compile(r"(?:rk_?)?E(?:rr\w*)?")
 #: Names that weights of an error estimate do not have.
 _EMBEDDED = re.compile(r"b_?(?:hat|star|emb\w*|low\w*)", re.IGNORECASE)
 
@@ -1089,6 +1091,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 continue  # a stand-in: no estimate has equal weights
             if abs(total) < (0.5 if explicit else LOOSE):
                 table.errors.append(row)
+            elif explicit and _ESTIMATE.fullmatch(y.name) and _near(total, 1):
+                table.errors.append(row)  # embedded weights in their place
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:

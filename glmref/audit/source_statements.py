@@ -1,12 +1,11 @@
-"""Statements of a source in C, Fortran or Julia, as Python statements with their lines."""
+"""Statements of a source in C or Julia, as Python statements with their lines."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 from ..errors import DataError
-from .code import Statement, bare, c_statements, fortran_statements
+from .code import Statement, bare, c_statements
 from .julia import julia_statements
 
 _MOST = 60_000_000  # characters of a source
@@ -17,10 +16,7 @@ def statements(text: str, language: str) -> Iterator[Statement]:
     if len(text) > _MOST:
         raise DataError(f"the file has {len(text)} characters; at most {_MOST} are read")
     text = bare(text, language)
-    if language == "fortran":
-        text = re.sub(r"&[ \t]*\n[ \t]*&?", lambda m: " \n", text)  # joined below
-        yield from fortran_statements(text)
-    elif language == "c":
+    if language == "c":
         yield from c_statements(text)
     else:
         yield from julia_statements(text)

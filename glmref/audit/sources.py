@@ -35,8 +35,6 @@ _MARKS: Mapping[str, str] = {
     "csv": r"\bb\b",
     "petsc": "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister|TSRosWRegister|TSGLEERegister",
     "julia": "Tableau|Butcher|ConstantCache",
-    "kpp": "ros_Alpha|rkA",
-    "matlode": "ros_Alpha|rkA",
     "constants": r"\b[ab]21\b",
     "principia": "FixedVector<double",
     "odeint": "class",
@@ -270,8 +268,7 @@ def _tables(
 
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
-_MORE = ("petsc", "julia", "kpp", "matlode", "principia", "weights", "odeint",
-         "constants")  # fmt: skip
+_MORE = ("petsc", "julia", "principia", "weights", "odeint", "constants")
 
 
 def _read(

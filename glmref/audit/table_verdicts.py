@@ -150,6 +150,10 @@ def _meant(
     few = 2 if len(method.b[0]) > 2 else 1  # two entries of two stages make another method
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= few
     explained = explained or any(" is that of " in x for x in remarks)
+    declared = any("is declared of order" in x for x in remarks)  # of a row, by its own variable
+    if status == "wrong" and declared and found >= (table.order or 0):
+        return status
+    explained = explained or (table.kind == "rosenbrock" and found == 0)  # by four names
     explained = explained or any(found == 0 or gap > method.coarse for _, gap in table.identities)
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
     entry = len(record.get("correction", ())) == 1 and one_row_apart(method)

@@ -30,19 +30,20 @@ from .output import (
 
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
-    *("json", "csv", "petsc", "julia", "kpp", "matlode"),
+    *("json", "csv", "petsc", "julia"),
     *("constants", "principia", "odeint", "weights"),
 )
 
 
 class Notation(Word):
-    """A notation of :data:`READ`; `python` and `gsl`, once named, are read like any other."""
+    """A notation of :data:`READ`; those that were named once are read like any other."""
 
     def convert(
         self, value: str, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | None:
         """Return the word, or ``None`` where none is needed any more."""
-        return None if value in ("python", "gsl") else super().convert(value, param, ctx)
+        once = ("python", "gsl", "kpp", "matlode")
+        return None if value in once else super().convert(value, param, ctx)
 
 
 order_option = count_option(

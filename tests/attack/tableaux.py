@@ -30,7 +30,7 @@ SECONDS = 10.0
 SOURCES = {
     "petsc": source("petsc.c") + source("glee.c"), "julia": source("julia.jl"),
     "": source("python.txt"),
-    "kpp": source("kpp.f90"), "principia": source("principia.hpp"),
+    "principia": source("principia.hpp"),
     "odeint": source("odeint.hpp"),
 }  # fmt: skip
 #: What stands in a source where it should not.

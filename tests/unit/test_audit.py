@@ -86,7 +86,7 @@ def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
     assert not there.exists()
 
 
-@pytest.mark.parametrize("form", ["petsc", "julia", "kpp"])
+@pytest.mark.parametrize("form", ["petsc", "julia", "odeint"])
 def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, cli) -> None:
     assert "holds no file" in cli("audit", tmp_path, "--format", form, code=2).err
 

@@ -50,7 +50,6 @@ SAMPLES = [
     (source("petsc.c"), "petsc", "c", 1),
     (source("julia.jl"), "julia", "julia", 3),
     (source("named-b.cpp"), "constants", "c", 1),
-    (source("matlode.m"), "matlode", "matlab", 1),
 ]
 
 
