@@ -79,13 +79,15 @@ def compile_kernel(
     """
     engine = _engine(source, arguments, cached, tuning)
     address = engine.get_function_address("kernel")
-    kinds = list(arguments.values())
+    kinds = arguments.values()
     raw = ctypes.CFUNCTYPE(ctypes.c_int64, *(KINDS[k] for k in kinds))(address)
+    arrays = [n for n, kind in enumerate(kinds) if kind.endswith("*")]
 
     def kernel(*given: Any) -> int:
-        return raw(
-            *(x.ctypes.data if k.endswith("*") else x for x, k in zip(given, kinds, strict=True))
-        )
+        passed = list(given)
+        for n in arrays:
+            passed[n] = given[n].__array_interface__["data"][0]  # a third of the time of .ctypes
+        return raw(*passed)
 
     kernel.engine = engine  # type: ignore[attr-defined]  # the code lives as long as its engine
     return kernel

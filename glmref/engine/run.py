@@ -126,7 +126,7 @@ class Run:
         values = self._renewal(state.step, kernel.values(state))
         t = float(self.problem.t_span[0]) + state.step * self.h
         other = self._state(kernel, t, values)
-        other.tally[:] = state.tally
+        other.tally[:], other.chunk = state.tally, state.chunk
         self.start_evaluations += bool(kernel.form.memory)
         return other
 
