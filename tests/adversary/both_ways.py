@@ -87,9 +87,9 @@ def written(document: Document, claims: Mapping[str, Any]) -> list[dict[str, Any
     """Return the certificates that the package writes for these claims of a document."""
     whole = {
         "format": "glmref-method-1",
-        "name": "x",
         "source": SOURCE,
         **document,
+        "name": document.get("name", "x").lower(),  # of a file it has no capitals
         "claims": claims,
     }
     whole.pop("broken", None)
