@@ -6,7 +6,9 @@ import pytest
 
 from glmref.exact import exact, root_of_unity
 from glmref.exact.judging import asked
-from glmref.judge.polynomials import nowhere_negative
+from glmref.judge.arithmetic import Interval
+from glmref.judge.numbers import is_nil
+from glmref.judge.polynomials import is_schur, multiply, nowhere_negative
 from glmref.theory import polynomials as poly
 from glmref.theory.stability_interval import FARTHEST, WIDTH, first_root
 
@@ -69,6 +71,13 @@ def test_roots_and_the_unit_circle(roots, schur, closed):
     p = poly.from_roots(roots)
     assert poly.is_schur(p) is schur
     assert poly.in_disc(p) is closed
+
+
+def test_an_interval_around_0_is_a_coefficient_like_others_and_an_exact_0_stays_one():
+    near, one, zero = Interval.ends(Fraction(-1, 9), Fraction(1, 9)), Fraction(1), Fraction(0)
+    assert is_schur([near, one])
+    assert is_nil(multiply([zero, one], [near, one])[0])
+    assert is_nil(multiply([near, one], [zero, one])[0])
 
 
 def test_approximate_roots_are_close():
