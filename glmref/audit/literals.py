@@ -19,8 +19,8 @@ from .lexer import Language, Token, tokens
 from .table import STEP, Table
 from .values import Unread
 
-#: Seconds of processor time for one table.
-_SECONDS = 40.0
+#: Seconds of processor time for one table, and for one reading of its source.
+_SECONDS, _ONE = 20.0, 0.25
 #: Steps of the secant method, and how near a whole number must be.
 _STEPS, _WHOLE = 12, 1e-6
 _PLAIN = re.compile(r"\d*\.?\d+|\d+\.")
@@ -52,19 +52,19 @@ def mended(
         At most three, as the corrections of :func:`~.table_verdicts.judge`; those that have the
         digits of the source in another order alone, if there are any.
     """
-    end = process_time() + _SECONDS
+    begin = process_time()
+    start = _residuals(again(text))
+    if start is None or process_time() > begin + _ONE:
+        return []
     first, last, block = table.line, max(table.last, table.line), table.block
     if block is not None and block.parent is not None:
         first, last = min(first, block.line), max(last, block.last if table.source == STEP else 0)
     every = tokens(text, language)[0]
     inside = [k for k, x in enumerate(every) if first <= x.line <= last]
-    start = _residuals(table)
     found: list[dict[str, str | int]] = []
-    if start is None:
-        return []
     for k in inside:
         x = every[k]
-        if process_time() > end:
+        if process_time() > begin + _SECONDS:
             break
         new = next(
             (

@@ -24,10 +24,10 @@ from .flows import WORDS, flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums
 from .kinds import others
-from .lexer import Language, Remark
+from .lexer import Language, Remark, Token
 from .multistep import MULTISTEP, sums_of
 from .readers import ORDINALS, by_name
-from .steps import EULER, flat, steps_of
+from .steps import EULER, calls, flat, steps_of
 from .table import STEP, ZERO, Rows, Table
 from .values import Number, Unread, size, whole_number
 
@@ -505,6 +505,9 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
             table.computed = True
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
+        if not (made or unread) and _RUNGE.search(block.name):
+            unread = [Table(block.name, block.line, unread=_BY_NAME, general=True, last=block.last,
+                            block=block)] if _calls_again(given) else []  # fmt: skip
         if unread and not made and not any(x.line in own for x in found):
             found = [*found, unread[0]]
         # ones alone are the weights of many methods
@@ -533,6 +536,18 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
                        == table.key for x in read):  # fmt: skip
                 found = [*found, table]
     return found
+
+
+#: Names of functions that make a step.
+_RUNGE = re.compile(r"RK_?\d|(?<![A-Za-z])rk_?\d|[Rr]unge")
+_BY_NAME = "its name says that this is a step of a Runge-Kutta method, in a form that is not read"
+
+
+def _calls_again(given: Sequence[Token]) -> bool:
+    """Return whether a function of time, state and step is called three times or more."""
+    return (
+        max(Counter(x.name for x in calls(given) if len(x.arguments) > 2).values(), default=0) > 2
+    )
 
 
 def _holds_step(table: Table, step: Table) -> bool:
