@@ -505,7 +505,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
             table.computed = True
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
-        if not (made or unread) and _RUNGE.search(block.name):
+        if not (made or unread or inner) and _RUNGE.search(block.own or block.name):
             unread = [Table(block.name, block.line, unread=_BY_NAME, general=True, last=block.last,
                             block=block)] if _calls_again(given) else []  # fmt: skip
         if unread and not made and not any(x.line in own for x in found):
