@@ -20,7 +20,7 @@ from .table import STEP, Table
 from .values import Unread
 
 #: Seconds of processor time for one table, and for one reading of its source.
-_SECONDS, _ONE = 20.0, 0.25
+_SECONDS, _ONE = 6.0, 0.25
 #: Steps of the secant method, and how near a whole number must be.
 _STEPS, _WHOLE = 12, 1e-6
 _PLAIN = re.compile(r"\d*\.?\d+|\d+\.")
