@@ -38,6 +38,7 @@ from glmref.derive.general_multistep import general_document
 from glmref.derive.halves import GeneralHalf
 from glmref.derive.recipes.general_multistep import SHIPPED, Shipped, halves_of
 from glmref.method import Method
+from glmref.problems import problem
 
 #: The roots of q and p that the search found, by the bound that distinguishes them.
 FOUND = {
@@ -82,11 +83,12 @@ def row(name: str) -> dict[str, Any]:
     method, q, p = method_of(name)
     counts, kept = {}, dict.fromkeys(_LONG, 0)
     for x in PROBLEMS:
-        if (found := step_of(method, x)) is None:
+        one = problem(x)
+        if (found := step_of(method, one)) is None:
             continue
         h, counts[x] = found
         for renew, steps in _LONG.items():
-            energy = long_run(method, x, h, steps, renew)["energy"]
+            energy = long_run(method, one, h, steps, renew)["energy"]
             kept[renew] += energy is not None and energy <= LOST
     return {
         "method": name,

@@ -114,11 +114,11 @@ def growth(one: Problem, method: str, h: float, end: float, renew: int) -> float
 def long_runs(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Follow a method for many steps of the tolerance, without and with renewal."""
     one, name, found = problem(case["problem"]), case["method"], []
-    step = step_of(load(name), case["problem"])
+    step = step_of(load(name), one)
     for renew, steps in LONG.items():
         x = {**case, "h": step and step[0], "steps": steps, "renew": renew}
         if step:
-            x |= long_run(name, case["problem"], step[0], steps, renew)
+            x |= long_run(name, one, step[0], steps, renew)
             if x["reported"] is not None:
                 x["growth"] = growth(one, name, step[0], x["reported"], renew)
         found.append(x)

@@ -42,6 +42,7 @@ from glmref.engine.parasites import over_both, step_matrix
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
 from glmref.problems import problem
+from glmref.problems.model import Problem
 
 #: The roots of q and p that the search found, by the name in the record.
 FOUND = {
@@ -123,14 +124,14 @@ def interval(q: GeneralHalf, p: GeneralHalf, systems: Sequence[np.ndarray]) -> f
     return round((k - 1) * _GRID, 3)
 
 
-def end_of(name: str) -> float:
+def end_of(one: Problem) -> float:
     """Return the time at which the error counts: the end of the problem's scene, or 20."""
-    return ends().get(name, 20.0)
+    return ends().get(one.name, 20.0)
 
 
-def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
+def _errors(method: Method, one: Problem, steps: int) -> Iterator[tuple[int, int, float]]:
     """Yield steps, evaluations and the error of the last state, coarse to fine."""
-    one, end, steps = problem(name), end_of(name), _FIRST
+    end = end_of(one)
     exact = reference_state(one, end)
     while steps <= _MOST:
         found = solve(one, method, h=end / steps, steps=steps, every=steps)
@@ -139,20 +140,25 @@ def _errors(method: Method, name: str) -> Iterator[tuple[int, int, float]]:
         steps = math.ceil(steps * _FACTOR)
 
 
-def needed(method: Method, name: str) -> tuple[int, int] | None:
-    """Return steps and evaluations, start included, for the tolerance at two step sizes on end."""
+def needed(
+    method: Method, one: Problem, tolerance: float = TOLERANCE, *, steps: int = _FIRST
+) -> tuple[int, int] | None:
+    """Return steps and evaluations, start included, for the tolerance at two step sizes on end.
+
+    The first run has so many ``steps``.
+    """
     curve: list[tuple[int, float]] = []
     first = 0  # steps of the first run of those that are below without a break
-    for steps, count, error in _errors(method, name):
+    for now, count, error in _errors(method, one, steps):
         curve.append((count, error))
-        if not error < TOLERANCE:
+        if not error < tolerance:
             first = 0
         elif first:
-            evaluations = crossing(curve, TOLERANCE)
+            evaluations = crossing(curve, tolerance)
             assert evaluations is not None
             return first, round(evaluations)
         else:
-            first = steps
+            first = now
     return None
 
 
@@ -161,17 +167,16 @@ def _reported(found: Solution) -> float | None:
     return None if found.suspect is None else float(f"{found.suspect:.6g}")
 
 
-def step_of(method: Method, name: str) -> tuple[float, int] | None:
+def step_of(method: Method, one: Problem) -> tuple[float, int] | None:
     """Return the step size of the tolerance, and the evaluations for it, start included."""
-    found = needed(method, name)
-    return found and (float(f"{end_of(name) / found[0]:.3g}"), found[1])
+    found = needed(method, one)
+    return found and (float(f"{end_of(one) / found[0]:.3g}"), found[1])
 
 
 def long_run(
-    method: Method | str, name: str, h: float, steps: int, renew: int = 0
+    method: Method | str, one: Problem, h: float, steps: int, renew: int = 0
 ) -> dict[str, Any]:
     """Return the largest relative error of the energy over 1,000 samples, and the notice's time."""
-    one = problem(name)
     found = solve(one, method, h=h, steps=steps, every=steps // 1000, renew=renew)
     energy = energy_error(one, found) if found.completed else math.nan
     return {
@@ -197,10 +202,10 @@ def row(name: str, gauss: Mapping[str, int]) -> dict[str, Any]:
     method, cases = pair.method, []
     for x, best in gauss.items():
         case: dict[str, Any] = {"problem": x, "evaluations": None}
-        if (found := step_of(method, x)) is not None:
+        if (found := step_of(method, problem(x))) is not None:
             h, count = found
             case |= {"evaluations": count, "over_gauss": three_digits(count / best), "h": h}
-            case |= long_run(method, x, h, _LONG)
+            case |= long_run(method, problem(x), h, _LONG)
         cases.append(case)
     return {
         "method": name,
@@ -225,7 +230,7 @@ def main(path: Path) -> None:
     }
     semi["front"] = [row(name, gauss) for name in FRONT]
     semi["long"] = [
-        x | long_run(x["method"], x["problem"], x["h"], x["steps"]) for x in semi["long"]
+        x | long_run(x["method"], problem(x["problem"]), x["h"], x["steps"]) for x in semi["long"]
     ]
     lost = [x for x in semi["long"] if x["problem"] == CHAOTIC and x["method"] in FRONT]
     semi["moved"] = [moved(x["method"], CHAOTIC, x["h"], 160_000) for x in lost]

@@ -22,6 +22,7 @@ from campaigns.partitioned.semi_separable import (
 from glmref.catalogue.lookup import load
 from glmref.derive.halves import EndedHalf
 from glmref.engine.parasites import step_matrix
+from glmref.problems import problem
 
 PAGE = (Path(__file__).parents[2] / "docs" / "velocities.md").read_text("utf-8")
 WHOLE = measured("nonseparable")["semi-separable"]
@@ -65,10 +66,10 @@ def test_evaluations_are_those_of_the_first_of_two_runs_in_a_row(
 ) -> None:
     runs = [(10, 10, 1e-7), (11, 11, 1e-9), (12, 12, 1e-8), (20, 20, 1e-10), (40, 40, 1e-12)]
     monkeypatch.setattr(semi_separable, "_errors", lambda *_: iter(runs))
-    steps, count = needed(load(TEN), "-") or (0, 0)
+    steps, count = needed(load(TEN), problem("kepler")) or (0, 0)
     assert (steps, count) == (20, round(12 * math.sqrt(20 / 12)))
     monkeypatch.setattr(semi_separable, "_errors", lambda *_: iter(runs[:-1]))
-    assert needed(load(TEN), "-") is None
+    assert needed(load(TEN), problem("kepler")) is None
 
 
 def mean(name: str) -> float:
@@ -136,6 +137,6 @@ def test_steps_of_the_lost_runs_are_beyond_the_bounds_of_a_gyration() -> None:
 def test_what_is_stored_is_what_is_measured() -> None:
     (x,) = (x for x in ROWS[TWELVE]["cases"] if x["problem"] == "magnetic-trap")
     method = Pair.of(TWELVE).method
-    assert (needed(method, x["problem"]) or (0, 0))[1] == x["evaluations"]
-    found = long_run(method, x["problem"], x["h"], 1_000_000)
+    assert (needed(method, problem(x["problem"])) or (0, 0))[1] == x["evaluations"]
+    found = long_run(method, problem(x["problem"]), x["h"], 1_000_000)
     assert found == {"energy": x["energy"], "reported": x["reported"]}
