@@ -173,7 +173,8 @@ def arrays(block: Block, language: Language) -> list[Array]:
                 if len(value) == 1 and isinstance(value[0], list):
                     value = value[0]
                 if {*map(_width, value)} == {1} and role_of(item.name)[1] != "A":
-                    value = [x for (x,) in value]  # a column
+                    column = [x for (x,) in value]
+                    value = value if _unit(column) else column
                 found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
                                    item.lost))  # fmt: skip
                 found += _parts(item, named=of_subject(block.called))
@@ -236,6 +237,11 @@ def _width(x: Any) -> int:
     return len(x) if isinstance(x, list) and not any(isinstance(y, list) for y in x) else 0
 
 
+def _unit(column: list[Any]) -> bool:
+    """Return whether one entry at most is not 0: inputs of a system of states, and no weights."""
+    return sum(bool(size(x)) for x in column) < 2
+
+
 def _by_place(item: Item, value: list[Any], *, told: bool) -> list[Array]:
     """Return the arrays of a list of a matrix and vectors, as ``{c, A, b}``, by what they are.
 
@@ -273,6 +279,8 @@ def _parts(item: Item, *, named: bool) -> list[Array]:
         return []
     if len(value) > 2 and {*map(_width, value)} == {2}:
         value = [list(x) for x in zip(*value, strict=True)]
+        if any(map(_unit, value)):
+            return []
     if len(value) not in (2, 3):
         return []
     if not all(isinstance(x, list) and len(x) >= len(value) for x in value):

@@ -68,7 +68,7 @@ def multistep(block: Block, made: list[Array], text: str) -> Iterator[Found]:
         sums = [abs(sum(r) - 1) < LOOSE or (min(r) > 0 and abs(abs(sum(_alternating(r))) - 1)
                                             < LOOSE) for r in values]  # fmt: skip
         steps = _of_steps(block, [x], [([], r) for r in rows], 1) if adams else None
-        one = max(map(len, rows)) > 2  # of two entries one can always be mended
+        one = max(map(len, rows), default=0) > 2  # of two entries one can always be mended
         slopes = [r for r in rows if abs(sum(map(size, r))) < LOOSE]  # h f is a difference
         if steps and (2 * sum(sums) >= len(sums) or (one and "question" in steps.table.unread)):
             yield steps

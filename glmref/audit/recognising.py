@@ -566,8 +566,10 @@ def _of_arithmetic(
     for line in inline_sums(collector.tokens):
         around = [x for x in blocks if x.line <= line <= x.last and x.kind == "code"
                   and x.name not in CHOICES]  # fmt: skip
-        block = max(around, key=lambda x: x.line)
-        if id(block) in seen or any(block.line <= x.line <= block.last for x in found):
+        block = max(around, key=lambda x: x.line, default=None)
+        if block is None or id(block) in seen:
+            continue
+        if any(block.line <= x.line <= block.last for x in found):
             continue
         seen.add(id(block))
         name = (block.own or block.name) if block.parent is not None else "step"
@@ -984,6 +986,9 @@ def _lost(candidate: Candidate, parts: Sequence[Array]) -> str:
             if isinstance(y, Unread):
                 at = f" (line {y.line})" if y.line else ""
                 return f"an entry of {x.name or 'an array'} is not read: {y}{at}"
+    c = candidate.c
+    if c and any(map(size, flattened(c.value))) and not any(map(size, flattened(given[0].value))):
+        return f"all entries of {candidate.array.name} are 0, and set elsewhere"
     return ""
 
 
