@@ -34,7 +34,7 @@ def trim(p: Iterable) -> list:
 
 def multiply(p: list, q: list) -> list:
     """Return p q."""
-    out = [Fraction(0)] * (len(p) + len(q) - 1)
+    out = [Fraction(0)] * (len(p) + len(q) - 1) if p and q else []
     for i, a in enumerate(p):
         tick()
         for j, b in enumerate(q):
@@ -121,7 +121,7 @@ def is_unbounded(M: list) -> bool:
     while not live(h[0]):
         h = h[1:]
     inside = p[: len(p) - len(h)]  # the roots 0, which the mirror image has at infinity
-    while len(shared := gcd(h, mirror(h))) > 1:
+    while len(h) > 1 and len(shared := gcd(h, mirror(h))) > 1:
         h, q = divide(h, shared)[0], multiply(q, shared)
     require(is_schur(h), "a root on the circle is left")
     left = at_matrix(divide(q, gcd(q, derivative(q)))[0], M)
@@ -197,14 +197,14 @@ def real_roots(p: list) -> int:
 
 
 def odd_factors(p: list) -> Iterator[list]:
-    """Yield the factors of p of odd multiplicity, each once, and perhaps constants (Yun)."""
+    """Yield the factors of p of odd multiplicity, each once (Yun)."""
     p = trim(p)
     common = gcd(p, derivative(p))
     first, rest, k = divide(p, common)[0], common, 1
     while len(first) > 1:
         shared = gcd(first, rest)
         factor = divide(first, shared)[0]
-        if k % 2:
+        if k % 2 and len(factor) > 1:
             yield factor
         first, rest, k = shared, divide(rest, shared)[0], k + 1
 
@@ -212,11 +212,13 @@ def odd_factors(p: list) -> Iterator[list]:
 def nowhere_negative(p: list) -> bool:
     """Tell whether p(y) >= 0 for all real y: no real root of odd multiplicity, a positive end."""
     p = trim(p)
-    return sign(p[-1]) == 1 and not any(map(real_roots, odd_factors(p)))
+    if sign(p[-1]) < 0 or len(p) % 2 == 0:
+        return False
+    return not any(map(real_roots, odd_factors(p)))
 
 
 def no_root_but_zero(p: list) -> bool:
-    """Tell whether p, which is not 0, has no real root other than 0."""
-    while not p[0]:
+    """Tell whether p has no real root other than 0."""
+    while p and not p[0]:
         p = p[1:]
-    return not real_roots(p)
+    return len(p) <= 1 or not real_roots(p)
