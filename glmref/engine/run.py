@@ -81,8 +81,8 @@ class Run:
         if self.reference.shape[0] > 1:  # one value has no parasitic part
             self.renew, self.again = renew, start
 
-    def _renewal(self, n: int, values: np.ndarray) -> np.ndarray:
-        """Return values S(F(y_1)) after step n: the solution, finished and started again.
+    def _renewal(self, n: int, y: np.ndarray) -> np.ndarray:
+        """Return values S(F(y)) after step n: the solution y, finished and started again.
 
         Raises
         ------
@@ -93,7 +93,6 @@ class Run:
         h = arithmetic.number(self.h)
         t = arithmetic.number(self.problem.t_span[0]) + n * h
         try:
-            y = self.reference.solution(values)
             made, cost = self._mapped(self.finishing, t, y)
             if made is not None:
                 y = made[0]
@@ -121,9 +120,9 @@ class Run:
         good, cost = kernel(out, float(t), self.h)
         return (out[0], cost) if good else (None, 0)
 
-    def _renewed(self, kernel: Kernel, state: State) -> State:
-        """Return the state of a kernel after a renewal; the counts go on."""
-        values = self._renewal(state.step, kernel.values(state))
+    def _renewed(self, kernel: Kernel, state: State, y: np.ndarray) -> State:
+        """Return the state of a kernel after a renewal from the solution; the counts go on."""
+        values = self._renewal(state.step, y)
         t = float(self.problem.t_span[0]) + state.step * self.h
         other = self._state(kernel, t, values)
         other.tally[:], other.chunk = state.tally, state.chunk
@@ -198,7 +197,8 @@ class Run:
                         self._warn(self._large(np.array(recent), self.done), self.done)
                         recent = []
                 if self._renews(self.done):
-                    self.values, recent = self._renewal(self.done, self.values), []
+                    y, recent = self.reference.solution(self.values), []
+                    self.values = self._renewal(self.done, y)
         except KeyboardInterrupt:
             self.outcome, self.interrupted = Outcome.CANCELLED, True
         except (ArithmeticError, ValueError) as error:
@@ -274,9 +274,10 @@ class Run:
                 if mark in marks and not self.plan.every:
                     self._keep(mark, kernel.values(state))
                 if self._renews(mark):
-                    if self._alarming(kernel.values(state), mark):
+                    y = self.reference.solution(kernel.values(state))
+                    if self._alarming(y, mark):
                         self._locate(kernel, state, t0)
-                    state = self._renewed(kernel, state)
+                    state = self._renewed(kernel, state, y)
                     self._hold(state)
                 if mark in begins and self.suspect is None:
                     self.outcome = self._window(kernel, state, t0, out, marks)
@@ -312,10 +313,8 @@ class Run:
         assert self.watch is not None
         return self.suspect is None and self.watch.large(self.reference.solution(values), step)
 
-    def _alarming(self, values: np.ndarray, step: int) -> bool:
-        if self.watch is None or self.suspect is not None:
-            return False
-        return self.watch.alarming(self.reference.solution(values), step)
+    def _alarming(self, y: np.ndarray, step: int) -> bool:
+        return self.watch is not None and self.suspect is None and self.watch.alarming(y, step)
 
     def _warn(self, found: bool, step: int) -> None:
         if not found or self.watch is None:
