@@ -44,6 +44,7 @@ from ..catalogue.claims import (
     ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
+from ..catalogue.keys import ABOUT
 from ..errors import ExactnessError, UsageError
 from ..exact import linalg
 from ..exact.expression import to_text
@@ -68,15 +69,6 @@ from .kernel import Found, Kernel
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
-#: Claims about something that a file may lack: the key of the file.
-_ABOUT = {
-    EMBEDDED_DIFFERENCE.key: "embedded",
-    ROW_SUMS.key: "c",
-    DENSE_END.key: "dense",
-    DENSE_ORDER.key: "dense",
-    STARTING_ORDER.key: "starting",
-    FINISHING_ORDER.key: "finishing",
-}
 #: Rules that need no witness: that the claim is false, and that it is true.
 _SIMPLE = {
     EMBEDDED_DIFFERENCE.key: ("no-differences", "differences"),
@@ -292,7 +284,7 @@ class _Writer:
         if self.claim == EMBEDDED_ORDER.key:
             rows = {x.name for x in self.facts.method.embedded}
             return not rows or set(self.declared) != rows
-        key = _ABOUT.get(self.claim)
+        key = ABOUT.get(self.claim)
         return key is not None and not self.facts.shared.document.get(key) and not (
             key == "starting" and self.kernel.is_pair
         )  # fmt: skip
