@@ -55,6 +55,7 @@ class Item:
     #: Reason why its value is not that of the source, or ``""``.
     lost: str = ""
     last: int = 0  #: Line of the last entry.
+    index: int | None = None  #: Which of several objects it is a field of.
 
 
 @dataclass
@@ -111,6 +112,7 @@ class Collector:
         self.failed: list[tuple[Block, Item, Sequence[Token]]] = []
         self.calls: list[Block] = []
         self.frames: dict[int, Item] = {}
+        self.fields: dict[str, list[str]] = {}  #: Of classes: ``b::Vector``, in their order.
 
     def blocks(self) -> list[Block]:
         """Carry out all statements and return every block; the outermost is the first."""
@@ -235,6 +237,8 @@ class Collector:
             return True
         if before in ("=", ",", "(", "]", "return", "{") or depth:
             return False
+        if "return" in words and head[-1].kind == "name" and not words & _HEADS:
+            return False  # ``return &T{..}``
         if not head or words & _HEADS or before == ")":
             return not (before == ")" and "=" in {t.text for t in head} and "fn" not in words)
         after = next((t for t in self.tokens[k + 1 : k + 4] if t.kind != "line"), None)
@@ -532,7 +536,7 @@ class Collector:
             return
         if target is None:
             return
-        name, subscripts, owner, typed = target
+        name, subscripts, owner, typed, which = target
         if (
             self.language.name == "julia"
             and subscripts
@@ -559,7 +563,7 @@ class Collector:
         if not (typed & _TYPES_OF_INTEGERS) or typed - _TYPES_OF_INTEGERS:
             value = plain(value)
         self._store(name, subscripts, owner, value, row[0].line, row[equal + 1 :],
-                    typed=bool(typed))  # fmt: skip
+                    typed=bool(typed), which=which)  # fmt: skip
         rest = row[equal + 1 + folder.at :]
         if rest and rest[0].text in (",", "="):
             more = _equal(rest[1:])
@@ -630,7 +634,7 @@ class Collector:
 
     def _store(
         self, name: str, subscripts: list[Sequence[Token]], owner: str, value: Any, line: int,
-        row: Sequence[Token], *, typed: bool = True,
+        row: Sequence[Token], *, typed: bool = True, which: int | None = None,
     ) -> None:  # fmt: skip
         if isinstance(value, Record):
             self._record(value, name, line)
@@ -658,7 +662,8 @@ class Collector:
                     return
                 self._lose(name, "a part of it is set by a loop or slice", line)
                 return
-            item = Item(name, value, line, self.count, last=row[-1].line if row else line)
+            item = Item(name, value, line, self.count, last=row[-1].line if row else line,
+                        index=which)  # fmt: skip
             if isinstance(block.names.get(name), Frame) and _is_empty(block.names[name]):
                 block.items = [x for x in block.items if x.value is not block.names[name]]
             if isinstance(value, Unread):
@@ -819,13 +824,15 @@ class Collector:
         last = line
         for name, value in record.fields.items():
             last = max(last, self._field(block, name, value, line))
-        for name, value in record.values:
+        fields = self.fields.get(block.called, []) if not record.fields else []
+        fields = fields if len(fields) == len(record.values) else [""] * len(record.values)
+        for own, (name, value) in zip(fields, record.values, strict=True):
             whole = whole_number(
                 value[0] if value and isinstance(value, list) and len(value) < 3 else value
             )
             block.arguments.append((name, whole))
-            if isinstance(value, Record | list):
-                last = max(last, self._field(block, name, value, line))
+            if isinstance(value, Record | list) or (own and isinstance(value, Number)):
+                last = max(last, self._field(block, own or name, value, line))
             elif not block.label and len(block.arguments) < 3:
                 if isinstance(value, str):
                     block.label = value.strip("\"'")
@@ -880,8 +887,11 @@ class Collector:
             block.parent.items.append(item)
 
     def _expression(self, row: Sequence[Token]) -> None:
-        """Read a call, an object or a declaration such as ``Matrix a{..}``."""
+        """Read a call, an object, a field or a declaration such as ``Matrix a{..}``."""
         marks = {x.text for x in row}
+        if [x.text for x in row[1:2]] in (["::"], [":"]) and self.block.name:
+            self.fields.setdefault(self.block.name, []).append(row[0].text)
+            return
         if not marks & {"(", "{"} or row[0].kind not in ("name", "mark"):
             return
         declared = next(
@@ -1083,8 +1093,11 @@ def _without_type(row: list[Token], language: Language) -> tuple[list[Token], se
 
 def _target(
     row: Sequence[Token], language: Language
-) -> tuple[str, list[Sequence[Token]], str, set[str]] | None:
-    """Return the name that is assigned to, its subscripts, its owner, and the words of its type."""
+) -> tuple[str, list[Sequence[Token]], str, set[str], int | None] | None:
+    """Return the name that is assigned to, its subscripts, its owner, and the words of its type.
+
+    The last is which of several owners it is a field of, as the 1 of ``weights[1].beta``.
+    """
     row, typed = _without_type([x for x in row if x.kind != "line"], language)
     subscripts: list[Sequence[Token]] = []
     end = len(row)
@@ -1099,7 +1112,7 @@ def _target(
             return None
         inside = row[k + 1 : end - 1]
         if [x.text for x in inside] == ["*", "this"]:
-            return "this", subscripts, "", typed
+            return "this", subscripts, "", typed, None
         if row[end - 1].text == ")" and language.name in ("python", "java", "rust", "go"):
             return None
         subscripts.insert(0, inside)
@@ -1108,10 +1121,11 @@ def _target(
             end -= 2  # a.at(1)
     if not end or row[end - 1].kind != "name":
         return None
-    name, k, owner = row[end - 1].text, end - 1, []
+    name, k, owner, which = row[end - 1].text, end - 1, [], None
     while k >= 2 and row[k - 1].text in (".", "->", "::"):
         step = k - 2
         if row[step].text == "]":
+            which = int(row[step - 1].text) if row[step - 1].text.isdigit() else None
             while step >= 0 and row[step].text != "[":
                 step -= 1
             step -= 1
@@ -1128,4 +1142,4 @@ def _target(
     if language.name in ("python", "julia", "matlab") and k and row[k - 1].text == ",":
         return None
     owner = [x for x in owner if x not in _OWN]
-    return name, [x for x in subscripts if x], ".".join(owner), typed
+    return name, [x for x in subscripts if x], ".".join(owner), typed, which

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -23,7 +23,7 @@ _WORDS = (
     "moulton nordsieck suzuki embedded"
 ).split()
 _PHRASES = re.compile(
-    r"(?<![a-z])rk(?:f|ck|dp)?\d|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|backward.?diff|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
+    r"(?<![a-z])rk(?:f|ck|dp)?\d|ssp_?rk|strong.stability|\bi?mex\b|multi.?step|time.?step|\bodes?\b|\bbdf|backward.?diff|(?:ivp|initial.value|differential|evolution).{0,30}solver|dopri|dormand|fehlberg"
     r"|cash.?karp|bogacki|omelyan|forest.?ruth|split.?(?:operator|step)|operator.?splitting|nos[eé].?hoover"
     r"|low.?storage|2n.?storage|(?<![a-z])(?:lsrk|lserk|ruth(?![a-z])|rk[abc]\b)|kick.?drift|drift.?kick|collocation.{0,9}(?:method|scheme)|stiffly.?accurate|splitting.{0,9}(?:method|scheme|parameter|coefficient)"
 )
@@ -63,8 +63,8 @@ def role_of(name: str) -> tuple[str, str]:
     if re.match(r"k[A-Z]", name):  # kAlpha, a constant of C++
         name = name[1:]
     whole = name.replace("_", "").lower()
-    if whole in _ROLES:
-        return "", _ROLES[whole]
+    if whole in _ROLES or whole in ("explicit", "implicit"):  # as a part of a name it is none
+        return "", _ROLES.get(whole, "A")
     parts = [x for x in _SPLIT.split(name) if x]
     for n in (2, 1):
         for stem, said in ((parts[:-n], parts[-n:]), (parts[n:], parts[:n])):
@@ -147,7 +147,7 @@ def arrays(block: Block, language: Language) -> list[Array]:
     scalars: dict[str, list[tuple[str, str | None, Item]]] = {}
     lists: dict[str, list[tuple[int, Item | Array]]] = {}
     base = _base(block, language)
-    for item in block.items:
+    for item in _by_object(block.items):
         value = item.value
         match = _INDEXED.match(item.name)
         if isinstance(value, Entries):
@@ -192,6 +192,24 @@ def arrays(block: Block, language: Language) -> list[Array]:
             found += _of_scalars(stem, entries)
     _suffixed(found)
     return sorted(found, key=lambda x: x.at)
+
+
+def _by_object(items: list[Item]) -> list[Item]:
+    """Return items in which ``w[0].beta = 1``, ``w[1].beta = 2`` is one list of a field."""
+    groups: dict[str, list[Item]] = {}
+    for x in items:
+        if x.index is not None and isinstance(x.value, Number):
+            groups.setdefault(x.name, []).append(x)
+    found = items
+    for name, given in groups.items():
+        numbers = [x.index for x in given]
+        if len(given) > 1 and numbers[0] in (0, 1) and numbers == [
+            *range(numbers[0], numbers[0] + len(given))]:  # fmt: skip
+            for x in given:
+                x.value.place = x.value.place or (x.line, "")
+            made = replace(given[0], value=[x.value for x in given], last=given[-1].line)
+            found = [x for x in found if x.name != name] + [made]
+    return found
 
 
 def _suffixed(found: list[Array]) -> None:

@@ -75,7 +75,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     matrices = [x for x in made if not x.flat]
     vectors = [x for x in made if x.flat]
     nystrom = partial(_nystrom, text=text)
-    for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, nystrom):
+    for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, nystrom, _dense):
         found += rule(block, matrices, vectors)
     steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
     pairs = [y for x in steps for y in _columns(x)]
@@ -249,6 +249,8 @@ def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> It
 def _packed(x: Array, s: int) -> Rows | None:
     """Return a strictly lower triangular matrix (s, s) from rows or from one list."""
     if not x.flat:
+        if x.named and len(x.value) == s - 1:  # the last stage takes the slope of the one before
+            x = replace(x, value=[*x.value, x.value[-1]])
         return _square(x, strict=True) if len(x.value) == s else None
     given = [*x.value, *([ZERO] * (s * (s - 1) // 2 - len(x.value)))]
     if len(given) != s * (s - 1) // 2 or (isqrt(8 * len(x.value) + 1) + 1) // 2 > s:
@@ -284,13 +286,20 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
             low = list(error.value) if error is not None else None
             low = [*low, *([ZERO] * (len(m.value) - len(low)))] if low else None
             made = transformed(table.name, table.line, g, A, C, m.value, low)
-            if abs(sum(map(size, made.b[0])) - 1) > 0.5:
+            if abs(sum(map(size, made.b[0])) - 1) > 0.5 and not _begin(made.A[0], vectors):
                 raise Unread("the coefficients of a Rosenbrock method, in a form that is not read")
             table.kind, table.A, table.b, table.c = made.kind, made.A, made.b, made.c
             table.rows = [(name, row, least) for name, row, _ in made.rows]
 
         arrays = [given["a"], given["c"], m, *([error] if error else [])]
         yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+def _begin(A: Rows, vectors: list[Array]) -> bool:
+    """Return whether nodes, three or more, are the sums of the first rows."""
+    sums = [sum(map(size, row)) for row in A]
+    given = [[size(v) for v in x.value] for x in vectors if x.role == "c" and len(x.value) > 2]
+    return any(all(abs(p - q) < LOOSE for p, q in zip(sums, c, strict=False)) for c in given)
 
 
 def transformed(
@@ -392,6 +401,34 @@ def _sums_to(A: Rows | None, c: Array) -> bool:
         return False
     sums = [sum(map(size, row)) for row in A]
     return all(abs(x - y) < LOOSE for x, y in zip(sums[-len(values) :], values, strict=True))
+
+
+_DENSE = re.compile(r"dense|interp|contin", re.IGNORECASE)
+
+
+def _dense(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
+    """Yield b_i(theta) of a dense output without its method: the weights of stages sum to theta."""
+    for x in matrices if not any(y.role == "A" for y in matrices) else ():
+        rows = [r for r in x.value if _length(r) == _length(x.value[0])]
+        turned = len(rows) == len(x.value) < _length(rows[0])
+        sums = [sum(map(size, r)) for r in (rows if turned else zip(*rows, strict=True))]
+        said = _DENSE.search(" ".join([*block.path(), x.name]))
+        if not said or min(len(rows), len(sums)) < 3 or len(rows) != len(x.value):
+            continue
+        wanted = [1, *([0] * (len(sums) - 1))]  # of theta, theta^2, ..
+        gaps = [y - z for y, z in zip(sums, wanted if _one(sums[0]) else wanted[::-1], strict=True)]
+        off = [k for k, y in enumerate(gaps) if not abs(y) < LOOSE]
+        table = Table("", x.line, general=True, last=x.last)
+        table.unread = "a dense output whose weights sum to theta; more of it is not read"
+        for k in off:
+            at = f"{'row' if turned else 'column'} {k + 1} of {x.name} sums to {gaps[k]:.4g}, not 0"
+            table.unread = f"question: {at}: the weights of a dense output sum to theta"
+        if len(off) < 2 and (_one(sums[0]) or _one(sums[-1])):
+            yield Found(table, [x])
+
+
+def _one(x: float) -> bool:
+    return abs(x - 1) < LOOSE
 
 
 # --- Shu-Osher and low storage --------------------------------------------------------------------
@@ -501,9 +538,10 @@ def _two_registers(vectors: list[Array]) -> Iterator[Found]:
     "Runge-Kutta methods with minimum storage implementations".
     """
     named = {re.sub(r"[\W_]|ma", "", x.name.lower()): x for x in vectors}
-    if not {"delta", "gam0", "gam1", "beta"} <= named.keys():
+    keys = ("delta", *sorted(x for x in named if re.fullmatch(r"gam\d", x)), "beta")
+    if len(keys) != 4 or not set(keys) <= named.keys():
         return
-    given = [named[x] for x in ("delta", "gam0", "gam1", "beta")]
+    given = [named[x] for x in keys]
     s = len(given[3].value)
     if any(len(x.value) != s for x in given) or s < 2:
         return

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
+from itertools import combinations
 from time import process_time
 
 from ..errors import GlmrefError
@@ -23,6 +24,8 @@ from .values import Unread
 _SECONDS, _ONE = 6.0, 0.25
 #: Steps of the secant method, and how near a whole number must be.
 _STEPS, _WHOLE = 12, 1e-6
+#: Numbers with more characters may be exchanged with others of their line.
+_DIGITS = 6
 _PLAIN = re.compile(r"\d*\.?\d+|\d+\.")
 #: What stands before a name whose sign may be wrong.
 _BEFORE = frozenset("= ( [ { ,".split())
@@ -60,7 +63,15 @@ def mended(
     if block is not None and block.parent is not None:
         first, last = min(first, block.line), max(last, block.last if table.source == STEP else 0)
     every = tokens(text, language)[0]
-    inside = [k for k, x in enumerate(every) if first <= x.line <= last]
+    places = {x.place[0] for M in (*table.A, table.b) for row in M for x in row if x.place}
+    inside = [k for k, x in enumerate(every) if first <= x.line <= last or x.line in places]
+    long = [x for x in (every[k] for k in inside) if x.kind == "number" and len(x.text) > _DIGITS]
+    for x, y in combinations(long, 2):
+        turned = f"{y.text}{text[x.end : y.start]}{x.text}"
+        if x.line == y.line and x.text != y.text and process_time() < begin + _SECONDS and _good(
+                _residuals(again(text[: x.start] + turned + text[y.end :]))):  # fmt: skip
+            return [{"entry": f"the numbers {x.text} and {y.text}", "is": f"{x.text}, {y.text}",
+                     "should be": f"{y.text}, {x.text}", "line": x.line, "text": ""}]  # fmt: skip
     found: list[dict[str, str | int]] = []
     for k in inside:
         x = every[k]

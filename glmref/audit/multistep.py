@@ -36,10 +36,7 @@ def multistep(block: Block, made: list[Array], text: str) -> Iterator[Found]:
     if pairs:
         yield from pairs
         return
-    below = next((x.value for x in block.items if x.name in ("den", "denom", "denominator")
-                  and isinstance(x.value, Number) and size(x.value) > 1), None)  # fmt: skip
-    if below is not None:
-        made = [replace(x, value=[_over(y, below) for y in x.value]) if x.flat else x for x in made]
+    made = [_divided(x, block) for x in made]
     named = {last_letter(x): x for x in made if x.flat}
     if {"alpha", "beta"} <= named.keys():
         a, b = named["alpha"], named["beta"]
@@ -98,6 +95,24 @@ def _in_pairs(made: list[Array], about: str, text: str) -> Iterator[Found]:
             if rows[0] and all(len(p) + 1 == len(q) for p, q in pairwise(rows)):
                 for row, rate in zip(rows, beta.value, strict=True):
                     yield _of_differences(replace(x, value=row), rate)
+
+
+_DENOMINATORS = re.compile(r"(.*?)_?den(?:om(?:inator)?)?s?", re.IGNORECASE)
+
+
+def _divided(x: Array, block: Block) -> Array:
+    """Return coefficients over the denominator, or those of their rows, that stand apart."""
+    for item in block.items:
+        m, below = _DENOMINATORS.fullmatch(item.name), item.value
+        if m is None or m[1].lower() not in ("", x.name.lower()):
+            continue
+        if isinstance(below, Number) and x.flat and size(below) > 1:
+            return replace(x, value=[_over(y, below) for y in x.value])
+        if isinstance(below, list) and len(below) == len(x.value) and not x.flat:
+            pairs = [(r, d) for r, d in zip(x.value, below, strict=True)
+                     if isinstance(r, list) and isinstance(d, Number) and size(d) > 0]  # fmt: skip
+            return replace(x, value=[[_over(y, d) for y in r] for r, d in pairs])
+    return x
 
 
 def _over(x: Any, below: Number) -> Any:

@@ -41,7 +41,7 @@ def constants(text: str, declared: Mapping[str, int] | None = None) -> Iterator[
     ``b21, c1, a2`` with ``dc1`` (error), where without ``c1`` the last row holds the weights.
     """
     text = bare(text)
-    first = re.search(r"\b[ab]21\s*=", text)
+    first = re.search(r"(?<![\w.\]])(?:\w+::)?[ab]21\s*=", text)
     if first is None:
         return
     made = re.search(r"(\w+)::(?:a21\b|\1\s*\()", text) or re.search(r"^class\s+(\w+)", text, re.M)

@@ -27,7 +27,7 @@ from .kinds import others
 from .lexer import Language, Remark, Token
 from .multistep import MULTISTEP, sums_of
 from .readers import ORDINALS, by_name
-from .steps import EULER, calls, flat, steps_of
+from .steps import EULER, calls, flat, followed, functions, steps_of
 from .table import STEP, ZERO, Rows, Table
 from .values import Number, Unread, size, whole_number
 
@@ -37,10 +37,10 @@ _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 #: So many numerals stand so near one another where there is a table.
 _NUMERALS, _WITHIN = 4, 600
 #: A number with many digits, or a root of which weights of a composition are made.
-_LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\bpow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*3")
+_LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\b[Pp]ow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*[1-9]")
 #: Two of the products in a sum of slopes, or whole numbers over a denominator.
 _PRODUCTS = re.compile(
-    r"[\[{(] ?-?\d+(?:, ?-?\d+){2}"
+    r"[\[{(] ?-?\d+(?:\.0)?(?:, ?-?\d+(?:\.0)?){2}"
     r"|\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]"
 )
 #: A matrix or an argument of this name, not an article.
@@ -115,8 +115,9 @@ def readings(array: Array) -> Iterator[Reading]:
         made = _padded(value[:-1], n - 1)
         if made is not None and lengths[-1] == n - 1:
             yield Reading(made, b=list(value[-1]), cost=2)
-    if min(lengths) == width == n and all(size(x) == 0 for i in range(n) for x in value[i][:i]):
-        yield Reading([list(x) for x in zip(*value, strict=True)], cost=3)  # by columns
+    upper = all(size(x) == 0 for i in range(n) for x in value[i][:i])
+    if upper and min(lengths) == width and n - width in (0, 1):  # by columns, the first left out
+        yield Reading([*[[ZERO] * n] * (n - width), *map(list, zip(*value, strict=True))], cost=3)
     if 2 < n == lengths[-1] + 1 and all(1 < x < k + 2 for k, x in enumerate(lengths[1:-1], 1)):
         A = _padded([row[1:] for row in value[:-1]], n - 1)  # c | A over b, in rows of any length
         if A is not None and _strict(A):
@@ -410,9 +411,8 @@ _STRONG = re.compile(
     r"runge|butcher|tableau|(?<![a-z])rk(?:f|ck|dp)?\d|dopri|dormand|fehlberg|cash.?karp",
     re.IGNORECASE,
 )
-_PARTS = re.compile(r"explicit|implicit", re.IGNORECASE)
-#: Names of the matrices of an additive method.
-_HALF = re.compile(r"exp|imp|_(ex|im)(?![a-z])", re.IGNORECASE)
+#: Names of the parts of an additive method.
+_HALF = re.compile(r"exp(?:licit)?|imp(?:licit)?|_(?:ex|im)(?![a-z])", re.IGNORECASE)
 
 
 def tables(
@@ -451,15 +451,17 @@ def tables(
     for block in everything:
         made = arrays(block, language)
         if block.parent is not None and made and not any(x.role == "b" for x in made):
-            taken = {x.name for x in made}
-            lo, hi = block.line, block.last
-            made += [x for x in arrays(block.parent, language) if x.name not in taken
-                     and block.kind == "record" and lo <= x.line <= hi]  # fmt: skip
+            taken, around = {x.name for x in made}, arrays(block.parent, language)
+            fills = any(x.name in taken and x.role == "A" and _empty(x) for x in around)
+            made += [x for x in around if x.name not in taken and (fills or (
+                     block.kind == "record" and block.line <= x.line <= block.last))]  # fmt: skip
         found += _of_block(block, made, text, about=about, strong=strong)
         found += _euler(block, made)
     if about:
         found = _with_steps(found, everything, collector)
-    found = _distinct(found)
+    found = [x for x in _distinct(found) if not (x.unread.endswith(_ELSEWHERE) and any(
+             not y.unread and y.source == x.source and y.block.parent is x.block
+             for y in found))]  # fmt: skip
     found.sort(key=lambda x: x.line)
     _called_with(found, collector.calls)
     for table in found:
@@ -491,6 +493,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
     lines = [x.line for x in collector.tokens]
     flows = WORDS.search(collector.text) is not None
     steps = MULTISTEP.search(collector.text) is not None
+    known = functions(blocks, collector)
     for block in blocks:
         if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
             continue
@@ -500,6 +503,9 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
         given = flat([x for x in collector.tokens[low:high] if x.line in own], collector.language)
         made = list(steps_of(block, given, collector))
+        if known and all(x.unread or not x.followed for x in made):
+            more = steps_of(block, followed(given, known), collector)
+            made = [x for x in more if not x.unread] or made
         for table in made:
             table.block, table.name = block, (block.own or block.name) if block.parent else "step"
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
@@ -590,12 +596,12 @@ def _by_function(top: Block) -> Iterator[Table]:
 def _in_two_tables(found: list[Table]) -> list[Table]:
     """Return the additive methods whose parts are tables that differ in the word explicit."""
     made = []
-    read = [x for x in found if not x.unread and x.kind == "rk" and _PARTS.search(x.name)]
+    read = [x for x in found if not x.unread and x.kind == "rk" and _HALF.search(x.name)]
     for x, y in permutations(read, 2):
-        words = [_PARTS.findall(z.name)[0].lower() for z in (x, y)]
-        same = len({_PARTS.sub("", z.name) for z in (x, y)}) == 1 and len(x.b[0]) == len(y.b[0])
+        words = [_HALF.findall(z.name)[0].lower().strip("_")[0] for z in (x, y)]
+        same = len({_HALF.sub("", z.name) for z in (x, y)}) == 1 and len(x.b[0]) == len(y.b[0])
         blocks = [z.block.parent if z.block.kind == "record" else z.block for z in (x, y)]
-        if words == ["explicit", "implicit"] and same and blocks[0] is blocks[1]:
+        if words == ["e", "i"] and same and blocks[0] is blocks[1]:
             table = Table(f"{x.name} with {y.name}", max(x.line, y.line), "additive",
                           [x.A[0], y.A[0]], [x.b[0], y.b[0]], [x.c[0], y.c[0]],
                           x.order if x.order is not None else y.order, general=True)  # fmt: skip
@@ -987,9 +993,16 @@ def _lost(candidate: Candidate, parts: Sequence[Array]) -> str:
                 at = f" (line {y.line})" if y.line else ""
                 return f"an entry of {x.name or 'an array'} is not read: {y}{at}"
     c = candidate.c
-    if c and any(map(size, flattened(c.value))) and not any(map(size, flattened(given[0].value))):
-        return f"all entries of {candidate.array.name} are 0, and set elsewhere"
+    if c and not _empty(c) and _empty(candidate.array):
+        return f"all entries of {candidate.array.name} {_ELSEWHERE}"
     return ""
+
+
+_ELSEWHERE = "are 0, and set elsewhere"
+
+
+def _empty(x: Array) -> bool:
+    return not any(map(size, flattened(x.value)))
 
 
 def _built(block: Block, found: list[tuple[Candidate, list[Array]]]) -> list[Table]:
@@ -1024,8 +1037,7 @@ def _additive(x: Candidate, y: Candidate) -> bool:
         z.match < MOST_ROWS and z.order < 2 - said for z in (x, y)
     ):
         return False
-    stems = re.sub(r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", x.array.name), re.sub(
-        r"(?i)exp(licit)?|imp(licit)?|hat|tilde|[_ ]", "", y.array.name)  # fmt: skip
+    stems = [re.sub("(?i)hat|tilde|[_ ]", "", _HALF.sub("", z.array.name)) for z in (x, y)]
     return stems[0][:1].lower() == stems[1][:1].lower()
 
 

@@ -9,6 +9,7 @@ is run; a function of which one statement that matters is not folded gives no ta
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -49,6 +50,8 @@ ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, Recurs
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
 BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
+#: What the index of an entry is made of where each has a thread.
+_THREADS = frozenset("blockIdx threadIdx get_global_id".split())
 
 
 class Form:
@@ -135,6 +138,8 @@ def _loops(row: Sequence[Token]) -> set[str]:
     """Return the names that loops count with."""
     found: set[str] = set()
     for k, x in enumerate(row):
+        if x.text in _THREADS:
+            found |= {row[k - 2].text} if k > 1 and row[k - 1].text == "=" else set()
         if x.text in _LOOPS:
             for y, z in zip(row[k + 1 : k + 7], row[k + 2 : k + 8], strict=False):
                 if y.kind == "name" and z.text in ("=", "in", "∈", ",", ":="):
@@ -203,6 +208,10 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
         ):
             k += 1
             continue
+        if x.text == "<<" and nxt == "<":  # a launch f<<<blocks, threads>>>(
+            k = next((j for j in range(k, len(row)) if row[j].text == "("
+                      and row[j - 1].text.endswith(">")), len(row))  # fmt: skip
+            continue
         if x.text == "(" and [y.text for y in row[k + 1 : k + 2]] == ["*"] and [
             y.text for y in row[k + 3 : k + 5]] == [")", "("]:  # fmt: skip
             found.append(row[k + 2])  # (*f)(
@@ -258,6 +267,52 @@ def _headless(row: list[Token]) -> list[Token]:
         else:
             return row
     return row
+
+
+#: Parameters and statements of functions, by their names.
+Functions = dict[str, tuple[list[str], list[list[Token]]]]
+
+
+def functions(blocks: Sequence[Block], collector: Collector) -> Functions:
+    """Return the functions that set what they are given, and call nothing."""
+    found: Functions = {}
+    lines = [x.line for x in collector.tokens]
+    for block in blocks if collector.language.braces else ():
+        if block.kind != "code" or block.parent is None or block.name in BRANCHES | _LOOPS:
+            continue
+        low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
+        row = flat(collector.tokens[low:high], collector.language)
+        at = next((k for k, x in enumerate(row) if x.text == "("), 0)
+        end = _partner(row, at)
+        parts = _parts(row[at + 1 : end])
+        names = [y.text for x in parts for y in [z for z in x if z.kind == "name"][-1:]]
+        said = [x for x in statements(row[end + 1 :], collector.language) if _equal(x)]
+        sets = any(x[e - 1].text in names for x in said if (e := _equal(x)))
+        if at and sets and not calls(row[end + 1 :]):
+            found[row[at - 1].text] = names, said
+    return found
+
+
+def followed(row: Sequence[Token], known: Functions) -> list[Token]:
+    """Return tokens in which a statement that calls a known function is what that one does."""
+    found: list[Token] = []
+    k = 0
+    while k < len(row):
+        x, k = row[k], k + 1
+        begins = not found or found[-1].kind == "line" or found[-1].text in (";", "{", "}")
+        function = known.get(x.text) if begins else None
+        end = _partner(row, k) if function and [y.text for y in row[k : k + 1]] == ["("] else k
+        given = _parts(row[k + 1 : end])
+        names, said = function or ([], [])
+        if not names or len(given) != len(names):
+            found.append(x)
+            continue
+        held = dict(zip(names, given, strict=True))
+        for statement in said:
+            found += [z for y in statement for z in held.get(y.text, [y])]
+            found.append(x._replace(kind="mark", text=";"))
+        k = end + 1
+    return found
 
 
 @dataclass
@@ -369,7 +424,7 @@ class Step:
                 x = self._part(Collector._look(self.block)(base), index)
                 if isinstance(x, Number):
                     return plain(x)
-            except (Unread, IndexError, TypeError):
+            except (Unread, LookupError, TypeError):
                 pass
         return atom(name)
 
@@ -736,13 +791,14 @@ def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
     if not wanted:
         return
     said = list(statements(row, language))
-    assigned = [(s[0].line, s[e - 1].text) for s in said
+    assigned = [(n, s[e - 1].text) for n, s in enumerate(said)
             if (e := _equal(s)) and s[e].text in ("=", ":=")]  # fmt: skip
     targets = Counter(name for _, name in assigned)
     rights = Counter(y.text for s in said for y in s[(_equal(s) or -1) + 1 :] if y.kind == "name")
     for (name, count), made in sorted(wanted, key=lambda x: -len(x[1]))[:4]:
-        output, begin = -1, row[made[0].at].line
-        later = {name for line, name in assigned if line >= begin}
+        output, begin = -1, row[made[0].at]
+        first = next((n for n, s in enumerate(said) if any(y is begin for y in s)), 0)
+        later = {name for n, name in assigned if n >= first}
         if not all(x.valued for x in made) or _is_flag(row, made, said):
             places = []
             for k in range(count):

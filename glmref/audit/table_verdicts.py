@@ -156,7 +156,9 @@ def _meant(
     explained = explained or (table.kind == "rosenbrock" and found == 0)  # by four names
     explained = explained or any(found == 0 or gap > method.coarse for _, gap in table.identities)
     rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
-    entry = len(record.get("correction", ())) == 1 and one_row_apart(method)
+    entry = len(record.get("correction", ())) == 1 and (
+        one_row_apart(method) or method.kind == "additive"
+    )
     entry = entry or any(x.startswith("with error weight") for x in remarks)
     if status in ("wrong", "question") and table.guessed and entry:  # what is right says weights
         return "question"
@@ -407,6 +409,10 @@ def _explained(
         if table.kind == "shu-osher" and not record["correction"]:
             record["correction"] = look(Trial(in_one_form(table)), table.order)
     gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
+    pair = _exchanged_nodes(method)
+    if pair:
+        i, j = pair[0] + 1, pair[1] + 1
+        remarks.append(f"rows {i} and {j} of A sum to c[{j}] and c[{i}]: one pair is exchanged")
     if not (record.get("correction") or entries or len(remarks) > gaps):
         remarks.append(
             "the entries of a general linear method are not searched"
