@@ -409,12 +409,12 @@ _DENSE = re.compile(r"dense|interp|contin", re.IGNORECASE)
 def _dense(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
     """Yield b_i(theta) of a dense output without its method: the weights of stages sum to theta."""
     for x in matrices if not any(y.role == "A" for y in matrices) else ():
-        rows = [r for r in x.value if _length(r) == _length(x.value[0])]
-        turned = len(rows) == len(x.value) < _length(rows[0])
-        sums = [sum(map(size, r)) for r in (rows if turned else zip(*rows, strict=True))]
+        rows, width = x.value, _length(x.value[0])
         said = _DENSE.search(" ".join([*block.path(), x.name]))
-        if not said or min(len(rows), len(sums)) < 3 or len(rows) != len(x.value):
+        if not said or min(len(rows), width) < 3 or {*map(_length, rows)} != {width}:
             continue
+        turned = len(rows) < width
+        sums = [sum(map(size, r)) for r in (rows if turned else zip(*rows, strict=True))]
         wanted = [1, *([0] * (len(sums) - 1))]  # of theta, theta^2, ..
         gaps = [y - z for y, z in zip(sums, wanted if _one(sums[0]) else wanted[::-1], strict=True)]
         off = [k for k, y in enumerate(gaps) if not abs(y) < LOOSE]
