@@ -889,7 +889,8 @@ class Collector:
     def _expression(self, row: Sequence[Token]) -> None:
         """Read a call, an object, a field or a declaration such as ``Matrix a{..}``."""
         marks = {x.text for x in row}
-        if [x.text for x in row[1:2]] in (["::"], [":"]) and self.block.name:
+        sign = {"python": ":", "julia": "::"}.get(self.language.name)
+        if self.block.name and [x.text for x in row[1:2]] == [sign]:
             self.fields.setdefault(self.block.name, []).append(row[0].text)
             return
         if not marks & {"(", "{"} or row[0].kind not in ("name", "mark"):

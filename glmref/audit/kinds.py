@@ -39,14 +39,15 @@ _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t",
 _NUMBERED = re.compile(r"(|.*_)([a-z])_?(\d+)")
 
 
-def _numbers(*arrays: Array) -> None:
+def only_numbers(*arrays: Array) -> None:
     """Raise the reason why an entry of arrays is not a number."""
     for x in arrays:
         if x.lost:
             raise Unread(f"completed at run time: {x.lost}")
         for y in flattened(x.value):
             if not isinstance(y, Number):
-                raise Unread(f"an entry of {x.name or 'an array'} is not read: {y}")
+                at = f" (line {y.line})" if isinstance(y, Unread) and y.line else ""
+                raise Unread(f"an entry of {x.name or 'an array'} is not read: {y}{at}")
 
 
 def _stem(x: Array) -> str:
@@ -139,7 +140,7 @@ def _square(x: Array, *, strict: bool = False) -> Rows | None:
 def _guarded(name: str, line: int, arrays: list[Array], make: Any) -> Iterator[Found]:
     table = Table(name, line, general=True, last=max(x.last for x in arrays))
     try:
-        _numbers(*arrays)
+        only_numbers(*arrays)
         make(table)
     except Unread as error:
         table.unread = str(error)

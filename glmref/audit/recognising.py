@@ -23,7 +23,7 @@ from .entries import LOOSE, Array, arrays, of_subject, role_of
 from .flows import WORDS, flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums
-from .kinds import others
+from .kinds import only_numbers, others
 from .lexer import Language, Remark, Token
 from .multistep import MULTISTEP, sums_of
 from .readers import ORDINALS, by_name
@@ -981,21 +981,14 @@ def _title(block: Block, array: Array) -> str:
     return base or array.name or "table"
 
 
-def _lost(candidate: Candidate, parts: Sequence[Array]) -> str:
+def _lost(x: Candidate) -> str:
     """Return the reason why a table is not what the code uses, or ``""``."""
-    given = [candidate.array, *([candidate.b] if candidate.b else []),
-             *([candidate.c] if candidate.c else []), *parts]  # fmt: skip
-    for x in given:
-        if x.lost:
-            return f"completed at run time: {x.lost}"
-        for y in flattened(x.value):
-            if isinstance(y, Unread):
-                at = f" (line {y.line})" if y.line else ""
-                return f"an entry of {x.name or 'an array'} is not read: {y}{at}"
-    c = candidate.c
-    if c and not _empty(c) and _empty(candidate.array):
-        return f"all entries of {candidate.array.name} {_ELSEWHERE}"
-    return ""
+    try:
+        only_numbers(*(y for y in (x.array, x.b, x.c) if y is not None))
+    except Unread as error:
+        return str(error)
+    empty = x.c is not None and not _empty(x.c) and _empty(x.array)
+    return f"all entries of {x.array.name} {_ELSEWHERE}" if empty else ""
 
 
 _ELSEWHERE = "are 0, and set elsewhere"
@@ -1046,7 +1039,7 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
     table.last = max(y.last for y in (x.array, *([x.b] if x.b else []), *([x.c] if x.c else [])))
     table.block, table.source, table.key = block, x.array.name, key_of(x.array.value)
     table.loose = x.order
-    lost = _lost(x, ())
+    lost = _lost(x)
     rows = enumerate(x.reading.A)
     own = [size(row[i]) for i, row in rows]
     some = x.match < 1 or any(own)  # c may be complete, or the sums of rows
@@ -1172,7 +1165,7 @@ def _together_of(block: Block, x: Candidate, y: Candidate, near: list[Array]) ->
     if len(implicit.reading.A) < len(explicit.reading.A):
         implicit = _after_a_stage(implicit)
     table = _single(block, explicit, near)
-    why = table.unread or _lost(implicit, ())
+    why = table.unread or _lost(implicit)
     if why:
         table.unread = why
         return table
