@@ -545,7 +545,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
 
 
 #: Names of functions that make a step.
-_RUNGE = re.compile(r"RK_?\d|(?<![A-Za-z])rk_?\d|[Rr]unge")
+_RUNGE = re.compile(r"RK_?\d|(?:(?<![A-Za-z])|ssp_?)rk_?\d|[Rr]unge")
 _BY_NAME = "its name says that this is a step of a Runge-Kutta method, in a form that is not read"
 
 

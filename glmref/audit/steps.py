@@ -274,7 +274,7 @@ Functions = dict[str, tuple[list[str], list[list[Token]]]]
 
 
 def functions(blocks: Sequence[Block], collector: Collector) -> Functions:
-    """Return the functions that set what they are given, and call nothing."""
+    """Return the functions that set what they are given, call nothing and choose nothing."""
     found: Functions = {}
     lines = [x.line for x in collector.tokens]
     for block in blocks if collector.language.braces else ():
@@ -286,9 +286,13 @@ def functions(blocks: Sequence[Block], collector: Collector) -> Functions:
         end = _partner(row, at)
         parts = _parts(row[at + 1 : end])
         names = [y.text for x in parts for y in [z for z in x if z.kind == "name"][-1:]]
-        said = [x for x in statements(row[end + 1 :], collector.language) if _equal(x)]
+        every = list(statements(row[end + 1 :], collector.language))
+        said = [x for x in every if _equal(x)]
         sets = any(x[e - 1].text in names for x in said if (e := _equal(x)))
-        if at and sets and not calls(row[end + 1 :]):
+        known = {"return", *_loops(collector.tokens[low:high])}  # no choice but of entries
+        chosen = any(x[0].text in {"if", *BRANCHES} and not known & {y.text for y in x}
+                     for x in every)  # fmt: skip
+        if at and sets and not chosen and not calls(row[end + 1 :]):
             found[row[at - 1].text] = names, said
     return found
 
@@ -307,7 +311,11 @@ def followed(row: Sequence[Token], known: Functions) -> list[Token]:
         if not names or len(given) != len(names):
             found.append(x)
             continue
-        held = dict(zip(names, given, strict=True))
+        held = {
+            name: [x._replace(kind="mark", text="("), *part, x._replace(kind="mark", text=")")]
+            if {"+", "-"} & {y.text for y in part} else [y for y in part if y.text != "&"]
+            for name, part in zip(names, given, strict=True)
+        }  # fmt: skip
         for statement in said:
             found += [z for y in statement for z in held.get(y.text, [y])]
             found.append(x._replace(kind="mark", text=";"))
