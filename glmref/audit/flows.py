@@ -14,13 +14,12 @@ from dataclasses import dataclass, field
 from functools import cache
 from itertools import combinations, groupby
 
-from ..errors import GlmrefError
 from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner
 from .compositions import of_weights
 from .lexer import Token
 from .nearest_method import Library
-from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form, statements
+from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form
 from .table import ZERO, Table
 from .values import Number, Unread
 
@@ -211,11 +210,7 @@ def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
     if sum(x.kind == "name" and _STEP.fullmatch(x.text) is not None for x in row) < 3:
         return
     step = _Moves(block, collector, "", 0, -1, set())
-    for statement in statements(row, collector.language):
-        try:
-            step.take(statement)
-        except (GlmrefError, Unread, *ACCIDENTS):
-            continue
+    step.follow(row)
     moves = _first_components(step.moved)
     branches = sorted({x.line for x in row if x.text in BRANCHES or x.text == "if"})
     parts = [list(x) for _, x in groupby(moves, lambda x: bisect(branches, x.line))]

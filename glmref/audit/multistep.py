@@ -12,12 +12,11 @@ from fractions import Fraction
 from itertools import pairwise, product
 from typing import Any
 
-from ..errors import GlmrefError
 from ..exact import Exact
 from .collecting import Block, Collector, _partner
 from .entries import LOOSE, Array, Found, last_letter
 from .lexer import Language, Token
-from .steps import ACCIDENTS, Atoms, Form, Names, form, statements
+from .steps import Atoms, Form, Names, form
 from .table import Table
 from .values import Number, Unread, size
 
@@ -346,11 +345,7 @@ def sums_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterato
     coefficients are positive and sum to 1, the sum may be that of a Runge-Kutta method.
     """
     step = _Sums(block, collector, "", 0, -1, set())
-    for statement in statements(row, collector.language):
-        try:
-            step.take(statement)
-        except (GlmrefError, Unread, *ACCIDENTS):
-            continue
+    step.follow(row)
     said = MULTISTEP.search(" ".join([*block.path(), block.own])) is not None
     for x in step.sums:
         terms = form(x).terms

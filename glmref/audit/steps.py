@@ -709,6 +709,12 @@ class Atoms(StepFolder):
 class Names(Step):
     """A function carried out with names and calls that are not read standing for themselves."""
 
+    def follow(self, row: Sequence[Token]) -> None:
+        """Carry out the statements of a function; those that are not read are passed over."""
+        for statement in statements(row, self.collector.language):
+            with suppress(GlmrefError, Unread, *ACCIDENTS):
+                self.take(statement)
+
     def look(self, name: str) -> Any:
         """Return what a name holds; what is not read stands for itself."""
         try:
