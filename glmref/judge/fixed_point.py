@@ -43,13 +43,13 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True)
 class Weights:
-    """A row of weights, in units b, b A by colour, bounds of residuals by tree, and by order."""
+    """A row of weights in units, b A by colour, bounds of residuals by tree, by root and order."""
 
     row: list[Fraction]
     b: Fixed
     before: dict[str, Fixed]
     known: dict[Tree, tuple[int, int]]
-    groups: dict[int, list[Group]]
+    groups: dict[tuple[str, int], list[Group]]
 
 
 class Sizes:
@@ -162,10 +162,10 @@ class Sizes:
     def groups(self, order: int, weights: dict[str, Weights]) -> list[Group]:
         """Return the conditions of an order."""
         for colour, row in weights.items():
-            if order not in row.groups:
+            if (colour, order) not in row.groups:  # two colours may have one row of weights
                 places = {t: k for k, t in enumerate(self.level(order)) if t[0] == colour}
-                row.groups[order] = list(self.grouped(order, places, row))
-        return [x for row in weights.values() for x in row.groups[order]]
+                row.groups[colour, order] = list(self.grouped(order, places, row))
+        return [x for colour, row in weights.items() for x in row.groups[colour, order]]
 
     def grouped(self, order: int, places: dict[Tree, int], row: Weights) -> Iterator[Group]:
         """Yield the trees of one order and colour in groups, by products of matrices.

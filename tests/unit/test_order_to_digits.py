@@ -56,15 +56,34 @@ def certified(doc: dict[str, Any]) -> dict[str, Any]:
     return json.loads(json.dumps(found))
 
 
+@pytest.mark.parametrize("halves", ["qp", "pq"])
+def test_halves_with_the_same_weights_have_conditions_of_their_own(halves: str) -> None:
+    """Of the two trees of order 2 one is wrong by 0.35, the other right to twelve digits."""
+    b = ["1/2", "500000000001/1000000000000"]
+    made = {
+        half: {"A": [["0", "0"], [a, "0"]], "U": [["1"], ["1"]], "B": [b], "V": [["1"]]}
+        for half, a in zip(halves, ("3/10", "999999999998/1000000000000"), strict=True)
+    }
+    given = {
+        "format": "glmref-method-2", "name": "same-weights", "title": "x", "class": "partitioned",
+        "separable": True, "source": SOURCE, "claims": {KEY: {"b": [2, "1.0e-12"]}}, **made,
+    }  # fmt: skip
+    found = judged(given)
+    assert found.verdict is Verdict.FAILS
+
+
 @pytest.mark.parametrize("judge", [plain_judge, fast_judge()], ids=["fractions", "flint"])
+@pytest.mark.parametrize("alike", [False, True], ids=["own weights", "the same weights"])
 @pytest.mark.parametrize("palette", [(("o", "o"),), (("f", "k"), ("k", "f"))], ids=["one", "pair"])
-def test_residuals_of_one_order_are_bounded_all_at_once(judge: Any, palette: Any) -> None:
+def test_residuals_of_one_order_are_bounded_all_at_once(
+    judge: Any, palette: Any, alike: bool
+) -> None:
     """Never below the residual, and above it by less than one part in 2^100."""
     draw, rational = random.Random(3), judge.arithmetic.Fraction
     rows = [[rational(draw.randrange(-99, 99), 97) for _ in range(3)] for _ in range(8)]
     tables = {c: rows[k : k + 3] for k, (c, _) in enumerate(palette)}
     sizes = judge.fixed_point.Sizes(tables, palette, "", False, 200)
-    b = {c: sizes.weights(rows[k - 2]) for k, (c, _) in enumerate(palette)}
+    b = {c: sizes.weights(rows[-1 if alike else k - 2]) for k, (c, _) in enumerate(palette)}
     for n in range(1, 7):
         groups, level, bounds = sizes.groups(n, b), sizes.level(n), {}
         for group in groups:
