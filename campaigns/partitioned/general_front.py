@@ -89,7 +89,7 @@ def row(name: str) -> dict[str, Any]:
         h, counts[x] = found
         for renew, steps in _LONG.items():
             energy = long_run(method, one, h, steps, renew)["energy"]
-            kept[renew] += energy is not None and energy <= LOST
+            kept[renew] += energy is not None and energy < LOST
     return {
         "method": name,
         "order": q.order,

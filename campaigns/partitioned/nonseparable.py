@@ -49,7 +49,7 @@ GENERAL = tuple(name for name, roots in SHIPPED.items() if not roots.semi)
 RENEW = (300, 1000)
 #: Steps of a run with renewals, and its step size.
 _STEPS, _H = 40_000, 0.02
-#: An energy error that is a loss.
+#: An energy error that is a loss, also where it is only rounded to this.
 LOST = 1e-3
 #: Steps of a long run by the steps between renewals, 0 for none.
 LONG = {0: 10_000_000, 1000: 1_000_000}
@@ -206,7 +206,7 @@ def long_table(
     def cell(x: Mapping[str, Any]) -> str:
         if x["h"] is None:
             return "—"
-        if x["energy"] is None or x["energy"] > lost:
+        if x["energy"] is None or x["energy"] >= lost:
             return f"lost, {x['reported']:g}"
         return f"{x['energy']:.1e}" + (f", notice {x['reported']:g}" if x["reported"] else "")
 

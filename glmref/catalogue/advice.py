@@ -87,7 +87,7 @@ ADVICE: tuple[Advice, ...] = (
         "symplectic and of high order; its stages are computed side by side",
         "Hamiltonian",
         ("multistep-general-8c", "multistep-general-8", "gauss-2", "gauss-3", "s5i1-w3"),
-        "`multistep-general-8c`, explicit, needs fewer evaluations. With `renew=1000` it lost one "
+        "`multistep-general-8c`, explicit, needs fewer evaluations. With `renew=1000` it lost two "
         "of seventeen such systems in a million steps, `-8` without renewal six in ten million, "
         "each time with a notice ({doc}`nonseparable`). On the double pendulum, at 1e-9, "
         "`gauss-4` takes 0.42 to 0.80 of the time of six G-symplectic methods; the seventh, "

@@ -51,7 +51,6 @@ class State:
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
     #: What the right-hand side raised in the step that ended the run, or ``None``.
     trouble: Exception | None = None
-    chunk: int = _FIRST_CHUNK  #: Steps of the next call.
 
     def take_back(self, work: np.ndarray, tally: np.ndarray) -> None:
         """Return to copies made earlier."""
@@ -150,11 +149,12 @@ class Kernel:
         After ``every`` steps (0: never) a row is recorded into ``out``; ``pause`` is called between
         chunks with the steps done and cancels where it is true.
         """
-        seconds, flat, grows = 0.0, out.reshape(-1), True
+        chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
         if self.built.engine == "python":
-            state.chunk = min(state.chunk, 8)
+            chunk = 8
+        grows = True
         while state.step < last:
-            until = min(last, state.step + state.chunk)
+            until = min(last, state.step + chunk)
             begin = time.perf_counter()
             mark = (state.step // every + 1) * every if every else -1
             code = self._called(state, t0, h, until, mark, every, flat)
@@ -163,11 +163,11 @@ class Kernel:
             if code is None:
                 # an exception came through: the same steps again in smaller pieces, up to the last
                 # one before it
-                state.chunk, grows = max(1, (until - state.step) // 2), False
+                chunk, grows = max(1, (until - state.step) // 2), False
             if code:
                 return KERNEL_OUTCOMES[code], seconds
-            if grows and spent < _CHUNK_SECONDS and until < last:
-                state.chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
+            if grows and spent < _CHUNK_SECONDS:
+                chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
             if state.step < last and pause(state.step):
                 return Outcome.CANCELLED, seconds
         return Outcome.COMPLETED, seconds

@@ -125,7 +125,7 @@ class Run:
         values = self._renewal(state.step, y)
         t = float(self.problem.t_span[0]) + state.step * self.h
         other = self._state(kernel, t, values)
-        other.tally[:], other.chunk = state.tally, state.chunk
+        other.tally[:] = state.tally
         self.start_evaluations += bool(kernel.form.memory)
         return other
 

@@ -58,12 +58,29 @@ def test_a_start_by_a_kernel_has_the_bits_of_the_reference(name, of):
 
 def test_a_run_with_many_renewals_compiles_their_start(monkeypatch):
     options = {"h": 0.02, "steps": 4000, "every": 500}
+    compiled = []
+    monkeypatch.setattr(
+        "glmref.engine.run.map_of",
+        lambda one, *given, **how: compiled.append(one) or map_of(one, *given, **how),
+    )
+    monkeypatch.setattr("glmref.engine.run._MANY", 40)
     few = solve("uneven-plane", "multistep-general-8", renew=100, **options)
-    monkeypatch.setattr("glmref.engine.run._MANY", 10)
+    assert compiled == [None]  # no finish
+    monkeypatch.setattr("glmref.engine.run._MANY", 39)
     many = solve("uneven-plane", "multistep-general-8", renew=100, **options)
+    assert compiled[2] is not None
     assert many.renewals == few.renewals == 39
     assert many.start_evaluations == few.start_evaluations == 40 * 24
     np.testing.assert_array_equal(many.y, few.y)
+
+
+def test_a_run_with_renewals_is_cancelled():
+    asked = []
+    run = solve(
+        "uneven-plane", "multistep-general-8", h=0.02, steps=3_000_000, renew=1000,
+        cancel=lambda: len(asked) > 20 or bool(asked.append(1)),
+    )  # fmt: skip
+    assert run.outcome.name == "CANCELLED"
 
 
 def test_what_needs_python_has_no_kernel():
