@@ -21,7 +21,7 @@ def horner(coefficients: list, x: T) -> T:
 
 def derivative(p: list) -> list:
     """Return p' of a list of coefficients, constant first."""
-    return [k * c for k, c in enumerate(p)][1:]
+    return [k * c for k, c in enumerate(p)][1:] or [Fraction(0)]
 
 
 def trim(p: Iterable) -> list:
