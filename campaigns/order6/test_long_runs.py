@@ -1,8 +1,4 @@
-"""What the page recommends for long runs follows from ten million steps, and a million agree.
-
-``data/measurements/long-runs.json`` holds the ten million; here the same code runs a tenth of it
-for the methods that the page names, and measures one rate of growth of second order in h again.
-"""
+"""What the page recommends for long runs follows from the ten million steps on record."""
 
 from __future__ import annotations
 
@@ -14,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from campaigns.order6.long_runs import RUNS, growth_rate, long_run
 from glmref.catalogue.lookup import data_root, document
 
 Record = Mapping[str, Any]
@@ -84,38 +79,3 @@ def test_the_page_recommends_what_the_data_say() -> None:
 def test_other_data_would_recommend_others(name: str, run: str, change: Record) -> None:
     other = [{**x, **change} if (x["method"], x["run"]) == (name, run) else x for x in RECORD]
     assert recommended(other) != recommended(RECORD)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "run"),
-    [
-        *((name, run) for name in recommended(RECORD) for run in RUNS),
-        *((name, PENDULUM) for name in steady(RECORD)),
-    ],
-)
-def test_a_million_steps_are_the_beginning_of_the_ten(name: str, run: str) -> None:
-    ten, one = recorded(name, run), long_run(name, run, steps=1_000_000)
-    assert one.bounded, one
-    # The same solution, looked at in other places. On Henon-Heiles the error of H has sharp peaks:
-    # of 11,001 rows one in a hundred exceeds 0.75 of the largest and one in a thousand 0.93, so the
-    # 580 looks of a run see between 0.75 of it and all of it: two runs differ by 4/3 at the most.
-    # The parasitic part is smooth: its looks miss less than a tenth. It lies between that of the
-    # first hundredth of the ten million steps and that of them all.
-    assert one.energy < 4 / 3 * ten["energy"]
-    assert 0.9 * ten["parasitic_early"] < one.parasitic < 1.1 * ten["parasitic"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("h", [0.2, 0.16])
-def test_growth_at_second_order_is_measured_again(h: float) -> None:
-    """G6245 with z = exp(2 pi i/3) on the pendulum: exp(c h^2 t) with c near 1e-3.
-
-    Rounding differs from machine to machine by 1e-16 or so, ten orders below the nudge, and the
-    equations of the parasitic part are linear: four digits of the rate are kept, three must agree.
-    """
-    stored = next(x for x in LONG_RUNS["scan"] if x["h"] == h)
-    again = growth_rate(stored["method"], stored["run"], h=h, steps=stored["steps"])
-    assert again == pytest.approx(stored["rate"], rel=2e-3)
-    # the near miss: another method has another rate
-    assert growth_rate("s5i2-w3", stored["run"], h=h, steps=stored["steps"]) < 0.5 * again

@@ -68,7 +68,8 @@ def test_a_measurement_says_how_it_is_made_again(name: str) -> None:
     assert record["format"] == "glmref-measurement-1"
     assert record["name"] == name
     assert record["how"].startswith("python -m campaigns.")
-    assert f"`{record['how'].removesuffix(' FILE')} FILE`" in text(README)
+    command, _, commit = record["how"].partition(", in commit ")
+    assert f"`{command}`" + (f", in commit `{commit}`" if commit else "") in text(README)
 
 
 def shares(case: str) -> dict[str, list[float]]:

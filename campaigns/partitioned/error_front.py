@@ -1,6 +1,7 @@
 """How small the error constant of a symmetric multistep method can be at a periodicity interval.
 
-    python -m campaigns.partitioned.error_front data/measurements/error-front.json
+The search behind ``data/measurements/error-front.json`` is closed; its script is in the commit
+that the record names.
 
 With w = 2 cosh x - 2 and a_j = 2 - 2 cos(theta_j), the explicit symmetric method with one force for
 q'' = g(q) and the roots exp(+-i theta_j) is P(w) = prod_j (1 + w / a_j) and the polynomial S of
@@ -14,40 +15,43 @@ Beginning with 1/12 for no roots all these slopes are positive, since every 1 / 
 constants with 1 / a_j = 1/4 throughout are (:func:`least`). So C falls as any angle grows, and is
 larger than these constants, to which it tends where all roots go to -1.
 
-The step is stable at (h omega)^2 = y where all zeros of w P + y S are simple and in (-4, 0). For
-each order a random descent looks for the least C with a given periodicity interval and roots that
-are so far apart. To first order the evaluations needed for a small error are as C^{1/(2 m + 2)}.
+The step is stable at (h omega)^2 = y where all zeros of w P + y S are simple and in (-4, 0). To
+first order the evaluations needed for a small error are as C^{1/(2 m + 2)}.
 """
 
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.pages import markdown
-from campaigns.partitioned.stages_search import SCANNED, Stages, evaluations, gap, growth, of_file
+from glmref.catalogue.lookup import load
+from glmref.method import PartitionedGLM
 
-METHODS = (*SCANNED, "quinlan-8a", "quinlan-8b")
+#: Numbers of pairs of roots in the record.
 PAIRS = (3, 4, 5, 6)
-#: End of the periodicity interval and least distance of two roots, in degrees, that are asked for.
-ASKED = ((0.1, 0), (0.2, 0), (0.3, 0), (0.2, 6), (0.2, 12), (0.2, 18), (0.2, 24))
 #: Distance of the step sizes that are looked at.
 GRID = 0.005
-SEEDS, TRIES = 4, 1500
-NOTE = (
-    "constant: C in (1 + C x^p + ..) q'' = g, p = 2 pairs + 2. least: bound for all stable "
-    "methods with so many pairs, exact. descents: the least C that was found with an interval up "
-    f"to this end, on a grid of {GRID} in h omega, and roots at least so many degrees apart; with "
-    "the evaluations and the growth that it has on the training problems of stages_search."
-)
+
+
+def angles_of(name: str) -> np.ndarray:
+    """Return the angles of the roots of V of a symmetric multistep method of the catalogue."""
+    method = load(name)
+    assert isinstance(method, PartitionedGLM)
+    V = np.array([[float(x) for x in row] for row in method.V_hat])
+    found = np.angle(np.linalg.eigvals(V))
+    return np.sort(found[found > 1e-3])
+
+
+def gap(angles: np.ndarray) -> float:
+    """Return the least distance of two roots on the circle, in degrees."""
+    ordered = np.sort(np.degrees(angles))
+    return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
 
 
 @cache
@@ -97,63 +101,6 @@ def end(angles: np.ndarray, most: float = 2.0) -> float:
     return most
 
 
-def descend(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the least C found among methods with an interval up to an end and roots apart."""
-    pairs, wanted, apart = task["pairs"], task["end"], task["apart"]
-    best, found = math.inf, np.empty(0)
-    for seed in range(SEEDS):
-        generator = np.random.default_rng(seed)
-        # evenly spread roots, as of an explicit method with the largest interval
-        angles, width = np.pi * np.arange(1, pairs + 1) / (pairs + 1), 0.1
-        value = error_constant(angles) if end(angles, wanted) >= wanted else math.inf
-        for _ in range(TRIES):
-            new = angles + width * generator.normal(size=pairs)
-            if not (new.min() > 0.2 and new.max() < np.pi and gap(new) >= apart):
-                continue
-            constant = error_constant(new)
-            if constant < value and end(new, wanted) >= wanted:
-                angles, value, width = new, constant, 1.5 * width
-            else:
-                width = max(1e-5, 0.97 * width)
-        if value < best:
-            best, found = value, angles
-    row = {**task, "constant": None, "angles": np.sort(np.degrees(found)).round(2).tolist()}
-    return row if math.isinf(best) else row | _measured(found, best)
-
-
-def _measured(angles: np.ndarray, constant: float) -> dict[str, Any]:
-    """Return the constant, and evaluations and growth on the training problems."""
-    method = Stages(angles, np.zeros(1), np.ones((1, len(angles)), dtype=complex))
-    counts = evaluations(method)
-    return {
-        "constant": float(f"{constant:.4g}"),
-        "evaluations": np.exp(np.log(counts).mean(axis=0)).round().astype(int).tolist(),
-        "growth": round(growth(method, counts), 1),
-    }
-
-
-def method_row(name: str) -> dict[str, Any]:
-    """Return the error constant of a method of the catalogue."""
-    angles = of_file(name).angles
-    return {
-        "method": name,
-        "pairs": len(angles),
-        "end": round(end(angles), 3),
-        "apart": round(gap(angles), 1),
-        **_measured(angles, error_constant(angles)),
-    }
-
-
-def main(path: Path) -> None:
-    """Look for all ends and write the file."""
-    tasks = ({"pairs": m, "end": x, "apart": y} for m in PAIRS for x, y in ASKED)
-    title = "Error constants of symmetric multistep methods and periodicity intervals"
-    record = record_of("partitioned.error_front", "error-front", title, NOTE)
-    record["least"] = {str(2 * m + 2): str(least(m)) for m in PAIRS}
-    record["methods"] = [method_row(name) for name in METHODS]
-    complete(path, record | {"descents": carried_out(descend, tasks, beside=path)})
-
-
 def share(constant: float, pairs: int) -> float:
     """Return evaluations over those with the bound of the constant, to first order."""
     return (constant / float(least(pairs))) ** (1 / (2 * pairs + 2))
@@ -176,8 +123,3 @@ def table(document: Mapping[str, Any]) -> str:
                 cells += [f"{share(x['constant'], m):.2f}", *counts, f"{x['growth']:g}"]
             rows.append(cells)
     return markdown(heads.split(", "), rows)
-
-
-if __name__ == "__main__":
-    given: Sequence[str] = arguments(sys.argv[1:])
-    main(Path(given[0]))

@@ -27,13 +27,13 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, record_of
 from campaigns.order6.compare import METHODS
-from campaigns.order6.long_runs import parasitic_part
 from campaigns.pages import markdown
 from glmref.catalogue.lookup import document, load, names
 from glmref.derive.recipes.sources import LOST, in_words
 from glmref.engine.outcome import Solution
-from glmref.engine.reference import stepper
+from glmref.engine.reference import Stepper, apply_finish, apply_start, stepper
 from glmref.engine.solve import solve
+from glmref.errors import GlmrefError
 from glmref.measure.longtime import along
 from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
@@ -164,7 +164,7 @@ def follow_method(name: str, case: Case, steps: int = STEPS, *, restart: int = 0
     The number of steps is a power of ten from 10^4 on, the step size in :data:`UNITS`. With
     ``restart``, a divisor of it, the solution is taken as a new initial value, from which the
     method starts anew, every so many steps. ``carried`` is empty for methods that carry one value,
-    and the norm of the parasitic part (:func:`campaigns.order6.long_runs.parasitic_part`) for
+    and the norm of the parasitic part (:func:`parasitic_size`) for
     general linear methods.
     """
     return _followed(name, case, step_size(name, case), steps, restart=restart)
@@ -204,6 +204,22 @@ def _followed(
     return Long(name, case.problem, h, done, str(part.outcome), marks, rows[0], rows[1])
 
 
+def parasitic_size(engine: Stepper, values: np.ndarray, h: float) -> float:
+    """Return the norm of ``values - S(F(y_1))`` for values (r, d), start S and finish F."""
+    method = engine.method
+    y = engine.solution(values)
+    with np.errstate(all="ignore"):
+        try:
+            if method.finishing is not None:
+                y, _ = apply_finish(method.finishing, engine, 0.0, y, h)
+            assert method.starting is not None
+            ideal, _ = apply_start(method.starting, engine, 0.0, y, h)
+        except (ArithmeticError, GlmrefError):  # coupled stages without solution: far from all
+            return math.inf
+        size = float(np.linalg.norm(values[1:] - ideal[1:]))
+    return size if math.isfinite(size) else math.inf
+
+
 def _beyond(method: Method, target: Problem, part: Solution, h: float) -> np.ndarray:
     """Return the size of the values beyond the solution at each sample, (m,); 0 if not formed."""
     history = np.asarray(part.history)
@@ -213,7 +229,7 @@ def _beyond(method: Method, target: Problem, part: Solution, h: float) -> np.nda
     assert method.starting is not None
     last, look = len(history) - 1, LOOK[len(method.starting.A) > MANY]
     for k in {*range(min(5, last)), *range(0, last, look), last}:
-        sizes[k] = parasitic_part(engine, history[k], h)[1]
+        sizes[k] = parasitic_size(engine, history[k], h)
     return sizes
 
 

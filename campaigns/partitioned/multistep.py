@@ -1,13 +1,11 @@
-"""Multistep methods in one-step form against pairs and splittings: evaluations, long runs, holes.
+"""Multistep methods in one-step form against pairs and splittings: evaluations, long runs.
 
     python -m campaigns.partitioned.multistep data/measurements/multistep.json
     python -m campaigns.partitioned.multistep long data/measurements/multistep-long.json
-    python -m campaigns.partitioned.multistep resonances data/measurements/multistep-resonances.json
 
 The first counts force evaluations as :mod:`.work` does, each multistep method from its own start;
-the second follows 10^7 steps as :mod:`.long_runs` does; the last runs 4,000 step sizes up to the
-end of the periodicity interval. Times stand in the records of :mod:`.held_out` and of
-:mod:`campaigns.world`.
+the second follows 10^7 steps as :mod:`.long_runs` does. Times stand in the
+records of :mod:`.held_out` and of :mod:`campaigns.world`.
 """
 
 from __future__ import annotations
@@ -15,7 +13,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -26,6 +24,7 @@ import numpy as np
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
 from campaigns.pages import markdown
 from campaigns.partitioned import work
+from campaigns.partitioned.error_front import angles_of
 from campaigns.partitioned.long_runs import (
     EVERY,
     RESTART,
@@ -41,11 +40,9 @@ from glmref.catalogue.reader import load_document
 from glmref.derive.multistep import multistep_document
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.engine.solve import solve
-from glmref.measure.longtime import along
 from glmref.method import Method, PartitionedGLM
 from glmref.problems import problem
 from glmref.problems.model import Problem
-from glmref.theory.periodicity import periodicity
 
 #: Published symmetric multistep methods.
 SYMMETRIC = (
@@ -124,11 +121,7 @@ def twin(name: str) -> Method:
 
 def cosines(name: str) -> list[Fraction]:
     """Return cosines of the pairs of roots of a symmetric multistep method, to nine digits."""
-    method = load(name)
-    assert isinstance(method, PartitionedGLM)
-    values = np.array([[float(x) for x in row] for row in method.V_hat], dtype=float)
-    found = sorted(x.real / abs(x) for x in np.linalg.eigvals(values) if x.imag > 1e-6)
-    return [Fraction(float(c)).limit_denominator(10**9) for c in found]
+    return [Fraction(float(c)).limit_denominator(10**9) for c in np.cos(angles_of(name))[::-1]]
 
 
 def seconds_per_step(name: str, target: Problem, h: float, steps: int = 4_000) -> float | None:
@@ -329,92 +322,6 @@ def shipped_table(documents: Mapping[str, Mapping[str, Any]]) -> str:
     return markdown(heads.split(", "), rows)
 
 
-# --- resonances -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Scan:
-    """Energy errors at many step sizes."""
-
-    sizes: tuple[float, ...]  #: Step sizes.
-    errors: tuple[float, ...]  #: Largest relative energy error of each run.
-    #: Step sizes whose error exceeds a hundred times the median of the twenty regular ones below.
-    holes: tuple[float, ...]
-
-
-def scan(method: Method, case: Case, sizes: Sequence[float], steps: int) -> Scan:
-    """Run all step sizes, small to large, and mark those where the error leaps.
-
-    A hole is a step size whose error is more than a hundred times the median of the twenty regular
-    step sizes before it. From the first step size on after which nothing is regular the order is
-    lost, and nothing is called a hole.
-    """
-    target = problem(case.problem, **dict(case.parameters))
-    errors: list[float] = []
-    for h in sizes:
-        run = solve(target, method, h=float(h), steps=steps, every=max(1, steps // 64))
-        energy = along(target.hamiltonian, run.y)  # type: ignore[arg-type]
-        size = np.abs(energy - energy[0]).max() / abs(energy[0])
-        errors.append(float(size) if run.completed and np.isfinite(size) else math.inf)
-    last = max((k for k, e in enumerate(errors) if e < 1e-2), default=-1)
-    regular: list[float] = []
-    holes: list[float] = []
-    for h, e in zip(sizes[: last + 1], errors, strict=False):
-        before = float(np.median(regular[-20:])) if regular else e
-        if e > 100 * max(before, 1e-13):
-            holes.append(float(h))
-        else:
-            regular.append(e)
-    return Scan(tuple(map(float, sizes)), tuple(errors), tuple(holes))
-
-
-def resonances(path: Path, count: int = 4000, steps: int = 5000) -> None:
-    """Scan the new methods for separable systems on two orbits, up to the end of the interval.
-
-    The others, and published ones, are scanned by :mod:`.stages_search`.
-    """
-    record = record_of(
-        "partitioned.multistep resonances",
-        "multistep-resonances",
-        f"{count:,} step sizes of multistep methods in one-step form",
-        f"{steps:,} steps each; {' '.join((scan.__doc__ or '').split())}",
-    )
-    orbits = (
-        (Case("pendulum", 1.0, (("q0", "5/2"),)), 1.0),
-        (Case("kepler", 1.0, (("eccentricity", "1/5"),)), 0.8**-1.5),
-    )
-    size = {"count": count, "steps": steps}
-    tasks = (
-        {"method": name, "frequency": frequency, **size, **asdict(case)}
-        for name in ROWS["new, separable"]
-        for case, frequency in orbits
-    )
-    record["scans"] = carried_out(scan_row, tasks, beside=path)
-    complete(path, record)
-
-
-def scan_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Scan a method on an orbit of a frequency, up to the end of its periodicity interval."""
-    method, case, frequency = load(task["method"]), case_of(task), task["frequency"]
-    end = periodicity(method).value or 0.0
-    sizes = np.arange(1, task["count"] + 1) * (end / frequency / task["count"])
-    sizes = sizes[sizes > 0.05 * sizes[-1]]
-    found = scan(method, case, sizes.tolist(), task["steps"])
-    good = [h for h, e in zip(found.sizes, found.errors, strict=True) if e < 1e-2]
-    return {
-        "method": task["method"],
-        "problem": case.problem,
-        "end": three_digits(end),
-        "sizes": len(sizes),
-        "largest": three_digits(max(good, default=0.0) * frequency),
-        "holes": [three_digits(h * frequency) for h in found.holes],
-    }
-
-
 if __name__ == "__main__":
-    kinds = {"long": long_runs, "resonances": resonances}
-    words = arguments(sys.argv[1:])
-    if words[0] in kinds:
-        kinds[words[0]](Path(words[1]))
-    else:
-        evaluations(Path(words[0]))
+    *what, file = arguments(sys.argv[1:])
+    (long_runs if what == ["long"] else evaluations)(Path(file))

@@ -150,20 +150,9 @@ double run(int kind, int d, int k, const double *a, const double *b, const doubl
     return lost ? INFINITY : last / (first + 1e-13);
 }
 
-/* Several kicks a step: see stages_search.py. */
-
 enum { VALUES = 16 };
 
-static void turn(int m, const double *turns, long double *p)
-{
-    for (int j = 0; j < m; j++) {
-        long double c = turns[2 * j], s = turns[2 * j + 1], u = p[1 + 2 * j], v = p[2 + 2 * j];
-        p[1 + 2 * j] = c * u - s * v;
-        p[2 + 2 * j] = s * u + c * v;
-    }
-}
-
-/* The same of the values of all components. */
+/* Turn the pairs of the values of all components. */
 static void turn_values(int d, int m, const double *turns, double x[][MOST])
 {
     for (int j = 0; j < m; j++)
@@ -172,108 +161,6 @@ static void turn_values(int d, int m, const double *turns, double x[][MOST])
             x[1 + 2 * j][c] = turns[2 * j] * u - turns[2 * j + 1] * v;
             x[2 + 2 * j][c] = turns[2 * j + 1] * u + turns[2 * j] * v;
         }
-}
-
-/* The values of p after the first kick from positions at r + 1 kicks, one after the other: the
- * drifts between them are r linear equations. */
-static void begin(int kind, int d, int s, int m, const double *phi, const double *b,
-                  const double *turns, const double *abscissae, long double *q, long double *p,
-                  double h, int substeps, double values[][MOST])
-{
-    int r = 1 + 2 * m;
-    long double at[VALUES + 1][MOST], f[VALUES + 1][MOST], M[VALUES][VALUES + MOST];
-    for (int n = 0; n <= r; n++) {
-        int i = n % s;
-        memcpy(at[n], q, sizeof at[n]);
-        long_force(kind, d, q, f[n]);
-        long double gap = (i + 1 < s ? abscissae[i + 1] : 1 + abscissae[0]) - abscissae[i];
-        reference(kind, d, q, p, gap * h / substeps, substeps);
-    }
-    for (int k = 0; k < r + d; k++) { /* columns: unit vectors, then the drifts left by the kicks */
-        long double x[VALUES] = {0};
-        if (k < r)
-            x[k] = 1;
-        for (int n = 0; n < r; n++) {
-            int i = n % s;
-            long double sum = 0;
-            for (int a = 0; a < r; a++) {
-                if (n > 0 && k >= r)
-                    x[a] += h * (long double)b[i * r + a] * f[n][k - r];
-                sum += phi[i * r + a] * x[a];
-            }
-            M[n][k] = k < r ? sum : (at[n + 1][k - r] - at[n][k - r]) / h - sum;
-            if (i == s - 1)
-                turn(m, turns, x);
-        }
-    }
-    for (int n = 0; n < r; n++) {
-        int best = n;
-        for (int i = n + 1; i < r; i++)
-            if (fabsl(M[i][n]) > fabsl(M[best][n]))
-                best = i;
-        for (int j = 0; j < r + d; j++) {
-            long double x = M[n][j];
-            M[n][j] = M[best][j];
-            M[best][j] = x;
-        }
-        for (int i = 0; i < r; i++)
-            if (i != n) {
-                long double x = M[i][n] / M[n][n];
-                for (int j = n; j < r + d; j++)
-                    M[i][j] -= x * M[n][j];
-            }
-    }
-    for (int a = 0; a < r; a++)
-        for (int c = 0; c < d; c++)
-            values[a][c] = (double)(M[a][r + c] / M[a][a]);
-    memcpy(q, at[0], sizeof at[0]);
-}
-
-/* Positions after so many steps of length h; returns the growth of the roughness of the first drift
- * of each step as run does. */
-double stages(int kind, int d, int s, int m, const double *phi, const double *b,
-              const double *turns, const double *abscissae, const double *q0, const double *p0,
-              double h, long steps, int substeps, double *end)
-{
-    int r = 1 + 2 * m, lost = 0;
-    double x[VALUES][MOST], q[MOST], e[MOST], f[MOST], past[ORDER + 1][MOST] = {{0}};
-    double first = 0, last = 0;
-    long double Q[MOST], P[MOST];
-    for (int c = 0; c < d; c++) {
-        Q[c] = q0[c];
-        P[c] = p0[c];
-    }
-    begin(kind, d, s, m, phi, b, turns, abscissae, Q, P, h, substeps, x);
-    for (int c = 0; c < d; c++) {
-        q[c] = (double)Q[c];
-        e[c] = (double)(Q[c] - q[c]);
-    }
-    for (long n = 0; n < steps && !lost; n++) {
-        for (int i = 0; i < s; i++) {
-            if (n > 0 || i > 0) {
-                force(kind, d, q, f);
-                for (int a = 0; a < r; a++)
-                    for (int c = 0; c < d; c++)
-                        x[a][c] += h * b[i * r + a] * f[c];
-            }
-            for (int c = 0; c < d; c++) {
-                double sum = 0;
-                for (int a = 0; a < r; a++)
-                    sum += phi[i * r + a] * x[a][c];
-                if (i == 0)
-                    past[n % (ORDER + 1)][c] = sum;
-                double more = h * sum + e[c], next = q[c] + more;
-                e[c] = more - (next - q[c]);
-                q[c] = next;
-            }
-        }
-        turn_values(d, m, turns, x);
-        if (n > ORDER)
-            watch(d, past[0], ORDER + 1, MOST, n, steps, &first, &last);
-        lost = !(fabs(q[0]) < 1e4);
-    }
-    memcpy(end, q, sizeof(double) * d);
-    return lost ? INFINITY : last / (first + 1e-13);
 }
 
 /* Two kicks a step, with the output in the middle of the first: see two_kicks_search.py. */

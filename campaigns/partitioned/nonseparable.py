@@ -2,8 +2,8 @@
 
     python -m campaigns.partitioned.nonseparable data/measurements/nonseparable.json
 
-The evaluations of semi-separable systems are measured here, too; what else the record has of them,
-and rivals, by :mod:`.semi_separable`, :mod:`.extended` and :mod:`.loosened`, afterwards.
+Semi-separable systems are measured here, too. The rest of the record is of closed studies: its
+notes name their commands and the commit that has them.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ from __future__ import annotations
 import json
 import math
 import sys
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +22,6 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.extended import TOLERANCES, scenes
-from campaigns.partitioned.loosened import reached
-from campaigns.partitioned.semi_separable import long_run, step_of
 from campaigns.partitioned.work import crossing
 from glmref import solve
 from glmref.catalogue.lookup import load
@@ -33,7 +32,7 @@ from glmref.derive.recipes.general_multistep import SHIPPED, halves_of
 from glmref.engine.outcome import Solution
 from glmref.engine.parasites import WINDOW
 from glmref.measure.longtime import along
-from glmref.measure.work_precision import energy_error
+from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
 from glmref.problems import problem
 from glmref.problems.model import Problem
@@ -53,8 +52,30 @@ _STEPS, _H = 40_000, 0.02
 LOST = 1e-3
 #: Steps of a long run by the steps between renewals, 0 for none.
 LONG = {0: 10_000_000, 1000: 1_000_000}
+TOLERANCES = (1e-6, 1e-9)
+SCENES = ROOT / "docs" / "nonseparable"
+#: Steps of the first run, most steps, and the factor between two runs.
+_LEAST, _MOST, _FACTOR = 100, 4_000, 1.08
 #: The first steps with which growth compares, and what rounding may make.
 _FIRST, _ROUNDING = 3 * WINDOW, 2e-15
+
+
+@cache
+def scenes() -> dict[str, Path]:
+    """Return the scene of each problem."""
+    found = {x: tomllib.loads(x.read_text(encoding="utf-8")) for x in sorted(SCENES.glob("*.toml"))}
+    return {scene["problem"]["name"]: x for x, scene in found.items() if "problem" in scene}
+
+
+@cache
+def ends() -> dict[str, float]:
+    """Return the last time of each problem, as its scene has it; 20 is that of the others."""
+    return {name: load_scene(path).t_end for name, path in scenes().items()}
+
+
+def reached(curve: Sequence[tuple[int, float]], tolerance: float) -> bool:
+    """Return whether the last two of (evaluations, error) are below the tolerance."""
+    return len(curve) > 1 and all(error < tolerance for _, error in curve[-2:])
 
 
 def needed(curve: Sequence[tuple[int, float]], tolerance: float) -> int | None:
@@ -95,6 +116,28 @@ def _energy(one: Problem, found: Solution) -> float | None:
     """Return the largest relative error of the energy at the samples, ``None`` beyond range."""
     size = energy_error(one, found) if found.completed else math.inf
     return float(f"{size:.2g}") if math.isfinite(size) else None
+
+
+def step_of(method: Method, one: Problem) -> tuple[float, int] | None:
+    """Return the first of two step sizes on end that give 1e-9, and the evaluations with start."""
+    end, steps, before = ends().get(one.name, 20.0), _LEAST, 0
+    exact = reference_state(one, end)
+    curve: list[tuple[int, float]] = []
+    while steps <= _MOST:
+        found = solve(one, method, h=end / steps, steps=steps, every=steps)
+        error = state_error(found.y[-1], exact) if found.completed else math.inf
+        curve.append((found.evaluations + found.start_evaluations, error))
+        if (count := needed(curve, TOLERANCES[-1])) is not None:
+            return float(f"{end / before:.3g}"), count
+        before, steps = steps, math.ceil(steps * _FACTOR)
+    return None
+
+
+def long_run(name: str, one: Problem, h: float, steps: int, renew: int = 0) -> dict[str, Any]:
+    """Return the largest relative error of the energy over 1,000 samples, and the notice's time."""
+    found = solve(one, name, h=h, steps=steps, every=steps // 1000, renew=renew)
+    reported = None if found.suspect is None else float(f"{found.suspect:.6g}")
+    return {"energy": _energy(one, found), "reported": reported}
 
 
 def growth(one: Problem, method: str, h: float, end: float, renew: int) -> float:
@@ -174,6 +217,10 @@ def main(path: Path) -> None:
     cases = [{"problem": x, "method": m} for x in names for m in GENERAL]
     long = carried_out(long_runs, cases, beside=path)
     record["long"] = [x for found in long for x in found]
+    record["semi-separable"]["long"] = [
+        x | long_run(x["method"], problem(x["problem"]), x["h"], x["steps"])
+        for x in record["semi-separable"]["long"]
+    ]
     record["renewal"] = carried_out(renewed, renewal_cases(), beside=path)
     complete(path, record)
 

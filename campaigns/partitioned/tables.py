@@ -10,8 +10,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.long_runs import FURTHER, ONE_VALUE, RESTARTED, kepler_table, pair_names
-from campaigns.partitioned.starts import runs_table, starts_table
+from campaigns.partitioned.long_runs import (
+    FURTHER,
+    ONE_VALUE,
+    RESTARTED,
+    kepler_table,
+    pair_names,
+    shown_error,
+)
 from campaigns.partitioned.work import CASES, PAIRS
 from glmref.catalogue.lookup import document as file_of
 from glmref.catalogue.lookup import load
@@ -142,6 +148,34 @@ def _ending(run: Mapping[str, Any]) -> str:
     """Say that a run is not bounded, and where it ended if it did not reach the last mark."""
     early = run["steps"] < run["marks"][-1]
     return f"no: {run['outcome']} after {run['steps']:,} steps" if early else "no"
+
+
+def starts_table(document: Mapping[str, Any]) -> str:
+    """Return misses of both starts and their orders, in Markdown."""
+    rows = []
+    for row in document["starts"]:
+        cells = [
+            f"{row[what][start]['size']:.1e} ({row[what][start]['order']:.1f})"
+            for what in ("carried", "first")
+            for start in ("zero", "own")
+        ]
+        k, f = row["evaluations"]
+        rows.append([row["method"], f"{k}, {f}", *cells])
+    head = "pair; evaluations of k, f; carried: zero; own; first: zero; own"
+    return markdown(head.split("; "), rows)
+
+
+def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
+    """Tabulate ten million steps from both starts: energy error and carried values."""
+    rows = []
+    known = {(x["method"], x["problem"]): x for x in zero["runs"]}
+    for own in document["runs"]:
+        other = known[own["method"], own["problem"]]
+        cells = [shown_error(x[what][-1]) for what in ("energy", "carried") for x in (other, own)]
+        cells += ["yes" if x["bounded"] else "no" for x in (other, own)]
+        rows.append([own["method"], own["problem"], *cells])
+    head = "pair; problem; energy: zero; own; carried: zero; own; bounded: zero; own"
+    return markdown(head.split("; "), rows)
 
 
 #: Problem of a long run -> how a table calls it.

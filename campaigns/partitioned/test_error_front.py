@@ -8,20 +8,21 @@ import pytest
 
 from campaigns.pages import measured
 from campaigns.partitioned.error_front import (
-    ASKED,
     PAIRS,
+    angles_of,
     cowell,
-    descend,
     end,
     error_constant,
+    gap,
     least,
     share,
     table,
 )
-from campaigns.partitioned.stages_search import gap, interval, of_file
+from glmref.catalogue.lookup import load
 from glmref.derive.halves import even_odd, pair_series, quotient
 from glmref.derive.multistep import Half
 from glmref.derive.recipes.multistep import SHIPPED
+from glmref.theory.periodicity import periodicity
 
 RECORD = measured("error-front")
 
@@ -42,7 +43,7 @@ def test_the_error_constant_is_what_the_weights_leave(name):
         drift += float(alpha) * 2 * math.sinh(x / 2) / (2 * math.cosh(x) - 2 * float(c))
     exact = 2 * math.sinh(x / 2) / x**2
     left = (exact / drift - 1) / x ** (2 * m + 2)
-    assert m > 3 or left == pytest.approx(error_constant(of_file(name).angles), rel=0.02)
+    assert m > 3 or left == pytest.approx(error_constant(angles_of(name)), rel=0.02)
     # exactly, from the series
     n = 2 * m + 4
     target, one = even_odd(Fraction(1, 2), n + 1, 1)[1:], [Fraction(1), *[Fraction(0)] * (n - 1)]
@@ -51,7 +52,7 @@ def test_the_error_constant_is_what_the_weights_leave(name):
         for a, c in zip(half.stage[1::2], cosines, strict=True)
     )
     constant = target[2 * m + 2] - series
-    assert float(constant) == pytest.approx(error_constant(of_file(name).angles), rel=1e-9)
+    assert float(constant) == pytest.approx(error_constant(angles_of(name)), rel=1e-9)
 
 
 def test_the_slopes_are_the_constants_of_the_other_roots_and_the_bound_is_below():
@@ -68,30 +69,14 @@ def test_the_slopes_are_the_constants_of_the_other_roots_and_the_bound_is_below(
 
 
 @pytest.mark.parametrize("name", ["multistep-rkn-8", "multistep-rkn-10", "quinlan-8b"])
-def test_the_interval_is_that_of_the_steps_on_the_oscillator(name):
-    assert end(of_file(name).angles) == pytest.approx(interval(of_file(name), 200), abs=0.006)
-
-
-def test_a_descent_keeps_what_was_asked_for(monkeypatch):
-    monkeypatch.setattr("campaigns.partitioned.error_front.TRIES", 60)
-    monkeypatch.setattr("campaigns.partitioned.error_front.SEEDS", 1)
-    monkeypatch.setattr(
-        "campaigns.partitioned.error_front._measured", lambda angles, c: {"constant": c}
-    )
-    found = descend({"pairs": 3, "end": 0.2, "apart": 18})
-    angles = np.radians(found["angles"])
-    assert end(angles) >= 0.195 and gap(angles) >= 17.9
-    assert found["constant"] == pytest.approx(error_constant(angles), rel=1e-2)
-    even = np.pi * np.arange(1, 4) / 4
-    assert float(least(3)) < found["constant"] < error_constant(even)
+def test_the_interval_is_the_proved_one(name):
+    assert end(angles_of(name)) == pytest.approx(periodicity(load(name)).value, abs=0.006)
 
 
 def test_the_record_is_of_these_methods_and_tasks():
-    asked = [(x["pairs"], x["end"], x["apart"]) for x in RECORD["descents"]]
-    assert asked == [(m, *x) for m in PAIRS for x in ASKED]
     assert RECORD["least"] == {str(2 * m + 2): str(least(m)) for m in PAIRS}
     for x in RECORD["methods"]:
-        angles = of_file(x["method"]).angles
+        angles = angles_of(x["method"])
         assert x["constant"] == pytest.approx(error_constant(angles), rel=1e-3)
         assert x["end"] == pytest.approx(end(angles)) and x["apart"] == round(gap(angles), 1)
     for x in RECORD["descents"]:
@@ -103,5 +88,5 @@ def test_the_record_is_of_these_methods_and_tasks():
 
 def test_the_table_shows_the_share():
     (line,) = (x for x in table(RECORD).splitlines() if "`quinlan-8b`" in x)
-    assert f"| {share(error_constant(of_file('quinlan-8b').angles), 3):.2f} |" in line
+    assert f"| {share(error_constant(angles_of('quinlan-8b')), 3):.2f} |" in line
     assert "1.21" in line

@@ -11,20 +11,17 @@ from campaigns import world
 from campaigns.pages import measured
 from campaigns.partitioned import held_out, multistep
 from campaigns.partitioned.held_out_problems import PROBLEMS
-from campaigns.partitioned.long_runs import Case
 from campaigns.partitioned.multistep import (
     LONG,
     SYMMETRIC,
     cosines,
     follow,
     needed,
-    scan,
     twin,
 )
 from campaigns.partitioned.multistep_search import coefficients
 from campaigns.partitioned.multistep_tables import long_answer, multistep_shipped
-from campaigns.partitioned.stages_search import Stages, drifts, interval, ranges
-from glmref.catalogue.lookup import document, load
+from glmref.catalogue.lookup import document
 from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.sources import survey_notes
@@ -192,12 +189,6 @@ def test_a_long_run_is_repeated(name):
         assert known / 10 < found < known * 10
 
 
-def test_a_scan_calls_a_leap_of_the_error_a_hole():
-    found = scan(load("stormer-verlet"), Case("harmonic-oscillator", 1.0), [0.1, 0.2, 0.3], 50)
-    assert not found.holes
-    assert np.isfinite(found.errors).all()
-
-
 def test_the_fastest_of_a_case_stands_out_and_what_was_not_reached_is_named():
     rows = [
         {"method": "heyoka", "evaluations": None, "seconds": 2e-3},
@@ -215,32 +206,3 @@ def test_the_weights_of_the_search_are_those_of_stormer_and_of_the_leapfrog():
     a, b = coefficients((), (Fraction(0),))
     assert a.tolist() == [1, -1, 1, -1]
     assert b.sum() == pytest.approx(2)
-
-
-def doubled(angles: np.ndarray) -> Stages:
-    """Return two steps of the method with one kick as one; angles in radians."""
-    turned, phases = 2 * angles, angles / 2
-    back = turned > np.pi  # the conjugate pair
-    turned, phases = np.where(back, 2 * np.pi - turned, turned), np.where(back, -phases, phases)
-    kick = np.exp(1j * phases)
-    return Stages(turned, np.array([-0.25, 0.25]), np.array([kick, kick.conj()]))
-
-
-def test_two_steps_of_one_kick_are_one_of_two():
-    """The drifts of both halves are those of the method with one kick, and so is the interval."""
-    angles = np.radians([67, 85, 122, 152])
-    alone = Stages(angles, np.zeros(1), np.ones((1, 4), dtype=complex))
-    (one,), _ = drifts(alone)
-    two, kicks = drifts(doubled(angles))
-    # in steps twice as long the kicks of the sum have weight 1/2, and those of the pairs still 1:
-    # the pairs are twice as large, and drifts of the same lengths have a fourth of the weights
-    assert two[:, 0] == pytest.approx(one[0] / 2, abs=1e-9)
-    for k in (1, 3, 5, 7):
-        size = np.hypot(*one[k : k + 2]) / 4
-        assert np.hypot(*two[0, k : k + 2]) == pytest.approx(size, rel=1e-8)
-    assert np.hypot(kicks[0, 1], kicks[0, 2]) == pytest.approx(1)
-    assert interval(doubled(angles), 50) == interval(alone, 50)
-
-
-def test_ranges_join_neighbours():
-    assert ranges([False, True, True, False, True], [1, 2, 3, 4, 5]) == [[2, 3], [5, 5]]

@@ -8,8 +8,8 @@ import pytest
 from campaigns.long_survey import also
 from campaigns.pages import filled
 from campaigns.partitioned import tables
-from campaigns.partitioned.starts import started_pairs
 from campaigns.partitioned.tables import PAGES, RECOMMENDED, measured, shipped_table
+from campaigns.partitioned.test_starts import started_pairs
 
 README, SHORT, *_ = PAGES
 #: Those of pairs that the records of two of them change; that of Kepler's problem, ten times as

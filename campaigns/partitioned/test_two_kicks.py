@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from campaigns.partitioned.stages_search import interval as interval_of_one
-from campaigns.partitioned.stages_search import of_file
+from campaigns.partitioned.error_front import angles_of, end
 from campaigns.partitioned.two_kicks_search import (
     CASES,
     Unknowns,
@@ -51,7 +50,7 @@ def test_unknowns_and_rational_numbers_are_inverse():
 
 @pytest.mark.slow
 def test_two_steps_with_one_kick_have_its_interval_and_counts():
-    assert interval(DOUBLED, 100) == interval_of_one(of_file("multistep-rkn-8"), 100)
+    assert interval(DOUBLED, 100) == pytest.approx(end(angles_of("multistep-rkn-8")), abs=0.01)
     (found,) = counts(weights(DOUBLED), [PENDULUM])
     # data/measurements/multistep.json has 680, on another grid of step sizes
     assert found[1][1] == pytest.approx(680, rel=0.05)

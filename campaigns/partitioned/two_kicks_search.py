@@ -2,16 +2,15 @@
 
     python -m campaigns.partitioned.two_kicks_search multistep-rkn-12 1 2000
     python -m campaigns.partitioned.two_kicks_search multistep-rkn-10 3 400 low 1.5
-    python -m campaigns.partitioned.two_kicks_search resonances FILE
 
 Unknown are the angles of the pairs, the phase of each in the first drift, and the weight of the
 first kick in the sum; all else follows (:class:`glmref.derive.multistep.TwoKicks`), the order
-2 m + 2 included. Where :mod:`.stages_search` looks at positions at the kicks from exact starts,
-this search looks at what a user gets: the energies at the ends of steps, and positions from the
-start that the file will have. Minimized is the mean, with one of :data:`WEIGHTS`, of the logarithms
-of the evaluations needed on :data:`CASES`, training problems, for the energy and the state, at 1e-9
-and 1e-6, plus a penalty for growth. Words: a method with one kick, the seed, how many methods are
-tried, and which weights and the width of the first changes if not ``both`` and 1.
+2 m + 2 included. This search looks at what a user gets: the energies at the ends of steps, and
+positions from the start that the file will have. Minimized is the mean, with one of
+:data:`WEIGHTS`, of the logarithms of the evaluations needed on :data:`CASES`, training problems,
+for the energy and the state, at 1e-9 and 1e-6, plus a penalty for growth. Words: a method with one
+kick, the seed, how many methods are tried, and which weights and the width of the first changes if
+not ``both`` and 1.
 
 A random descent, the same for a seed, from two steps of a method with one kick; its end is rounded
 to the fractions that a file can have.
@@ -20,23 +19,20 @@ to the fractions that a file can have.
 from __future__ import annotations
 
 import ctypes
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from pathlib import Path
-from typing import Any
 
 import numpy as np
+from scipy.linalg import toeplitz
 
-from campaigns.driver import arguments, carried_out, complete
+from campaigns.driver import arguments
 from campaigns.partitioned import multistep_search as one
+from campaigns.partitioned.error_front import angles_of, gap
 from campaigns.partitioned.multistep_search import Training
-from campaigns.partitioned.stages_search import ORBITS, exponential, gap, of_file, scanned, times
 from glmref.derive.multistep import TWO_KICK_SPACING, TwoKicks
-from glmref.derive.recipes.multistep import SHIPPED
 
 #: Kepler's problem with e = 0.2, 0.4, 0.6, Hénon-Heiles, a pendulum, a Toda chain: training data.
 CASES: tuple[Training, ...] = (
@@ -54,10 +50,22 @@ WEIGHTS: Mapping[str, tuple[tuple[float, float], tuple[float, float]]] = {
 }
 #: Decades of growth cost this much each; steps of a run that looks for it.
 PENALTY, STEPS = 0.02, 20_000
+#: Terms of the power series.
+LENGTH = 22
 #: Smallest distance of two angles and smallest angle, in degrees; largest weight of a drift.
 APART, FROM_ONE, LARGEST = 2.5, 40.0, 30.0
 #: Numerators of cosines and kicks are rounded over this.
 DENOMINATOR = 2048
+
+
+def exponential(rate: float) -> np.ndarray:
+    """Return coefficients of exp(rate x)."""
+    return np.array([rate**k / math.factorial(k) for k in range(LENGTH)])
+
+
+def times(a: np.ndarray) -> np.ndarray:
+    """Return the matrix that multiplies a power series by another."""
+    return toeplitz(a, np.zeros(LENGTH))
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +253,7 @@ def line(given: Unknowns, value: float) -> str:
 
 def begun(name: str) -> Unknowns:
     """Return two steps of a method of the catalogue with one kick."""
-    angles = 2 * of_file(name).angles
+    angles = 2 * angles_of(name)
     back = angles > math.pi  # the conjugate pair
     turned = np.where(back, 2 * math.pi - angles, angles)
     # one step turns by half of the angle, and its drift is read in the middle
@@ -289,31 +297,8 @@ def interval(given: Unknowns, count: int = 1000) -> float:
     return 1.0
 
 
-def resonances(path: Path, count: int = 4000, evaluations: int = 5000) -> None:
-    """Look for growth of the shipped methods with two kicks, and put it into the file."""
-    document = json.loads(path.read_text(encoding="utf-8"))
-    size = {"count": count, "steps": evaluations}
-    tasks = [{"method": x, "orbit": y, **size} for x in SHIPPED if SHIPPED[x].slopes
-             for y, _, _ in ORBITS]  # fmt: skip
-    found = carried_out(growth_row, tasks, beside=path)
-    new = {x["method"] for x in found}
-    document["scans"] = [*(x for x in document["scans"] if x["method"] not in new), *found]
-    complete(path, document)
-
-
-def growth_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Look for growth of one method with two kicks on one orbit."""
-    numbers = SHIPPED[task["method"]]
-    given = unknowns(TwoKicks(numbers.p, numbers.slopes, numbers.weight))
-    made, steps = weights(given), task["steps"] // 2
-    return scanned(task, interval(given), lambda case, h: made.run(case, 2 * h, steps)[0])
-
-
 def main(words: Sequence[str]) -> None:
-    """Run a descent and round where it ends, or look for growth."""
-    if words[:1] == ["resonances"]:
-        resonances(Path(words[1]))
-        return
+    """Run a descent and round where it ends."""
     name, seed, tries, goal, width = *words, *("both", "1")[len(words) - 3 :]
     given = begun(name)
     sys.stdout.write(f"begun {line(given, objective(given, goal=goal))}\n")
