@@ -7,7 +7,7 @@ from functools import cached_property
 
 from .arithmetic import Fraction, Number
 from .document import Method
-from .linalg import apply, dot, less, times, transpose
+from .linalg import apply, dot, is_exact, less, times, transpose
 from .numbers import apart, is_nil, total, vanishes
 from .refusals import as_list, as_object, keys, require
 from .rule import Fails, Rule
@@ -114,6 +114,11 @@ def order_is_enclosed(case: StartCase) -> bool:
     return case.order.enclosed
 
 
+def bound_is_the_order(case: StartCase) -> bool:
+    """The bound, 1 at least, is the order that both bounds show."""
+    return case.order.enclosed and 1 <= case.q == case.order.low
+
+
 def start_has_the_u(case: StartCase) -> bool:
     """The u of the start is that of the method (from order 1 on)."""
     if not case.q:
@@ -200,7 +205,7 @@ def start_follows_from_the_equations(case: StartCase) -> bool:
         return case.method.pair and proof.root().zero_start_holds(q, nystrom)
     if case.method.pair:
         return q <= proof.even_orders()[nystrom]
-    if not 1 <= q == case.order.low:
+    if not bound_is_the_order(case):  # there the first value is free
         return False
     proof.odd_start(q).root(proof.block("starting"))
     return True
@@ -265,11 +270,6 @@ def finish_has_trees(case: FinishCase) -> bool:
     return case.q <= 14
 
 
-def bound_is_the_order(case: FinishCase) -> bool:
-    """The bound, 1 at least, is the order that is shown."""
-    return 1 <= case.q == case.order.low
-
-
 def file_has_start_and_finish(case: FinishCase) -> bool:
     """The file gives a start and a finish."""
     return {"starting", "finishing"} <= set(case.method.document)
@@ -285,6 +285,16 @@ def solution_is_the_first_value(case: FinishCase) -> bool:
 def first_value_starts_at_y(case: FinishCase) -> bool:
     """The first value of the start begins with y itself: u_1 = 1."""
     return vanishes(case.u["o"][0] - 1)
+
+
+def start_is_exact_or_proved(case: FinishCase) -> bool:
+    """The start is exact, or its decimals are proved to be those of a root."""
+    proof = case.proof
+    if "starting" not in proof.blocks:
+        m = case.start.part("o")
+        return is_exact(m.A) and is_exact(m.B)
+    proof.odd_start(case.q).root(proof.block("starting"))
+    return True
 
 
 def finish_follows_from_the_digits(case: FinishCase) -> bool:
@@ -341,6 +351,6 @@ START_RULES = (
         "else a finish with parity whose conditions have one root within the digits",
         "Butcher (2016), section 383; docs/certificates.md, 6.7", AtLeast, FinishCase,
         (bound_is_the_order, file_has_start_and_finish, solution_is_the_first_value,
-         first_value_starts_at_y, finish_follows_from_the_digits),
+         first_value_starts_at_y, start_is_exact_or_proved, finish_follows_from_the_digits),
     ),
 )  # fmt: skip
