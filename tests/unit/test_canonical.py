@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.catalogue.canonical import IN_ORDER, canonical, refresh
+from tests.build import refused
 
 DOCUMENT = {
     "source": {"where": "here", "citation": "Nyström", "errata": ["one", "two"]},
@@ -86,8 +87,7 @@ def test_constants_keep_their_order_because_one_may_use_those_above_it():
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_json_does_not_have_is_refused(value):
-    with pytest.raises(ValueError, match="JSON compliant"):
-        canonical({"x": value})
+    refused(ValueError, "JSON compliant", canonical, {"x": value})
 
 
 @pytest.fixture
@@ -116,5 +116,4 @@ def test_refresh_notices_a_changed_byte(folder):
 
 def test_refresh_needs_the_head_of_the_datapackage(folder):
     (folder / "datapackage.json").unlink()
-    with pytest.raises(FileNotFoundError, match=r"datapackage\.json"):
-        refresh(folder)
+    refused(FileNotFoundError, r"datapackage\.json", refresh, folder)

@@ -153,13 +153,6 @@ def test_numba_compiles_the_same_source_to_the_same_bits(folder, monkeypatch, re
     np.testing.assert_array_equal(native.values, other.values)
 
 
-def test_arithmetic_errors_in_the_interpreter_end_the_run_by_name():
-    crash = Problem(f=("1/(y[0] - 1)",), y0=(1.0,), name="crash")
-    run = solve(crash, "rk4", h=0.1, steps=3, engine="interpreted")
-    assert run.outcome == "not finite"
-    assert solve(crash, "rk4", h=0.1, steps=3).outcome == "not finite"
-
-
 @pytest.mark.slow
 def test_solving_in_machine_code_loads_no_numba():
     code = (

@@ -12,7 +12,6 @@ from glmref.engine import arithmetic, kernel, run, solver_choice
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.memory import memory
 from glmref.engine.outcome import Outcome
-from glmref.engine.plan import Grid
 from glmref.engine.shape import shape_of
 from glmref.engine.solver_choice import contraction, newton_bytes
 from glmref.engine.sweep import step_form
@@ -31,11 +30,6 @@ def test_arrays_and_complex_numbers_at_the_edge_are_refused_in_one_sentence(engi
     refused(UsageError, real, solve, "pendulum", "rk4", steps=1, start=start, **request)
 
 
-def test_a_step_that_rounding_swallows_is_refused():
-    late = Problem(f=("-y[0]",), y0=(1.0,), t_span=(1e10, 2e10))
-    refused(UsageError, "h = 1e-09 is lost in rounding", solve, late, "rk4", h=1e-9, steps=5)
-
-
 @pytest.mark.parametrize("engine", ENGINES)
 def test_no_steps_and_long_strides_are_fine(engine):
     none = solve("pendulum", "gauss-2", h=0.1, steps=0, engine=engine)
@@ -48,18 +42,6 @@ def test_no_steps_and_long_strides_are_fine(engine):
     assert subnormal.completed and subnormal.t.tolist() == [1.5e-323]
     back = solve(REST, "gauss-2", h=-0.1, steps=3, every=2, engine=engine)
     assert back.t == pytest.approx([0.0, -0.2, -0.3])
-
-
-@pytest.mark.parametrize(("last", "every"), [(0, 1), (6, 3), (7, 3), (5, 6), (7, 1), (2, 2)])
-def test_a_grid_is_the_list_it_stands_for(last, every):
-    listed = [*range(0, last + 1, every)]
-    listed += [last] if last % every else []
-    grid = Grid(last, every)
-    assert list(grid) == listed and len(grid) == len(listed) and grid[-1] == last
-    assert [n for n in range(-2, last + 3) if n in grid] == listed
-    assert grid[1:] == listed[1:]
-    with pytest.raises(IndexError):
-        grid[len(listed)]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -21,9 +21,6 @@ from glmref.engine.shape import Shape, shape_of
 from glmref.engine.sweep import step_form
 
 H, ROUNDS = 1 / 64, 40
-#: Those that carry p + kick h dp(q) are in ``test_engine_pairs``.
-PAIRS = ("pair-4-4", "yoshida-verlet-6", "lobatto-iiia-iiib-3", "symplectic-euler-a")
-METHODS = ("rk4", "ab-3", "gauss-2", "sdirk-3", "gsymplectic-n", "g6245", "s4-symmetric")
 
 
 def shipped(name: str) -> GLM | PartitionedGLM:
@@ -49,61 +46,6 @@ def values_of(method: GLM | PartitionedGLM, of: Any) -> np.ndarray:
 
 
 # --- the equations of the description -----------------------------------------------------------
-
-
-def halves(form: StepForm, of: Any) -> list[tuple[Any, ...]]:
-    """(U, M, R, residue, V, weights, columns read, columns updated, function), stages by stages."""
-    if len(form.components) == 1:
-        every = slice(None)
-        return [(form.U, form.M, form.R, form.R_residue, form.V, form.weights, every, every,
-                 lambda y: of.f(0.0, y))]  # fmt: skip
-    m, (Q, P) = of.dimension // 2, form.components
-    q, p = slice(0, m), slice(m, None)
-    return [
-        (Q.U, Q.M, P.R, P.R_residue, P.V, Q.weights, q, p, of.dp),
-        (P.U, P.M, Q.R, Q.R_residue, Q.V, P.weights, p, q, of.dq),
-    ]
-
-
-def described(form: StepForm, of: Any, values: np.ndarray) -> np.ndarray:
-    """Values after a step Y = U x + M L, y+ = V y + (R + residue) L, of stages found by iteration."""
-    x, parts = form.into(values), halves(form, of)
-    increments: list[np.ndarray] = [np.zeros((len(row[0]), x[:, row[7]].shape[1])) for row in parts]
-    placed = [(k, i) for k, row in enumerate(parts) for i in range(len(row[0]))]
-    order = [placed[node] for block in form.blocks for node in block.stages]
-    bases = []
-    for k, row in enumerate(parts):
-        V = form.components[k].V
-        bases.append(x[: len(V), row[6]])
-        if form.running:
-            bases[-1] = np.array(V) @ bases[-1]
-    for _ in range(ROUNDS):
-        for k, i in order:
-            U, M, _, _, _, weights, _, _, f = parts[k]
-            before = len(parts) - 1 - k  # whose increments the stages of this half read
-            known = bases[k].copy()
-            if form.running:  # with the increments of the stages before, in the order of the blocks
-                for other, j in order[: order.index((k, i))]:
-                    if other == before:
-                        known += np.outer(np.array(parts[other][2])[:, j], increments[other][j])
-            Y = np.array(U[i]) @ known + np.array(M[i]) @ increments[before]
-            increments[k][i] = H * weights[i] * np.asarray(f(Y))
-    out = np.zeros_like(x)
-    for k, (_, _, R, residue, V, _, _, updated, _) in enumerate(parts):
-        out[: len(V), updated] = (
-            np.array(V) @ x[: len(V), updated] + (np.array(R) + np.array(residue)) @ increments[k]
-        )
-    return form.back(out)
-
-
-@pytest.mark.parametrize("name", [*METHODS, *PAIRS])
-def test_a_form_is_the_step_of_its_method(name: str) -> None:
-    method, of = shipped(name), problem("henon-heiles")
-    values, form = values_of(method, of), step_form(method)
-    expected = stepper(method, of).step(0.0, values, H).values
-    assert np.abs(described(form, of, values) - expected).max() < 2e-15 * max(
-        1.0, *(abs(x) for row in form.V for x in row)
-    )
 
 
 def test_values_with_eigenvalues_1_and_minus_1_have_a_form_in_every_basis() -> None:

@@ -400,12 +400,6 @@ def test_an_ensemble_says_what_is_doubtful_of_a_function():
     assert not [x for x in fine.notices if "`f`" in x]
 
 
-def test_f_and_its_parts_must_agree():
-    both = Problem(f=good, dq=lambda p: p, dp=lambda q: -2 * q, y0=(1.0, 0.0))
-    with pytest.raises(UsageError, match="component 1 is -1 in f and -2 in the parts"):
-        solve(both, "gauss-2", h=0.1, steps=3)
-
-
 def test_a_loop_body_that_spoils_its_argument_is_refused():
     from glmref.problems.loops import Loops
 

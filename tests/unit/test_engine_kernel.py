@@ -38,23 +38,6 @@ def test_an_unknown_jacobian_of_a_large_system_leaves_the_fixed_point():
     assert solver == "fixed-point"
 
 
-@pytest.mark.sampled(3, besides=("toda", "double-pendulum"))
-@pytest.mark.parametrize("method", ["g6245", "s4-symmetric", "gauss-2", "sdirk-3"])
-@pytest.mark.parametrize(
-    "name", ["pendulum", "kepler", "rigid-body", "double-pendulum", "lotka-volterra-logarithmic", "toda"]
-)  # fmt: skip
-def test_newton_and_the_fixed_point_find_the_same_stages(method, name):
-    steps = 20
-    h = 0.02
-    ends = [
-        solve(name, method, h=h, steps=steps, solver=solver, start="zero").y[-1]
-        for solver in ("fixed-point", "newton")
-    ]
-    # both iterate to round-off; per step they differ by a few units of it
-    scale = max(1.0, np.abs(ends[0]).max())
-    assert np.abs(ends[0] - ends[1]).max() < 8 * 2.0**-52 * steps * scale
-
-
 @pytest.mark.slow
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["outer-solar-system", "nonseparable-chain", "arenstorf", "toda"])

@@ -46,21 +46,6 @@ def test_a_step_in_fifty_digits_satisfies_its_equations_to_fifty_digits(name):
     )
 
 
-def test_rk4_is_the_formula_everybody_knows():
-    pendulum = problem("pendulum")
-    engine = stepper(load("rk4"), pendulum)
-    y, h, f = np.array(pendulum.y0), 0.1, lambda y: np.asarray(pendulum.f(0.0, y))
-    k1 = f(y)
-    k2 = f(y + h / 2 * k1)
-    k3 = f(y + h / 2 * k2)
-    k4 = f(y + h * k3)
-    expected = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    step = engine.step(0.0, zero_start(engine, engine.problem.y0), h)
-    assert np.abs(step.values[0] - expected).max() < 1e-15
-    assert step.evaluations == 4
-    assert step.iterations == 0
-
-
 def test_stages_are_evaluated_at_their_abscissae():
     # y' = 5 t^4 is integrated exactly by order 5 and more, only if t + c_i h is right
     quintic = Problem(f=("5*t**4",), y0=(0.0,))

@@ -42,13 +42,6 @@ def test_each_pass_of_the_enhanced_start_gains_an_order(name):
     assert (gains > 0.7).all(), slopes
 
 
-def test_the_cost_of_the_enhanced_start_doubles_with_each_pass():
-    costs = [started("s4-symmetric", ("enhanced", k)).evaluations for k in (1, 2, 3)]
-    steps = [2**k - 1 for k in (1, 2, 3)]
-    per_step = [cost / n for cost, n in zip(costs, steps, strict=True)]
-    assert max(per_step) < 1.5 * min(per_step)
-
-
 @pytest.mark.parametrize(
     ("name", "start", "message"),
     [

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from glmref import Problem, UsageError, solve
+from glmref import Problem, solve
 from glmref.engine.outcome import Outcome
 
 INTERPRETED = ("reference", "interpreted")
@@ -26,34 +26,6 @@ def test_a_plain_function_is_stepped_like_its_expressions(method, engine):
     assert ours.completed
     np.testing.assert_array_equal(ours.y, theirs.y)
     assert ours.evaluations == theirs.evaluations
-
-
-@pytest.mark.parametrize("engine", ALL)
-@pytest.mark.parametrize("method", ["rk4", "gauss-2"])
-def test_a_function_that_raises_where_it_has_no_value_ends_the_run_by_name(method, engine):
-    def f(t, y):
-        return [-math.sqrt(1 - 2 * t)]  # no value beyond t = 1/2
-
-    run = solve(
-        Problem(f=f, y0=(1.0,), name="root"), method, h=0.1, steps=20, every=1, engine=engine
-    )
-    assert run.outcome is Outcome.NOT_FINITE
-    assert run.steps == len(run.t) - 1 == 4 or run.steps == 5
-    assert np.isfinite(run.y).all()
-    if engine == "reference":
-        assert "math domain error" in run.message
-
-
-@pytest.mark.parametrize("engine", ALL)
-@pytest.mark.parametrize("returned", [1, 3])
-def test_a_function_that_returns_another_number_of_components_is_refused(returned, engine):
-    def f(t, y):
-        return [y[0]] * returned
-
-    wrong = Problem(f=f, y0=(1.0, 0.0), name="wrong")
-    message = f"`f` must return shape \\(2,\\), got \\({returned},\\)"
-    with pytest.raises(UsageError, match=message):
-        solve(wrong, "rk4", h=0.1, steps=2, engine=engine)
 
 
 def importing(t, y):

@@ -130,8 +130,7 @@ def test_division_by_an_exact_zero_is_an_error() -> None:
 
 def test_equal_numbers_are_equal_however_written_and_have_no_hash() -> None:
     assert (exact(1) + exact(5).sqrt()) / 2 == 2 / (exact(5).sqrt() - 1)
-    with pytest.raises(TypeError, match="unhashable"):
-        hash(exact(1))
+    refused(TypeError, "unhashable", hash, exact(1))
 
 
 def test_complex_numbers_have_no_sign_and_no_float() -> None:
@@ -184,29 +183,13 @@ def test_an_error_bound_is_never_lost_in_arithmetic() -> None:
     assert (x / 3).radius() > 3e-4
 
 
-def test_sign_of_a_tiny_difference_is_found() -> None:
-    near = Fraction(10**200, 1)
-    x = (exact(near) ** 2 + 1).sqrt() - near  # about 5e-201
-    assert x.sign() == 1
-    assert (-x).sign() == -1
-
-
 def test_a_rational_that_was_enclosed_is_copied_and_sent_and_others_say_why_not() -> None:
     third, root = exact(Fraction(1, 3)), exact(2).sqrt()
     for x in (third, root):
         assert x.ball() is x.ball()  # computed once
         assert copy.deepcopy(x) is copy.copy(x) is x
     assert pickle.loads(pickle.dumps(third)) == third
-    with pytest.raises(TypeError, match="cannot leave its process"):
-        pickle.dumps(root)
-
-
-def test_a_number_that_turns_out_rational_gives_the_narrow_ball_of_a_rational() -> None:
-    x = exact(2).sqrt() * exact(2).sqrt() / 3
-    assert x.ball().overlaps(Fraction(2, 3))
-    assert x.as_fraction() == Fraction(2, 3)
-    assert x.ball().contains(Fraction(2, 3))
-    assert not x.ball().contains(Fraction(2, 3) + Fraction(1, 10**150))
+    refused(TypeError, "cannot leave its process", pickle.dumps, root)
 
 
 def test_negative_powers_of_every_kind_of_number():

@@ -184,15 +184,6 @@ def test_a_single_decimal_is_read_as_any_expression(text: str, digits: int | Non
 
 
 FRACTIONS = st.fractions(-50, 50, max_denominator=60)
-RADICANDS = st.integers(0, 30)
-
-
-@given(FRACTIONS, FRACTIONS, FRACTIONS, RADICANDS, RADICANDS)
-def test_a_number_is_written_so_that_it_is_read_again(a, b, c, n, m) -> None:
-    text = f"{a}+({b})*sqrt({n})+({c})*sqrt({n})*sqrt({m})"
-    value = parse(text)
-    assert parse(to_text(value)) == value
-    assert weigh(text, {}).radicals == 3
 
 
 @given(FRACTIONS, FRACTIONS, st.integers(-30, 30))

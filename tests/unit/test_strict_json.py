@@ -86,8 +86,7 @@ def test_a_long_document_has_a_row_on_each_line(tmp_path: Path) -> None:
 def test_what_json_has_not_is_not_written_and_the_old_file_stays(tmp_path, value):
     path = tmp_path / "it.json"
     path.write_text("old")
-    with pytest.raises(ValueError, match="not JSON compliant"):
-        write_json(path, [value])
+    refused(ValueError, "not JSON compliant", write_json, path, [value])
     assert path.read_text() == "old"
 
 
