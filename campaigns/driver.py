@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -114,6 +115,11 @@ def head_of(module: str, name: str, title: str, **said: Any) -> dict[str, Any]:
 def record_of(module: str, name: str, title: str, *notes: str, **rest: Any) -> dict[str, Any]:
     """Return the document of a measurement with what was measured; see :func:`head_of`."""
     return head_of(module, name, title, notes=list(notes), where=circumstances(), **rest)
+
+
+def three_digits(x: float) -> float | None:
+    """Round to three digits; ``None`` for what is not finite."""
+    return float(f"{x:.2e}") if math.isfinite(x) else None
 
 
 def complete(path: Path, document: Mapping[str, Any]) -> None:

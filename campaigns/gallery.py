@@ -211,7 +211,9 @@ def commands() -> str:
     for name in names:
         record = measured(name)
         command = str(record.get("how", record.get("command"))).partition("; ")[0]
-        rows.append(row(f"`{name}.json`", f"`{command}`"))
+        command, _, commit = command.partition(", in commit ")
+        where = f", in commit `{commit}`" if commit else ""
+        rows.append(row(f"`{name}.json`", f"`{command}`{where}"))
     return table(["record", "command"], rows)
 
 

@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import Case, arguments, fingerprint, head_of, renew
+from campaigns.driver import Case, arguments, fingerprint, head_of, renew, three_digits
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.long_runs import LOST, ONE_VALUE, UNITS, three_digits
 from glmref.catalogue.advice import ADVICE, SHORT
 from glmref.catalogue.claims import G_SYMPLECTIC, NYSTROM_ORDER, ORDER, SYMMETRIC
 from glmref.catalogue.lookup import load, names
+from glmref.derive.recipes.sources import LOST
 from glmref.engine.solve import solve
 from glmref.errors import GlmrefError
 from glmref.measure.longtime import energy_deviation
@@ -71,6 +71,19 @@ def galaxy() -> Problem:
     )
 
 
+#: Methods that carry one value, which the others are compared with.
+ONE_VALUE = (
+    *("gauss-3", "gauss-4", "gauss-5", "blanes-moan-rkn-6-11", "blanes-moan-rkn-6-14"),
+    *("blanes-moan-6", "kahan-li-8", "suzuki-umeno-8", "yoshida-verlet-6"),
+)
+#: Evaluations of a step in whose unit its size is given. Explicit methods that are not named have
+#: their own number here, implicit ones 4, so that energy errors are comparable at first.
+UNITS: Mapping[str, float] = {
+    "gauss-4": 8,
+    "gauss-5": 12,
+    "blanes-moan-rkn-6-14": 10.4,
+    "pair-8-24": 12,
+}
 #: Name -> problem, and the step that belongs to one force evaluation.
 PROBLEMS: Mapping[str, tuple[Callable[[], Problem], float]] = {
     "kepler, e = 1/10": (lambda: problem("kepler", eccentricity="1/10"), 0.025),

@@ -21,10 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import Case, arguments, head_of, renew
+from campaigns.driver import Case, arguments, head_of, renew, three_digits
 from campaigns.long_survey import PROBLEMS, loaded
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.long_runs import three_digits
 from glmref import predict
 from glmref.engine.outcome import Solution
 from glmref.measure.longtime import energy_deviation, follow

@@ -19,10 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import arguments, complete, record_of
+from campaigns.driver import arguments, complete, record_of, three_digits
 from campaigns.gallery import TOLERANCES, costs
 from campaigns.pages import measured
-from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.work import mean
 from glmref.catalogue.audits import audited_codes
 from glmref.catalogue.lookup import document, load

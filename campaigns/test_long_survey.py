@@ -5,6 +5,7 @@ from collections import Counter
 import pytest
 
 from campaigns.long_survey import (
+    ONE_VALUE,
     PAGES,
     PROBLEMS,
     RENEW,
@@ -15,7 +16,7 @@ from campaigns.long_survey import (
     verdict,
 )
 from campaigns.pages import measured
-from campaigns.partitioned.long_runs import ONE_VALUE, labels
+from campaigns.partitioned.test_kepler_long import labels
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.sources import GROWS_IN_SURVEY, survey_notes
 

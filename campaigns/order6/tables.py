@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.long_runs import kepler_table
+from campaigns.partitioned.tables import kepler_table
 
 TARGETS = ("1e-06", "1e-09")
 BASE = "gauss-3"

@@ -1,81 +1,19 @@
-"""The measurements of order 6 and 8: interpolation, long runs and growth on known cases."""
+"""The measurements of order 6 and 8: long runs, their notes, and the search for order 8."""
 
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pytest
 
-from campaigns.order6.compare import METHODS, Case, Comparison, Run, at_error, bracket
 from campaigns.order8_search import ANSATZES, SOLVED, STARTS
 from campaigns.pages import measured
 from glmref.catalogue.lookup import data_root, document, names
 from glmref.derive.ansatz import Ansatz
 from glmref.derive.recipes.sources import GROWS
-from glmref.problems import problem
 from glmref.prove.enclosure import conditions_of
-
-
-def runs(order: int) -> list[Run]:
-    """Return the runs of a method of some order whose time is proportional to its steps."""
-    steps = [100, 200, 400, 800]
-    return [Run(n, (n / 1000) ** -order * 1e-8, 7 * n, 0, [n * 1e-6] * 3) for n in steps]
-
-
-def test_time_at_an_error_is_exact_where_error_and_time_are_powers() -> None:
-    # error = 1e-8 (n/1000)^-6 is 1e-6 at n = 1000 * 10^(-1/3)
-    at = at_error(runs(6), 1e-6)
-    steps = 1000 * 10 ** (-1 / 3)
-    assert at is not None
-    # four digits are kept
-    assert at["steps"] == pytest.approx(steps, rel=1e-3)
-    assert at["seconds"] == pytest.approx(steps * 1e-6, rel=1e-3)
-    assert at["evaluations"] == pytest.approx(7 * steps, rel=1e-3)
-
-
-def test_an_error_outside_the_ladder_is_not_extrapolated() -> None:
-    assert bracket(runs(6), 1e-12) == ()
-    assert at_error(runs(6), 1e-12) is None
-    assert at_error(runs(6), 1.0) is None
-
-
-def test_a_disturbed_round_does_not_move_the_median() -> None:
-    calm, disturbed = runs(6), runs(6)
-    for run in disturbed:
-        run.seconds[1] = 10.0
-    assert at_error(calm, 1e-6) == at_error(disturbed, 1e-6)
-
-
-@pytest.mark.slow
-def test_a_comparison_finds_both_targets_and_the_order() -> None:
-    case = Case("pendulum", lambda: problem("pendulum", q0="1/2"), 5.0, 8)
-    found = Comparison(case, ["gauss-3", "s5i1-w3"])
-    found.time(rounds=2)
-    record = found.as_json()
-    assert [(t["method"], t["solver"]) for t in record["tracks"]] == [
-        (m, s) for m in ("gauss-3", "s5i1-w3") for s in ("fixed-point", "newton")
-    ]
-    for track in record["tracks"]:
-        first, last = track["runs"][0], track["runs"][-1]
-        slope = math.log(first["error"] / last["error"]) / math.log(last["steps"] / first["steps"])
-        assert 5.5 < slope < 6.8  # order 6, from above on a coarse ladder
-        assert track["at"]["1e-06"]["steps"] < track["at"]["1e-09"]["steps"]
-
-
-def of_high_order(doc: Mapping[str, Any]) -> bool:
-    """Return whether a document is a real general linear method of order 6 or 8, several values."""
-    several = doc["class"] in ("glm", "sweep") and len(doc["V"]) > 1
-    return several and doc.get("field") != "complex" and doc["claims"].get("order", 0) >= 6
-
-
-def test_every_method_of_order_6_and_8_is_compared() -> None:
-    compared = {*METHODS["order 6, general linear"], *METHODS["order 8, general linear"]}
-    assert compared == {name for name in names("methods") if of_high_order(document(name))}
-    seen = {track["method"] for case in measured("order6")["cases"] for track in case["tracks"]}
-    assert compared <= seen
 
 
 def grown(runs: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], str]:

@@ -22,10 +22,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from campaigns.driver import arguments, carried_out, complete, record_of
+from campaigns.driver import arguments, carried_out, complete, record_of, three_digits
 from campaigns.pages import markdown
 from campaigns.partitioned.held_out_problems import PROBLEMS
-from campaigns.partitioned.long_runs import three_digits
 from campaigns.partitioned.multistep import SYMMETRIC, twin
 from campaigns.partitioned.work import Case, case_of, mean, needed, needs, per_step, task_of
 from glmref.engine.solve import solve

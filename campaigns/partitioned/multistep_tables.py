@@ -8,13 +8,126 @@ from typing import Any
 
 from campaigns import world
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned import error_front, held_out, multistep
+from campaigns.partitioned import error_front, held_out
+from campaigns.partitioned.tables import shown_error
+from campaigns.partitioned.work import mean, needed
+from glmref.catalogue.lookup import load
+from glmref.derive.recipes.multistep import SHIPPED
+from glmref.method import PartitionedGLM
+
+
+def evaluations_table(document: Mapping[str, Any], tolerance: str) -> str:
+    """Return the best of each group, case by case, in Markdown.
+
+    The last line holds geometric means.
+    """
+    groups = document["groups"]
+    rivals = [x for key, methods in groups.items() if not key.startswith("new") for x in methods]
+    new = [x for key, methods in groups.items() if key.startswith("new") for x in methods]
+    head = ["case", *(f"best {key}" for key in groups), "new / best other"]
+    rows: list[list[str]] = []
+    ratios: list[float] = []
+    for entry in document["cases"]:
+        cells = [entry["case"]]
+        for methods in groups.values():
+            name, found = needed(entry, methods, tolerance)
+            cells.append(f"{found:,.0f} ({name})" if math.isfinite(found) else "-")
+        mine, theirs = (needed(entry, x, tolerance)[1] for x in (new, rivals))
+        if math.isfinite(mine) and math.isfinite(theirs):
+            ratios.append(mine / theirs)
+        cells.append(f"{mine / theirs:.2f}" if math.isfinite(mine) else "-")
+        rows.append(cells)
+    rows.append(["geometric mean", *[""] * len(groups), f"{mean(ratios):.2f}"])
+    return markdown(head, rows)
+
+
+#: Method in whose evaluations :func:`mean_table` counts.
+UNIT = "quinlan-tremaine-10"
+
+
+def mean_table(document: Mapping[str, Any]) -> str:
+    """Return method against method: evaluations in units of :data:`UNIT`, in Markdown.
+
+    Geometric means over the second-order problems, and over those with a long horizon.
+    """
+    cases = [x for x in document["cases"] if x["case"] != "lotka-volterra"]
+    long = [x for x in cases if x["case"].endswith("-long")]
+    groups = ((cases, "cases"), (long, "long cases"))
+    columns = [(t, some, word) for t in ("1e-06", "1e-09") for some, word in groups]
+    heads = [f"$10^{{{int(t[2:])}}}$, {len(some)} {word}" for t, some, word in columns]
+    rows = []
+    for group in ("published multistep", "new, second-order"):
+        for name in document["groups"][group]:
+            cells = [f"`{name}`"]
+            for tolerance, some, _ in columns:
+                shares = [
+                    needed(x, [name], tolerance)[1] / needed(x, [UNIT], tolerance)[1] for x in some
+                ]
+                cells.append(f"{mean(shares):.2f}")
+            rows.append(cells)
+    return markdown(["method", *heads], rows)
+
+
+#: Steps between the new starts of the runs that were restarted.
+RESTARTED = 10_000
+
+
+def _cause(run: Mapping[str, Any]) -> str:
+    """Return whether a run is bounded.
+
+    Else from when on it is not, and what starting anew changes.
+    """
+    if run["bounded"]:
+        return "yes"
+    marks, energy = run["marks"], [math.inf if x is None else x for x in run["energy"]]
+    first = energy[-3]
+    grown = next((n for n, e in zip(marks, energy, strict=True) if e > 10 * first), None)
+    if grown is None:
+        return "no: the carried values grow"
+    text = f"no: grown tenfold within {grown * run['h']:.3g} time units"
+    if "restarted" not in run:
+        return text
+    new = run["restarted"][-1]
+    cured = new is not None and new <= 10 * run["restarted"][-3]
+    return f"{text}; started again every {RESTARTED:,} steps " + (
+        f"{new:.1e}" if cured else "it grows too: the step is too long"
+    )
+
+
+def long_table(document: Mapping[str, Any]) -> str:
+    """Return energy errors after 10^5, 10^6 and 10^7 steps and the time of a step, in Markdown."""
+    heads, rows = "method, problem, h, $10^5$, $10^6$, $10^7$, ns a step, bounded", []
+    for run in document["runs"]:
+        what = ", ".join([run["problem"], *(f"{k} = {v}" for k, v in run["parameters"].items())])
+        cells = [*map(shown_error, run["energy"][-3:])]
+        cells += ["-" if run["ns"] is None else f"{run['ns']:.0f}", _cause(run)]
+        rows.append([f"`{run['method']}`", what, f"{run['h']:g}", *cells])
+    return markdown(heads.split(", "), rows)
 
 
 def multistep_shipped() -> str:
-    """Return what to know of each shipped multistep method."""
-    names = ("multistep-long", "multistep-growth", "multistep-resonances")
-    return multistep.shipped_table({x: measured(x) for x in names})
+    """Return what to know of each shipped multistep method, in Markdown."""
+    rows, long = [], measured("multistep-long")["runs"]
+    first = {
+        x["method"]: x["ranges"][0][0]
+        for x in measured("multistep-growth")["scans"]
+        if x["orbit"].startswith("Kepler")
+    } | {
+        x["method"]: x["holes"][0]
+        for x in measured("multistep-resonances")["scans"]
+        if x["problem"] == "kepler"
+    }
+    for name, shipped in SHIPPED.items():
+        method = load(name)
+        assert isinstance(method, PartitionedGLM)
+        order = method.claims["order"] if shipped.q else method.claims["nystrom-order"]
+        values = len(method.V) + len(method.V_hat)
+        runs = [x["bounded"] for x in long if x["method"] == name]
+        cells = ["separable" if shipped.q else "second order", order, values]
+        cells += [2 if shipped.slopes else 1, f"{first[name]:g}", f"{sum(runs)} of {len(runs)}"]
+        rows.append([f"`{name}`", *cells])
+    heads = "method, systems, order, values, kicks a step, first resonance, bounded"
+    return markdown(heads.split(", "), rows)
 
 
 def long_answer() -> str:
@@ -73,10 +186,10 @@ PAGES: Pages = {
         "multistep-shipped": multistep_shipped,
     },
     ROOT / "campaigns" / "partitioned" / "multistep.md": {
-        "multistep-1e-09": lambda: multistep.table(measured("multistep"), "1e-09"),
-        "multistep-1e-06": lambda: multistep.table(measured("multistep"), "1e-06"),
-        "multistep-means": lambda: multistep.mean_table(measured("multistep")),
-        "multistep-long": lambda: multistep.long_table(measured("multistep-long")),
+        "multistep-1e-09": lambda: evaluations_table(measured("multistep"), "1e-09"),
+        "multistep-1e-06": lambda: evaluations_table(measured("multistep"), "1e-06"),
+        "multistep-means": lambda: mean_table(measured("multistep")),
+        "multistep-long": lambda: long_table(measured("multistep-long")),
         "multistep-growth": lambda: growth_table(measured("multistep-growth")),
         "multistep-front": lambda: front_table(measured("multistep-front")),
         "error-front": lambda: error_front.table(measured("error-front")),

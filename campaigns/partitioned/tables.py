@@ -9,18 +9,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from campaigns.long_survey import ONE_VALUE
 from campaigns.pages import ROOT, Pages, markdown, measured
-from campaigns.partitioned.long_runs import (
-    FURTHER,
-    ONE_VALUE,
-    RESTARTED,
-    kepler_table,
-    pair_names,
-    shown_error,
-)
 from campaigns.partitioned.work import CASES, PAIRS
 from glmref.catalogue.lookup import document as file_of
 from glmref.catalogue.lookup import load
+from glmref.derive.recipes.sources import in_words
 from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import parasitic_curvature
 
@@ -178,6 +172,28 @@ def runs_table(document: Mapping[str, Any], zero: Mapping[str, Any]) -> str:
     return markdown(head.split("; "), rows)
 
 
+def kepler_table(runs: Sequence[Mapping[str, Any]], methods: Sequence[str] = ()) -> str:
+    """Return energy errors after 10^5, 10^6, .. steps, one line for each method, in Markdown."""
+    methods = methods or list(dict.fromkeys(run["method"] for run in runs))
+    orbits = list(dict.fromkeys(run["eccentricity"] for run in runs))
+    marks = [n for n in runs[0]["marks"] if n >= 100_000]
+    shown = ", ".join(f"$10^{len(str(n)) - 1}$" for n in marks)
+    heads = ["method", *(f"e = {e}: {shown}" for e in orbits), "bounded"]
+    known, rows = {(run["method"], run["eccentricity"]): run for run in runs}, []
+    for name in methods:
+        mine = [known[name, e] for e in orbits]
+        cells = [", ".join(shown_error(x) for x in run["energy"][-len(marks) :]) for run in mine]
+        where = [run["eccentricity"] for run in mine if run["bounded"]]
+        verdict = "yes" if len(where) == len(orbits) else f"at {in_words(where)}" if where else "no"
+        rows.append([f"`{name}`", *cells, verdict])
+    return markdown(heads, rows)
+
+
+def shown_error(x: float | None) -> str:
+    """Return an error in a cell of a table."""
+    return "not finite" if x is None else f"{x:.1e}"
+
+
 #: Problem of a long run -> how a table calls it.
 _CALLED = {"pendulum": "pendulum", "henon-heiles": "Hénon-Heiles", "kepler": "Kepler"}
 #: Pairs that docs/choose.md recommends for runs of up to 100,000 steps.
@@ -276,10 +292,10 @@ PAGES: Pages = {
         "long-runs": lambda: long_table(measured("pairs-long")),
         "long-runs-own-start": lambda: runs_table(measured("pairs-starts"), measured("pairs-long")),
         "kepler-long": lambda: kepler_table(
-            measured("kepler-long")["runs"], [*pair_names(), *ONE_VALUE]
+            measured("kepler-long")["runs"], [*sorted(PAIRS), *ONE_VALUE]
         ),
-        "kepler-restarted": lambda: kepler_table(measured("kepler-long")["restarted"], RESTARTED),
-        "kepler-further": lambda: kepler_table(measured("kepler-long")["further"], FURTHER),
+        "kepler-restarted": lambda: kepler_table(measured("kepler-long")["restarted"]),
+        "kepler-further": lambda: kepler_table(measured("kepler-long")["further"]),
     },
     ROOT / "docs" / "pairs.md": {
         "shipped-order-6": lambda: "\n".join(

@@ -1,10 +1,5 @@
-"""Ten million steps of Kepler's problem: the record, the labels of the files, and what pages recommend.
+"""Ten million steps of Kepler's problem: the labels of the files and what pages recommend."""
 
-What is repeated here takes seconds; ``python -m campaigns.partitioned.long_runs kepler FILE``
-measures everything.
-"""
-
-import json
 import re
 from pathlib import Path
 
@@ -12,23 +7,12 @@ import pytest
 
 from campaigns.long_survey import advice, also
 from campaigns.pages import measured
-from campaigns.partitioned.long_runs import (
-    FURTHER,
-    KEPLER,
-    RESTARTED,
-    follow_method,
-    kepler,
-    kepler_methods,
-    labels,
-    pair_names,
-    step_size,
-)
 from campaigns.partitioned.tables import RECOMMENDED
-from glmref.catalogue.lookup import data_root, load
+from campaigns.partitioned.work import PAIRS
+from glmref.catalogue.lookup import data_root, document, load, names
 from glmref.derive.recipes.sources import (
     GROWS_LATER_ON_KEPLER,
     GROWS_ON_KEPLER,
-    LOST,
     grown,
     kepler_notes,
 )
@@ -36,7 +20,7 @@ from glmref.derive.recipes.sources import (
 ROOT = Path(__file__).resolve().parents[2]
 MEASURED = data_root() / "measurements"
 CHOOSE = ROOT / "docs" / "choose.md"
-PAIRS, ORDER6 = (ROOT / "campaigns" / x / "README.md" for x in ("partitioned", "order6"))
+PAGE, ORDER6 = (ROOT / "campaigns" / x / "README.md" for x in ("partitioned", "order6"))
 LIMIT = "100,000 steps"
 
 
@@ -52,25 +36,6 @@ def changed(method, eccentricity, key="runs", **values):
 def bounded(runs):
     """Return the methods all of whose runs are bounded."""
     return [x for x in dict.fromkeys(r["method"] for r in runs) if x not in grown(runs)]
-
-
-@pytest.mark.slow
-def test_every_method_is_run_at_every_eccentricity():
-    stored = measured("kepler-long")
-    wanted = {"runs": kepler_methods(), "restarted": RESTARTED, "further": FURTHER}
-    for key, methods in wanted.items():
-        expected = [
-            (name, e, step_size(name, case))
-            for name in methods
-            for e, case in zip(("0.1", "0.3", "0.6"), KEPLER, strict=True)
-        ]
-        assert [(x["method"], x["eccentricity"], x["h"]) for x in stored[key]] == expected
-        for x in stored[key]:
-            assert x["marks"][-1] == 10 ** (8 if key == "further" else 7)
-            assert x["steps"] == x["marks"][-1] or not x["bounded"]
-            # the step sizes are useful ones: an energy error between 1e-13 and 1e-5 at first
-            early = x["energy"][0]
-            assert 1e-14 < early < 1e-5 or x["method"] in ("s3i1-w3",), x
 
 
 def expected_labels(stored):
@@ -103,6 +68,17 @@ def test_a_label_that_differs_from_the_data_is_seen(method, eccentricity, values
     assert labels("kepler-long.json") != expected_labels(changed(method, eccentricity, **values))
 
 
+def labels(record):
+    """Return notes of the method files that name a record, by method."""
+    found = {}
+    for name in names("methods"):
+        notes = document(name).get("notes", [])
+        for note in [notes] if isinstance(notes, str) else notes:
+            if record in note:
+                found.setdefault(name, []).append(note)
+    return found
+
+
 def words(path):
     """Return the text of a page, wherever its lines break."""
     return " ".join(path.read_text(encoding="utf-8").split())
@@ -124,7 +100,7 @@ def recommended(stored):
 
 def steady_pairs(stored):
     """Return pairs bounded on Kepler's problem; of these, those bounded in all long runs."""
-    every = pair_names()
+    every = PAIRS
     pairs = [x for x in bounded(stored["runs"]) if x in every]
     starts = measured("pairs-starts")
     others = measured("pairs-long")["runs"] + starts["runs"] + starts["further"]
@@ -144,7 +120,7 @@ def test_what_is_recommended_for_long_runs_survived_all_of_them():
     assert sorted(found) == sorted(pairs)
     assert all_problems == []
     assert "No pair is recommended for more than 100,000 steps." in words(CHOOSE)
-    assert "No pair is bounded over a hundred million steps on all problems" in words(PAIRS)
+    assert "No pair is bounded over a hundred million steps on all problems" in words(PAGE)
 
 
 @pytest.mark.slow
@@ -189,13 +165,15 @@ def test_no_page_recommends_a_growing_method_without_a_limit():
 @pytest.mark.slow
 def test_the_counts_of_the_pages_are_those_of_the_data():
     stored = measured("kepler-long")
-    texts, pairs = grown(stored["runs"]), pair_names()
+    texts, pairs = grown(stored["runs"]), PAIRS
     grows = [x for x in pairs if x in texts]
     lost = [x for x in grows if "lost" in texts[x]]
-    page = words(PAIRS)
+    page = words(PAGE)
     assert (len(grows), len(pairs), len(lost)) == (11, 14, 8)
     assert "Eleven of the fourteen pairs grow in at least one of these runs, and eight lose" in page
-    several = {x for x in kepler_methods() if x not in pairs and load(x).r > 1}
+    several = {
+        x["method"] for x in stored["runs"] if x["method"] not in pairs and load(x["method"]).r > 1
+    }
     kept = several - texts.keys()
     assert (len(several), kept) == (22, {"s3z", "s5z-w3"})
     assert all("lost at 0.1" in texts[x] for x in several - kept)
@@ -219,58 +197,9 @@ def test_the_counts_of_the_pages_are_those_of_the_data():
 
 def test_new_starts_keep_every_run_bounded_but_those_the_page_names():
     stored = measured("kepler-long")
-    assert bounded(stored["restarted"]) == list(RESTARTED)
-    assert not set(bounded(stored["runs"])) & set(RESTARTED) - {"pair-6-10"}
-
-
-@pytest.mark.slow
-def test_the_beginning_of_a_run_is_that_of_the_record():
-    """The same path: rounding of other machines moves an energy error of 1e-10 by far less."""
-    for name in ("blanes-moan-rkn-6-14", "gauss-3", "pair-rkn-6-8b"):
-        again = follow_method(name, KEPLER[1], 100_000)
-        stored = next(
-            x
-            for x in measured("kepler-long")["runs"]
-            if (x["method"], x["eccentricity"]) == (name, "0.3")
-        )
-        assert again.h == stored["h"]
-        # samples lie closer in a short run: its largest is no smaller but for rounding
-        assert again.energy[1] == pytest.approx(stored["energy"][1], rel=0.02)
-
-
-@pytest.mark.slow
-def test_growth_and_its_cure_are_seen_again_within_a_million_steps():
-    name = "pair-rkn-6-8b"
-    bare = follow_method(name, KEPLER[1], 1_000_000)
-    again = follow_method(name, KEPLER[1], 1_000_000, restart=10_000)
-    assert bare.energy[-1] > 1e-6 > 100 * again.energy[-1]
-    assert not bare.bounded
-    assert again.bounded
-
-
-def test_a_lost_orbit_is_not_bounded_though_its_energy_stays():
-    from campaigns.partitioned.long_runs import Long
-
-    marks = (10**4, 10**5, 10**6, 10**7)
-
-    def run(*energy):
-        return Long("x", "kepler", 0.1, 10**7, "completed", marks, energy, ())
-
-    assert run(1e-9, 1e-9, 1e-9, 2e-9).bounded
-    assert not run(1e-9, 2 * LOST, 2 * LOST, 2 * LOST).bounded
-    assert not run(1e-9, 1e-9, 1e-9, float("inf")).bounded
-
-
-def test_the_file_has_every_run_of_the_plan(tmp_path, monkeypatch):
-    from campaigns.partitioned import long_runs as pair_long
-
-    monkeypatch.setattr(pair_long, "kepler_methods", lambda: ["stormer-verlet", "pair-4-4"])
-    monkeypatch.setattr(pair_long, "RESTARTED", ("pair-4-4",))
-    monkeypatch.setattr(pair_long, "FURTHER", ())
-    path = tmp_path / "kepler-long.json"
-    kepler(path, KEPLER[:1], 10_000)
-    found = json.loads(path.read_text(encoding="utf-8"))
-    assert [x["method"] for x in found["runs"]] == ["stormer-verlet", "pair-4-4"]
-    assert [x["method"] for x in found["restarted"]] == ["pair-4-4"]
-    stored = measured("kepler-long")["runs"][0]
-    assert all(set(x) == set(stored) for x in (*found["runs"], *found["restarted"]))
+    assert bounded(stored["restarted"]) == list(
+        dict.fromkeys(x["method"] for x in stored["restarted"])
+    )
+    assert not set(bounded(stored["runs"])) & {x["method"] for x in stored["restarted"]} - {
+        "pair-6-10"
+    }

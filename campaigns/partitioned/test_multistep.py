@@ -1,6 +1,5 @@
 """Multistep methods: the records, the sentences of the pages, and the labels of the files."""
 
-import json
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,20 +8,13 @@ import pytest
 
 from campaigns import world
 from campaigns.pages import measured
-from campaigns.partitioned import held_out, multistep
+from campaigns.partitioned import held_out
 from campaigns.partitioned.held_out_problems import PROBLEMS
-from campaigns.partitioned.multistep import (
-    LONG,
-    SYMMETRIC,
-    cosines,
-    follow,
-    needed,
-    twin,
-)
+from campaigns.partitioned.multistep import SYMMETRIC, cosines, twin
 from campaigns.partitioned.multistep_search import coefficients
 from campaigns.partitioned.multistep_tables import long_answer, multistep_shipped
+from campaigns.partitioned.work import needed
 from glmref.catalogue.lookup import document
-from glmref.compute.executors import ENVIRONMENT
 from glmref.derive.recipes.multistep import SHIPPED
 from glmref.derive.recipes.sources import survey_notes
 
@@ -138,30 +130,6 @@ def test_a_published_method_in_one_step_form_has_its_own_coefficients():
         assert len(cosines(name)) == (int(name.rpartition("-")[2].strip("ab")) - 2) // 2
 
 
-@pytest.mark.slow
-def test_counts_and_long_runs_are_those_of_the_record_wherever_tasks_run(tmp_path, monkeypatch):
-    case = next(x for x in multistep.COUNTED if x.name == "henon-heiles")
-    few = {"new, second-order": ("multistep-rkn-8",), "splitting": ("blanes-moan-rkn-6-11",)}
-    monkeypatch.setattr(multistep, "ROWS", few)
-    monkeypatch.setattr(multistep, "SHIPPED", {"multistep-8": SHIPPED["multistep-8"]})
-    monkeypatch.setattr(multistep, "PUBLISHED", ())
-    (stored,) = (x for x in measured("multistep")["cases"] if x["case"] == case.name)
-    known = {x["method"]: x["needed"] for x in stored["methods"]}
-    found = []
-    for on in ("here", "local:2"):
-        monkeypatch.setenv(ENVIRONMENT, on)
-        count, long = tmp_path / "count.json", tmp_path / f"{on[:4]}.json"
-        multistep.evaluations(count, [case])
-        multistep.long_runs(long, steps=20_000, cases=LONG[1:2])
-        counted, runs = (json.loads(x.read_text(encoding="utf-8")) for x in (count, long))
-        for row in counted["cases"][0]["methods"]:
-            assert row["needed"] == known[row["method"]]
-        (run,) = runs["runs"]
-        assert run.pop("ns") > 0
-        found.append((counted["cases"], run))
-    assert found[0] == found[1]
-
-
 def test_files_say_where_they_grow():
     grown = {x["method"] for x in measured("multistep-long")["runs"] if not x["bounded"]}
     for name, shipped in SHIPPED.items():
@@ -173,20 +141,6 @@ def test_files_say_where_they_grow():
 def test_the_best_of_some_is_found():
     entry = {"methods": [{"method": "a", "needed": {"1e-09": 7}}, {"method": "b", "needed": {}}]}
     assert needed(entry, ["a", "b"], "1e-09") == ("a", 7)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SHIPPED)
-def test_a_long_run_is_repeated(name):
-    case = LONG[1]
-    stored = next(
-        x for x in measured("multistep-long")["runs"]
-        if (x["method"], x["problem"]) == (name, case.problem)
-    )  # fmt: skip
-    again = follow(name, case, stored["h"], 100_000).as_json()
-    # a run of another length looks at other points of an orbit whose error has sharp peaks
-    for found, known in zip(again["energy"][:2], stored["energy"][:2], strict=True):
-        assert known / 10 < found < known * 10
 
 
 def test_the_fastest_of_a_case_stands_out_and_what_was_not_reached_is_named():

@@ -8,8 +8,6 @@ import pytest
 
 from campaigns.pages import measured
 from campaigns.partitioned import work as pair_needs
-from campaigns.partitioned.long_runs import Case as LongCase
-from campaigns.partitioned.long_runs import Long, follow_pair, pair_names
 from campaigns.partitioned.tables import best, needs_table, time_table
 from campaigns.partitioned.work import (
     CASES,
@@ -17,6 +15,7 @@ from campaigns.partitioned.work import (
     LEFT_OUT,
     METHODS,
     NOTE,
+    PAIRS,
     TOLERANCES,
     Case,
     _settled,
@@ -112,30 +111,9 @@ def test_the_need_of_a_method_of_order_6_is_below_that_of_order_2(tmp_path):
     assert "| short |" in time_table(record, "1e-09")
 
 
-def test_ten_thousand_steps_are_followed_and_growth_is_seen():
-    case = LongCase("harmonic-oscillator", 1 / 16)
-    good = follow_pair("pair-rkn-6-8b", case, 10_000)
-    assert (good.outcome, good.steps, good.bounded) == ("completed", 10_000, True)
-    # kappa < 0: |w| - 1 = 1.7e-3 y^3 with y = 7/16, 1.4e-4 a step, exp(1.4) in 10^4 steps
-    wild = follow_pair("pair-6-7", LongCase("harmonic-oscillator", 1 / 16), 100_000)
-    assert wild.carried[-1] > 100 * wild.carried[0]
-    assert not wild.bounded
-
-
-def test_bounded_looks_at_energy_at_carried_values_and_at_the_end():
-    def run(energy, carried, steps=10**7):
-        return Long("x", "y", 0.1, steps, "completed", (10**5, 10**6, 10**7), energy, carried)
-
-    assert run((1e-9, 1e-9, 2e-9), (1e-7, 1e-7, 1e-7)).bounded
-    assert not run((1e-9, 1e-9, 2e-8), (1e-7, 1e-7, 1e-7)).bounded
-    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 2e-6)).bounded
-    assert not run((1e-9, 1e-9, 1e-9), (1e-7, 1e-7, 1e-7), steps=999).bounded
-    assert run((1e-16, 1e-15, 1e-14), (0.0, 0.0, 1e-14)).bounded  # round-off
-
-
 def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
     runs = measured("pairs-long")["runs"]
-    assert {x["method"] for x in runs} == set(pair_names())
+    assert {x["method"] for x in runs} == set(PAIRS)
     for run in runs:
         notes = [x for x in document(run["method"]).get("notes", []) if "pairs-long.json" in x]
         notes = " ".join(notes)

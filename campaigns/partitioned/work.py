@@ -22,9 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete, record_of
+from campaigns.driver import TIMED, arguments, carried_out, complete, record_of, three_digits
 from campaigns.partitioned.held_out_problems import PROBLEMS, problem_of
-from campaigns.partitioned.long_runs import three_digits
 from glmref.catalogue.lookup import load
 from glmref.compute.records import finite
 from glmref.engine.outcome import Solution, StartFailed
