@@ -29,7 +29,7 @@ import numpy as np
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of, three_digits
 from campaigns.pages import markdown
 from campaigns.partitioned.multistep import twin
-from campaigns.partitioned.work import Case, case_of, need_of, need_row, per_step, task_of
+from campaigns.partitioned.work import Case, case_of, need_row, per_step, task_of
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.peers import measure_peer, runner
@@ -154,7 +154,7 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
     record["where"]["versions"] |= {x: version(x) for x in PEERS.values()}
     pairs = [(case, name) for case in cases for name in METHODS]
     needed = carried_out(need_row, (task_of(case, name) for case, name in pairs), beside=path)
-    counts = [need_of(row[0]).needed.get(GOAL) for row in needed]
+    counts = [row[0]["needed"].get(f"{GOAL:.0e}") for row in needed]
     tasks = (
         {**task_of(case, name), "steps": count / per_step(name)}
         for (case, name), count in zip(pairs, counts, strict=True)
@@ -165,7 +165,7 @@ def main(path: Path, cases: Sequence[Case] = CASES) -> None:
         [
             {
                 "method": name,
-                "evaluations": round(count) if count else None,
+                "evaluations": count,
                 "seconds": next(seconds) if count else None,
             }
             for (_, name), count in zip(pairs, counts, strict=True)

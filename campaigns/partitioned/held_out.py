@@ -124,8 +124,7 @@ def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict
 def case_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Count and time the methods of a case in JSON."""
     case, key = case_of(task), TOLERANCES[-1]
-    found = {x.method: x for x in needs(case, task["methods"]) if x.start != "enhanced"}
-    rows = {name: need.counted() for name, need in found.items()}
+    rows = {x["method"]: x for x in needs(case, task["methods"])}
     counts = {name: row["needed"].get(key) for name, row in rows.items()}
     steps = {name: max(1, round(n / per_step(name))) for name, n in counts.items() if n}
     for name, seconds in _seconds(case, steps).items():
@@ -150,7 +149,7 @@ DIGITS, COMPONENTS = (1e-6, 1e-9, 1e-12), 6
 def count_row(task: Mapping[str, Any]) -> dict[str, Any]:
     """Count the evaluations of the methods of a case in JSON, at all of :data:`DIGITS`."""
     case = case_of(task)
-    rows = [x.counted() for x in needs(case, task["methods"], DIGITS) if x.start != "enhanced"]
+    rows = needs(case, task["methods"], DIGITS)
     return {"case": case.name, "measure": case.measure, "methods": rows}
 
 

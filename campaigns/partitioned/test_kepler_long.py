@@ -7,8 +7,7 @@ import pytest
 
 from campaigns.long_survey import advice, also
 from campaigns.pages import measured
-from campaigns.partitioned.tables import RECOMMENDED
-from campaigns.partitioned.work import PAIRS
+from campaigns.partitioned.tables import PAIRS, RECOMMENDED
 from glmref.catalogue.lookup import data_root, document, load, names
 from glmref.derive.recipes.sources import (
     GROWS_LATER_ON_KEPLER,
