@@ -91,7 +91,9 @@ def traced(
         return None
     common, outputs = found
     try:
-        formula = shared(Formula(outputs, common, variables))
+        # names of their own: f has the common subexpressions of both halves
+        letter = "v" if variables[-1] == "p" else "e"
+        formula = shared(Formula(outputs, common, variables), letter)
         return formula if all(_agree(formula, function, point) for point in points) else None
     except (Exception, SystemExit):  # a function that fails is left to tell so itself
         return None

@@ -113,43 +113,26 @@ def floats(matrix):
 
 
 @cache
-def quadratic(name):
-    """(G, D) of a method in doubles; (1, b) for one value."""
+def form(name):
+    """The form G of a method in doubles; 1 for one value."""
     method = load_once(name)
-    if method.G is not None and method.D is not None:
-        return floats(method.G), np.array([float(x) for x in method.D])
     if method.r == 1:
-        return np.eye(1), floats(method.B)[0]
-    found = facts(name).g_symplecticity
-    return floats(found.G), np.array([float(x) for x in found.D])
+        return np.eye(1)
+    return floats(facts(name).g_symplecticity.G if method.G is None else method.G)
 
 
-def sums(matrix):
-    return np.abs(floats(matrix)).sum(axis=1).max()
+def units(run, G):
+    """Change of the form since the start, in units of rounding of its terms."""
+    x = np.maximum(np.abs(run.first), np.abs(run.values))
+    return abs(run.change(G)) / (EPS * np.sum(np.abs(G) * (x @ np.abs(run.C) @ x.T)))
 
 
-def bound(run, steps):
-    """What rounding can change in the form.
-
-    With n = 2 (s + r + 8), a step rounds the values by n eps (v X + h b F), which changes the form
-    by twice that times |G| |C| X; and a stage that is off by 8 n eps (u X + h a F), as an iteration
-    to round-off leaves it, changes it by 2 h |d| |C| F times that. X are the largest values at both
-    ends, F is the largest slope there, doubled for what lies between. The bound is for errors that
-    all have one sign; for the form itself, in doubles, two more roundings of it.
-    """
-    method, h = run.method, abs(run.h)
-    G, D = quadratic(method.name)
-    ends = np.abs(np.stack([run.first, run.values]))
-    X = 2 * ends.max(axis=(0, 2))
-    F = 2 * max(np.abs(run.of.f(0.0, y)).max() for y in (run.first[0], run.values[0]))
-    n, size = 2 * (method.s + method.r + 8), np.abs(run.C).sum()
-    u, a, b, v = (sums(x) for x in (method.U, method.A, method.B, method.V))
-    largest = X.max()
-    update = (np.abs(G) @ X).sum() * (v * largest + h * b * F)
-    stages = 8 * h * np.abs(D).sum() * F * (u * largest + h * a * F)
-    own = (X @ np.abs(G) @ X) * 4 / n
-    return EPS * n * size * (2 * steps * (update + stages) + own)
-
+#: What rounding may change over 1000 steps, a random walk; the largest that was seen is 10.
+KEPT = 100
+#: The same of a step and one back; the largest that was seen is 14.
+BACK = 200
+#: What is lost without the property: that and more.
+LOST = 10**4
 
 KEEPING = claiming("g-symplectic", "symplectic")
 QUICK = {"gauss-2", "gauss-3", "gsymplectic-n", "s4-symmetric", "g6245", "g6245-w3", "thesis-3-8"}
@@ -170,7 +153,7 @@ def test_every_g_symplectic_method_keeps_its_form_over_1000_steps(name, seed, h)
     steps = STEPS if document(name)["claims"].get("parasitism-free", True) else STEPS // 10
     run = Run(name, seed, h, small=0.01 if steps == STEPS else 0.0)
     assert run.to(steps)
-    assert abs(run.change(quadratic(name)[0])) < bound(run, steps)
+    assert units(run, form(name)) < KEPT
 
 
 @pytest.mark.parametrize("name", ["rk4", "lobatto-iiia-3", "radau-iia-2", "sdirk-3", "gill-4"])
@@ -179,9 +162,9 @@ def test_a_method_without_the_property_does_not(name):
     for seed in range(5):
         run = Run(name, seed, 0.1)
         assert run.to(STEPS)
-        lost.append(abs(run.change(np.eye(1))) / bound(run, STEPS))
+        lost.append(units(run, np.eye(1)))
     # some of the random motions are slow; the middle one of five is not
-    assert sorted(lost)[2] > 10
+    assert sorted(lost)[2] > LOST
 
 
 def refuted():
@@ -202,17 +185,17 @@ def test_there_are_broken_files_of_this_kind():
 
 
 def lost(name, G, seed, h, steps):
-    """Change of a form over its bound. A run that fails has shown nothing of the form."""
+    """Change of a form in such units. A run that fails has shown nothing of the form."""
     run = Run(name, seed, h)
     assert run.to(steps), f"{name} ended at step {run.state.step}: nothing is known of its form"
-    return abs(run.change(G)) / bound(run, steps)
+    return units(run, G)
 
 
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", refuted())
 def test_a_broken_file_does_not_keep_the_form_it_gives(name):
     G = floats(load_once(name).G)
-    assert min(lost(name, G, seed, 0.05, 200) for seed in range(4)) > 10
+    assert min(lost(name, G, seed, 0.05, 200) for seed in range(4)) > LOST
 
 
 def test_to_fail_is_not_to_lose_the_form():
@@ -223,7 +206,7 @@ def test_to_fail_is_not_to_lose_the_form():
         with pytest.raises(AssertionError, match="nothing is known of its form"):
             lost(name, floats(load_once(broken).G), 0, 1e6, 200)
     # and the intact one keeps its own form where the broken one lost its
-    assert lost("gsymplectic-n", quadratic("gsymplectic-n")[0], 0, 0.05, 200) < 1
+    assert lost("gsymplectic-n", form("gsymplectic-n"), 0, 0.05, 200) < KEPT
 
 
 # --- growth -------------------------------------------------------------------------------------
@@ -232,7 +215,7 @@ def test_to_fail_is_not_to_lose_the_form():
 @cache
 def rms(name, steps, arithmetic="strict"):
     """Root mean square of the change of the form over 32 random orbits, relative to its size."""
-    G = quadratic(name)[0]
+    G = form(name)
     changes = []
     for seed in range(32):
         run = Run(name, seed, 0.02 * 2**0.5, arithmetic, small=0.0)
@@ -270,19 +253,11 @@ def one_step(name, of, values, h):
 
 
 def way_back(name, L, seed, h):
-    """(largest deviation of M_{-h}(L M_h(x)) from L x, what rounding explains)."""
-    method, (of, _) = load_once(name), skew(seed)
-    values = started(method, of, seed)
+    """Largest deviation of M_{-h}(L M_h(x)) from L x, in units of rounding of the values."""
+    of, _ = skew(seed)
+    values = started(load_once(name), of, seed)
     back = one_step(name, of, L @ one_step(name, of, values, h), -h)
-    # two steps, each with the errors of the bound above, the first carried on by the second
-    u, a, b, v = (sums(x) for x in (method.U, method.A, method.B, method.V))
-    X, F, size = 2 * np.abs(values).max(), 2 * np.abs(of.f(0.0, values[0])).max(), sums(L)
-    n, h = 2 * (method.s + method.r + 8), abs(h)
-    jacobian = 8.0  # |S| |C| + |S'| |C y|, all of them at most 2 in size
-    stage = 8 * n * EPS * (u * X + h * a * F)
-    step = n * EPS * (v * X + h * b * F) + 2 * h * b * jacobian * stage
-    carried = v + 2 * h * b * jacobian * u
-    return np.abs(back - L @ values).max(), step + carried * size * step + size * n * EPS * X
+    return np.abs(back - L @ values).max() / (EPS * np.abs(values).max())
 
 
 #: Of multistep methods theory judges a form with other values; the conformance suite tests those.
@@ -294,8 +269,7 @@ SYMMETRIC = [n for n in claiming("symmetric") if shipped(n)["class"] not in ("lm
 @settings(max_examples=4, deadline=None)
 @given(seed=numbers, h=steps_of)
 def test_a_symmetric_method_goes_back_the_way_it_came(name, seed, h):
-    error, explained = way_back(name, floats(facts(name).symmetry.L), seed, h)
-    assert error <= explained
+    assert way_back(name, floats(facts(name).symmetry.L), seed, h) < BACK
 
 
 @pytest.mark.parametrize("name", ["thesis-3-8", "thesis-3-8-printed", "thesis-3-8-symmetric"])
@@ -303,12 +277,10 @@ def test_a_symmetric_method_goes_back_the_way_it_came(name, seed, h):
 @given(seed=numbers)
 def test_the_order_4_method_of_the_thesis_does_not(name, seed):
     # neither as printed nor corrected; the involution is the one that passes B = L B P
-    error, explained = way_back(name, np.diag([1.0, -1.0, -1.0]), seed, 0.03)
-    assert error > 1e3 * explained
+    assert way_back(name, np.diag([1.0, -1.0, -1.0]), seed, 0.03) > LOST
 
 
 @settings(max_examples=4, deadline=None)
 @given(seed=numbers)
 def test_nor_does_an_explicit_method(seed):
-    error, explained = way_back("rk4", np.eye(1), seed, 0.1)
-    assert error > 10 * explained
+    assert way_back("rk4", np.eye(1), seed, 0.1) > LOST

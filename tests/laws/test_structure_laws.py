@@ -157,24 +157,6 @@ def test_reduced_multistep_methods_have_the_same_stability_polynomial_but_for_ze
     assert small.r <= m.r and small.s <= m.s
 
 
-@given(data=st.data())
-@LAWS
-def test_reduction_undoes_added_passengers_and_copies(data):
-    m = glmref.load("gsymplectic-n").bare()
-    # a passenger value no stage sees, and a copy of stage 1
-    zero, one = Exact(0), Exact(1)
-    weight = exact(data.draw(st.sampled_from([Fraction(1, 3), Fraction(2), Fraction(-1)])))
-    U = [[*row, zero] for row in (*m.U, m.U[0])]
-    B = [[row[0] * weight, row[1], row[0] * (1 - weight)] for row in (*m.B, m.B[0])]
-    V = [[*row, zero] for row in m.V] + [[zero, one, one / 2]]
-    A = [[row[0] * weight, row[1], row[0] * (1 - weight)] for row in (*m.A, m.A[0])]
-    assume(weight != 1)
-    big = GLM(A=A, U=U, B=B, V=V)
-    small = reduce(big)
-    assert (small.s, small.r) == (m.s, m.r)
-    assert stability_polynomial(small) == stability_polynomial(m)
-
-
 @pytest.mark.parametrize("name", ["gsymplectic-n", "gauss-2", "pair-4-4"])
 def test_what_was_found_cannot_be_changed(name):
     m = glmref.load(name)

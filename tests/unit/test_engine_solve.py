@@ -14,7 +14,6 @@ from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Interrupted, Outcome
 from tests.build import refused
 
-REST = Problem(f=("0*y[0]", "0*y[1]"), y0=("1/3", "-2/7"), name="rest")
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 
 
@@ -33,43 +32,6 @@ def test_slopes_that_are_linear_in_time_are_guessed(method, stages, tmp_path, mo
     of = Problem(f=("t + 0*y[0]",), y0=(1.0,), t_span=(1.0, 2.0))
     found = solve(of, method, h=1 / 128, steps=128, engine="interpreted", solver="fixed-point")
     assert found.completed and stages * 128 <= found.evaluations < 1.3 * stages * 128
-
-
-def test_time_runs_backwards_with_negative_h():
-    forth = solve("pendulum", "gauss-3", h=0.1, steps=50)
-    start = Problem(force=problem("pendulum").force, y0=tuple(forth.y[-1]), t_span=(5.0, 0.0))
-    back = solve(start, "gauss-3", h=-0.1, t_end=0.0)
-    assert back.t[-1] == pytest.approx(0.0)
-    # 100 steps, each a few units of round-off of |y| < 3
-    assert np.abs(back.y[-1] - problem("pendulum").y0).max() < 1e-13
-
-
-@pytest.mark.sampled(6)
-@pytest.mark.parametrize("engine", ["compiled", "reference", "interpreted"])
-@pytest.mark.parametrize("name", ["g6245", "g6245-w3", "gsymplectic-n", "leapfrog", "gauss-3"])
-def test_without_a_right_hand_side_the_step_is_exactly_V(name, engine):
-    method = load(name)
-    n = 300 if engine == "compiled" else 12
-    values = np.arange(1.0, 1 + 2 * method.r).reshape(method.r, 2) / 8
-    run = solve(REST, method, h=0.5, steps=n, start=values, engine=engine)
-    V = np.array([[float(x) for x in row] for row in method.V])
-    expected = values
-    for _ in range(n):
-        expected = V @ expected
-    size = np.abs(values).max()
-    np.testing.assert_array_equal(run.values[0], expected[0])
-    if (np.round(V) != V).any() and engine == "reference":
-        # a rotation by 120 degrees is not a floating point matrix: round-off of n products
-        assert np.abs(run.values - expected).max() < 1e-15 * n * size
-    elif (np.round(V) != V).any():
-        # in its integral basis it is: after 300 turns everything is back, up to the two changes
-        # of basis, however many turns there were
-        assert n % 3 == 0
-        assert np.abs(run.values - values).max() <= 8 * 2.0**-53 * size
-    else:
-        # exact, up to the two changes of scale of a sweep
-        scaled = name == "gsymplectic-n" and engine != "reference"
-        assert np.abs(run.values - expected).max() <= (2 * 2.0**-53 * size if scaled else 0.0)
 
 
 def test_a_fixed_point_that_does_not_contract_gives_way_to_newton():

@@ -53,13 +53,6 @@ def test_equal_stages_are_merged():
     assert merge_equal_stages(other) is other
 
 
-def test_values_out_of_reach_are_removed():
-    m = GLM(A=[["1/2"]], U=[["1", "1"]], B=[["1"], ["0"]], V=[["1", "0"], ["0", "-1"]])
-    assert reduction(m).reached == (1,)
-    small = reduce(m)
-    assert small.r == 1 and small.A == tableau("gauss-1")[0]
-
-
 @pytest.mark.parametrize(
     "base", [linear_multistep(*multistep("am-2")), runge_kutta(*tableau("gauss-2"))]
 )

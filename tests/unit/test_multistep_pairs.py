@@ -58,49 +58,6 @@ IMPLICIT = [
 ]  # fmt: skip
 
 
-def positions(name, forces):
-    """The q of a method whose force evaluations are what is given, from arbitrary values."""
-    m: Any = load(name)
-    q, p = [[[x.as_fraction() for x in row] for row in M] for M in (m.V, m.V_hat)]
-    B = [row[0].as_fraction() for row in m.B_hat]
-    assert q == [[1]] and m.A[0][0] == m.B[0][0] == m.U[0][0] == 1
-    assert m.U_hat[0][0] == 1 and m.A_hat[0][0].is_zero()
-    y, z = Fraction(3, 7), [Fraction(k + 2, 5 * k + 3) for k in range(len(p))]
-    found = []
-    for force in forces:
-        y += z[0]  # h = 1: the stage P is v, the stage Q the new position
-        found.append(y)
-        moved = [sum(a * b for a, b in zip(row, z, strict=True)) for row in p]
-        z = [x + b * force for x, b in zip(moved, B, strict=True)]
-    return found
-
-
-@pytest.mark.parametrize("name", PRINTED)
-def test_the_positions_obey_the_printed_recurrence(name):
-    alpha, beta, denominator = PRINTED[name]
-    alpha, beta = (half + half[-2::-1] for half in (alpha, beta))
-    k = len(alpha) - 1
-    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(3 * k)]
-    q = positions(name, forces)
-    for n in range(k, len(q) - k):  # behind what the arbitrary values say
-        left = sum(a * x for a, x in zip(alpha, q[n:], strict=False))
-        right = sum(b * x for b, x in zip(beta, forces[n:], strict=False))
-        assert left == right / denominator
-
-
-def test_the_positions_obey_stoermers_recurrence():
-    order = len(DIFFERENCES)
-    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(4 * order)]
-    q = positions(f"stoermer-{order}", forces)
-    for n in range(2 * order, len(q) - 1):
-        differences, row = [], forces[n - order + 1 : n + 1]
-        for _ in range(order):
-            differences.append(row[-1])
-            row = [b - a for a, b in pairwise(row)]
-        right = sum(c * d for c, d in zip(DIFFERENCES, differences, strict=True))
-        assert q[n + 1] - 2 * q[n] + q[n - 1] == right
-
-
 def steps(name, forces):
     """The q and the positions of the stages of each step, from arbitrary values.
 
@@ -132,6 +89,33 @@ def weighted(coefficients, forces):
         total += c * row[-1]
         row = [b - a for a, b in pairwise(row)]
     return total
+
+
+def positions(name, forces):
+    """The q of a method with one stage of each kind."""
+    return [y for y, _ in steps(name, [(x,) for x in forces])]
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_the_positions_obey_the_printed_recurrence(name):
+    alpha, beta, denominator = PRINTED[name]
+    alpha, beta = (half + half[-2::-1] for half in (alpha, beta))
+    k = len(alpha) - 1
+    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(3 * k)]
+    q = positions(name, forces)
+    for n in range(k, len(q) - k):  # behind what the arbitrary values say
+        left = sum(a * x for a, x in zip(alpha, q[n:], strict=False))
+        right = sum(b * x for b, x in zip(beta, forces[n:], strict=False))
+        assert left == right / denominator
+
+
+def test_the_positions_obey_stoermers_recurrence():
+    order = len(DIFFERENCES)
+    forces = [Fraction(n * n + 1, 2 * n + 3) for n in range(4 * order)]
+    q = positions(f"stoermer-{order}", forces)
+    for n in range(2 * order, len(q) - 1):
+        right = weighted(DIFFERENCES, forces[n - order + 1 : n + 1])
+        assert q[n + 1] - 2 * q[n] + q[n - 1] == right
 
 
 @pytest.mark.parametrize(
