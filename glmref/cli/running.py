@@ -252,6 +252,7 @@ def _draw(
     """
     from .. import scenes as scenery
     from ..views import chart, paths
+    from ..views.figures import write_figures
 
     names: list[str] = []
     notices: list[str] = []
@@ -265,9 +266,9 @@ def _draw(
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
         try:
-            Drawing(module.svg(data, **words)).save(path)
-            names.append(path.name)
-            notice = module.write_figures(path.with_suffix(".png"), data, **words)
+            picture = Drawing(module.svg(data, **words))
+            names.append(picture.save(path).name)
+            notice = write_figures(path, picture)
         except UsageError as error:
             notice = f"no picture: {error}"
             notices += [notice] if notice not in notices else []

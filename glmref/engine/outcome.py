@@ -304,8 +304,7 @@ class Solution(Shown):
         kind : str
             ``"time"``, the components against time; ``"energy"``, the relative error of the
             Hamiltonian against time; ``"phase"``, p over q of each coordinate; ``"orbit"``, the
-            path of each body in the plane of its first two coordinates. All but the first are
-            drawn by matplotlib (the extra ``plots``).
+            path of each body in the plane of its first two coordinates.
         components : Sequence[int or str] or None
             Names or numbers of the components, from 0; of a plot against time the first six by
             default, of an orbit two.
@@ -318,8 +317,8 @@ class Solution(Shown):
         Raises
         ------
         UsageError
-            Where fewer than two rows were kept: say ``every`` or ``times``; where matplotlib is
-            missing; where the problem has no Hamiltonian or no such coordinates.
+            Where fewer than two rows were kept: say ``every`` or ``times``; where the problem has
+            no Hamiltonian or no such coordinates.
         """
         return above("views.plot", "plot_solution")(self, kind, components)
 

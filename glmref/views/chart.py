@@ -1,8 +1,7 @@
 """Log-log charts without a plotting library: SVG for files, characters for a terminal.
 
 A series has its marker, dash *and* colour (Okabe and Ito's palette), and is named at the right
-margin beside its last point, with a thin leader; names never overlap. PNG and PDF are left to
-matplotlib, if it is installed (the extra ``plots``).
+margin beside its last point, with a thin leader; names never overlap.
 """
 
 from __future__ import annotations
@@ -11,17 +10,14 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from xml.sax.saxutils import escape
 
 from .axes import COLORS, Axes, decades, document, log_ticks
 from .axes import text as label
-from .figures import NO_FIGURES, blank_figure, save_figure
 
 DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 4")
 #: Names of the marker shapes; text charts use the letters of the alphabet instead.
 MARKERS = ("circle", "square", "up", "diamond", "down", "cross", "plus", "ring")
-_MATPLOTLIB_MARKERS = ("o", "s", "^", "D", "v", "x", "P", "h")
 _LETTERS = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 _CHARACTER = 6.7  # width of a character of the label font at 12 px, in px
 _SPACING = 15.0  # least distance of two labels, in px
@@ -303,44 +299,3 @@ def _wrapped(names: Sequence[str], width: int) -> list[str]:
             lines.append("")
         lines[-1] += f"   {name}" if lines[-1] else name
     return lines
-
-
-def write_figures(
-    path: Path, series: Sequence[Series], *, title: str, x_label: str, y_label: str
-) -> str | None:
-    """Write the chart as PNG and PDF; return a notice where matplotlib is not installed."""
-    figure = blank_figure(8.2, 4.8)
-    if figure is None:
-        return NO_FIGURES
-    axes = figure.add_subplot()
-    for number, one in enumerate(one for one in series if one.drawn or one.across):
-        color = COLORS[number % len(COLORS)]
-        if one.drawn:
-            x, y, _ = zip(*one.drawn, strict=True)
-            dash = DASHES[(number // len(COLORS)) % len(DASHES)]
-            axes.loglog(
-                x, y, label=one.name, color=color, markersize=5, linewidth=1.3,
-                marker=_MATPLOTLIB_MARKERS[number % len(_MATPLOTLIB_MARKERS)],
-                markevery=max(1, len(x) // 16),
-                linestyle=(0, tuple(float(v) / 2 for v in dash.split())) if dash else "-",
-            )  # fmt: skip
-        if one.limit is not None:
-            axes.axvline(one.limit, color=color, linestyle=":", linewidth=1.2)
-        at = [x for x, _ in one.failures]
-        axes.plot(
-            at, [0.98 - 0.02 * (number % 8)] * len(at), "x", color=color, markersize=5,
-            transform=axes.get_xaxis_transform(), label="" if one.drawn else f"{one.name} (fails)",
-        )  # fmt: skip
-    axes.set(title=title, xlabel=x_label, ylabel=y_label)
-    axes.minorticks_off()
-    for axis, values in (
-        (axes.xaxis, [x for one in series for x in one.across]),
-        (axes.yaxis, [y for one in series for _, y, _ in one.drawn]),
-    ):
-        at, texts = log_ticks(*decades(values)) if values else ((), ())
-        axis.set_ticks([10**log for log in at], labels=texts)
-    axes.grid(visible=True, color="#e3e3e3")
-    if axes.lines:
-        figure.legend(loc="outside right upper", fontsize=8, frameon=False)
-    save_figure(figure, path)
-    return None

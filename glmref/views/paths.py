@@ -2,7 +2,7 @@
 
 Points are not joined: they are far apart in time. The range is that of the paths which were
 followed to their end and are not much larger than the others; what leaves it is counted under its
-panel. PNG and PDF are left to matplotlib, if it is installed (the extra ``plots``).
+panel.
 """
 
 from __future__ import annotations
@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from textwrap import shorten
 
 from .axes import COLORS, Axes, document, round_ticks, text
-from .figures import NO_FIGURES, blank_figure, save_figure
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
@@ -117,35 +115,3 @@ def svg(clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str) -> s
         parts.append(text(left, axes.bottom + 45, notes, size=10, fill="#555") if notes else "")
     width = _LEFT + across * pitch[0] - _GAP + 20
     return document(title, width, _TOP + rows * pitch[1] + 8, parts, left=_LEFT)
-
-
-def write_figures(
-    path: Path, clouds: Sequence[Cloud], *, title: str, x_label: str, y_label: str
-) -> str | None:
-    """Write the picture as :func:`.chart.write_figures` does."""
-    box = box_of(clouds)
-    across = min(_ACROSS, max(len(clouds), 1))
-    rows = max(math.ceil(len(clouds) / across), 1)
-    shape = min((box[3] - box[2]) / (box[1] - box[0]), 1.0)
-    figure = blank_figure(1 + 2.6 * across, 0.6 + rows * (2.4 * shape + 0.75))
-    if figure is None:
-        return NO_FIGURES
-    figure.suptitle(title, fontsize=11, wrap=True)
-    for k, cloud in enumerate(clouds):
-        axes = figure.add_subplot(rows, across, k + 1)
-        inside = [point for point in cloud.points if _inside(point, box)]
-        axes.plot(
-            [x for x, _ in inside], [y for _, y in inside], ".", markersize=2.5,
-            color=COLORS[k % len(COLORS)],
-        )  # fmt: skip
-        axes.set(xlim=box[:2], ylim=box[2:], aspect="equal")
-        axes.set_xticks(round_ticks(box[0], box[1]).at)
-        axes.set_yticks(round_ticks(box[2], box[3]).at)
-        axes.tick_params(labelsize=7)
-        axes.set_title(cloud.title, fontsize=9)
-        notes = shorten("; ".join(_notes(cloud, box)), _WORDS, placeholder=" …")
-        axes.set_xlabel("\n".join(filter(None, (x_label, notes))), fontsize=8)
-        axes.set_ylabel(y_label, fontsize=8)
-        axes.grid(visible=True, color="#e3e3e3")
-    save_figure(figure, path)
-    return None

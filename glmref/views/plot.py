@@ -15,7 +15,6 @@ from ..system.arguments import listed, one_of, whole
 from ..system.shown import Drawing
 from .axes import COLORS, Axes, document, round_ticks, text
 from .chart import DASHES, place_labels
-from .figures import blank_figure, svg_text
 from .portrait import portrait
 
 _MOST = 6  # components drawn where none are named
@@ -55,15 +54,14 @@ def plot_solution(
     solution: Solution, kind: str, components: Sequence[int | str] | None = None
 ) -> Drawing:
     """See :meth:`.Solution.plot`."""
-    one_of("kind", kind, ("time", *KINDS))
+    one_of("kind", kind, KINDS)
     if len(solution.t) < 2:
         raise UsageError(
             "there is one point to draw; keep more of the run with solve(.., every=k) or times=.."
         )
-    if kind == "time":
-        return _over_time(solution, components)
-    lines, axes = KINDS[kind](solution, components)
-    return _by_matplotlib(solution, lines, axes, equal=kind == "orbit")
+    lines, labels = KINDS[kind](solution, components)
+    title = f"{solution.problem}, {solution.method}, h = {solution.h:g}"
+    return Drawing(_drawn(lines, labels, title, over_time=labels[0] == "t", equal=kind == "orbit"))
 
 
 def _numbers(solution: Solution, components: Sequence[int | str]) -> list[int]:
@@ -83,21 +81,15 @@ def _thinned(solution: Solution) -> np.ndarray:
     return np.unique(np.linspace(0, len(solution.t) - 1, _POINTS).astype(int))
 
 
-def _over_time(solution: Solution, components: Sequence[int | str] | None) -> Drawing:
-    times, rows = np.asarray(solution.t, dtype=float), np.asarray(solution.y, dtype=float)
-    d = rows.shape[1]
-    names = _names(solution)
-    given = range(min(d, _MOST)) if components is None else components
-    kept = _thinned(solution)
-    lines = {names[k]: rows[kept, k] for k in _numbers(solution, given)}
-    return Drawing(_lines(times[kept], lines, _title(solution)))
-
-
-def _title(solution: Solution) -> str:
-    return f"{solution.problem}, {solution.method}, h = {solution.h:g}"
-
-
 _Lines = tuple[dict[str, tuple[np.ndarray, np.ndarray]], tuple[str, str]]
+
+
+def _time(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
+    """Return the components against time."""
+    kept, names = _thinned(solution), _names(solution)
+    times, rows = np.asarray(solution.t, dtype=float), np.asarray(solution.y, dtype=float)
+    given = range(min(rows.shape[1], _MOST)) if components is None else components
+    return {names[k]: (times[kept], rows[kept, k]) for k in _numbers(solution, given)}, ("t", "")
 
 
 def _energy(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
@@ -158,55 +150,56 @@ def _names(solution: Solution) -> tuple[str, ...]:
     return solution.names or tuple(f"y[{k}]" for k in range(solution.y.shape[1]))
 
 
-#: What :meth:`.Solution.plot` draws besides components against time.
+#: What :meth:`.Solution.plot` draws.
 KINDS: Mapping[str, Callable[[Solution, Sequence[int | str] | None], _Lines]] = {
+    "time": _time,
     "energy": _energy,
     "phase": _phase,
     "orbit": _orbit,
 }
 
 
-def _by_matplotlib(
-    solution: Solution,
-    lines: Mapping[str, tuple[np.ndarray, np.ndarray]],
-    labels: tuple[str, str],
-    *,
-    equal: bool,
-) -> Drawing:
-    figure = blank_figure(6, 4)
-    if figure is None:
-        raise UsageError("this picture is drawn by matplotlib: pip install 'glmref[plots]'")
-    axes = figure.subplots()
-    for name, (x, y) in lines.items():
-        axes.plot(x, y, linewidth=1, label=name)
-    axes.set_xlabel(labels[0])
-    axes.set_ylabel(labels[1])
-    axes.set_title(_title(solution), fontsize="medium")
+def _drawn(
+    lines: Mapping[str, tuple[np.ndarray, np.ndarray]], labels: tuple[str, str], title: str, *,
+    over_time: bool, equal: bool,
+) -> str:  # fmt: skip
+    """Return lines over linear axes, each named at its end where there are several.
+
+    Those over time fill the width, and those that are ``equal`` have one unit on both axes.
+    """
+    across, up = (np.concatenate([line[k] for line in lines.values()]) for k in (0, 1))
+    x, y = _range(across, 0.0 if over_time else 0.04), _range(up, 0.04)
+    high = 400 if equal else 272
     if equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    if len(lines) > 1:
-        axes.legend(fontsize="small")
-    return Drawing(svg_text(figure))
-
-
-def _lines(times: np.ndarray, lines: Mapping[str, np.ndarray], title: str) -> str:
-    """Return lines over a linear time axis, each named at its end."""
-    finite = np.concatenate([y[np.isfinite(y)] for y in lines.values()])
-    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-    margin = 0.04 * (high - low) or 0.5 * max(abs(high), 1.0)
-    axes = Axes(
-        70, 44, 570, 272, (float(times.min()), float(times.max())), (low - margin, high + margin)
-    )
-    parts = axes.frame(round_ticks(*axes.x, most=8), round_ticks(*axes.y), ("t", ""))
-    ends = [float(values[np.isfinite(values)][-1:].sum()) for values in lines.values()]
-    wanted = [axes.at(axes.x[1], end)[1] for end in ends]
-    labels = place_labels(wanted, axes.top + 6, axes.bottom)
-    for k, ((name, values), label) in enumerate(zip(lines.items(), labels, strict=True)):
+        unit = max((x[1] - x[0]) / 570, (y[1] - y[0]) / high)
+        x, y = _about(x, unit * 570), _about(y, unit * high)
+    axes = Axes(70, 44, 570, high, x, y)
+    parts = axes.frame(round_ticks(*axes.x, most=8), round_ticks(*axes.y), labels, aside=56)
+    ends = [v[np.isfinite(u) & np.isfinite(v)][-1:].sum() for u, v in lines.values()]
+    wanted = [axes.at(axes.x[1], float(end))[1] for end in ends]
+    places = place_labels(wanted, axes.top + 6, axes.bottom)
+    for k, ((name, line), place) in enumerate(zip(lines.items(), places, strict=True)):
         color, dash = COLORS[k % len(COLORS)], DASHES[k % len(DASHES)]
-        points = axes.line((a, b) for a, b in zip(times, values, strict=True) if np.isfinite(b))
+        points = axes.line((a, b) for a, b in zip(*line, strict=True) if np.isfinite(a + b))
         parts.append(
             f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="1.5" '
             f'stroke-dasharray="{dash}"/>'
         )
-        parts.append(text(axes.right + 8, label + 4, name, fill=color))
-    return document(title, 720, 360, parts)
+        parts.append(text(axes.right + 8, place + 4, name, fill=color))
+    return document(title, 720, high + 88, parts)
+
+
+def _range(values: np.ndarray, margin: float) -> tuple[float, float]:
+    """Return limits that hold the finite ones of some values, with a part of them as a margin."""
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    more = margin * (high - low)
+    if high == low:
+        more = 0.5 * max(abs(high), 1.0)
+    return low - more, high + more
+
+
+def _about(limits: tuple[float, float], size: float) -> tuple[float, float]:
+    """Return limits of a size around the same middle."""
+    middle = (limits[0] + limits[1]) / 2
+    return middle - size / 2, middle + size / 2

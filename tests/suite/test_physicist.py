@@ -39,7 +39,6 @@ def carry_out(command, folder, python):
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 def test_five_commands_lead_from_h_to_a_c_file_that_reproduces_the_run(tmp_path):
-    pytest.importorskip("matplotlib")  # draws the path
     text = PAGE.read_text("utf-8")
     table = re.search(r"^```toml\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
     (tmp_path / "double-pendulum.toml").write_text(table[1])

@@ -3,12 +3,11 @@
 import xml.etree.ElementTree as ElementTree
 from itertools import pairwise
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.views.axes import log_ticks
-from glmref.views.chart import Series, place_labels, svg, text, write_figures
+from glmref.views.chart import Series, place_labels, svg, text
 
 SVG = "{http://www.w3.org/2000/svg}"
 WORDS = {"x_label": "seconds", "y_label": "relative error"}
@@ -57,36 +56,3 @@ def test_there_are_always_two_ticks_or_more(low, width):
     found = log_ticks(low, low + width).at
     assert len(found) >= 2
     assert all(low - 1e-6 <= t <= low + width + 1e-6 for t in found)
-
-
-@pytest.mark.slow
-def test_png_and_pdf_are_written_or_the_missing_extra_is_named(tmp_path):
-    path = tmp_path / "chart.png"
-    notice = write_figures(path, LINES, title="a title", **WORDS)
-    if notice is None:
-        assert path.read_bytes().startswith(b"\x89PNG")
-        printed = path.with_suffix(".pdf").read_bytes()
-        assert printed.startswith(b"%PDF")
-        assert write_figures(path, LINES, title="a title", **WORDS) is None
-        assert path.with_suffix(".pdf").read_bytes() == printed
-    else:
-        assert "glmref[plots]" in notice
-        assert not path.exists()
-
-
-@pytest.mark.slow
-def test_the_limit_of_a_method_has_its_colour_beside_one_that_only_failed(tmp_path, monkeypatch):
-    """Behind a method without a point, PNG and PDF drew limits in the colour of the next one."""
-    pytest.importorskip("matplotlib")
-    figures = []
-    monkeypatch.setattr(
-        "glmref.views.chart.save_figure", lambda figure, path: figures.append(figure)
-    )
-    lines = [
-        Series("lost", (), failures=((1.0, "not finite"),)),
-        Series("rk4", ((0.1, 1e-6),), limit=0.2),
-    ]
-    write_figures(tmp_path / "chart.png", lines, title="a title", **WORDS)
-    colours = {line.get_label(): line.get_color() for line in figures[0].axes[0].lines}
-    limit = next(x for x in figures[0].axes[0].lines if x.get_linestyle() == ":")
-    assert limit.get_color() == colours["rk4"] != colours["lost (fails)"]

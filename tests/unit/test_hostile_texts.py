@@ -26,6 +26,7 @@ from glmref.system.shown import DARK
 from glmref.system.terminal import escaped
 from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
+from glmref.views.figures import write_figures
 from glmref.views.tables import csv_text, findings_csv, findings_junit
 from tests.build import refused, scene_text
 
@@ -74,11 +75,9 @@ def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     text = HOSTILE + "$x^{$ costs 5$"
     series = [chart.Series(text, ((1.0, 1.0), (2.0, 0.5)))]
-    words = {"title": text, "x_label": text, "y_label": text}
-    assert chart.write_figures(tmp_path / "a.png", series, **words) is None
-    cloud = paths.Cloud(text, ((0.0, 0.0), (1.0, 1.0)), ended=text)
-    assert paths.write_figures(tmp_path / "b.png", [cloud], **words) is None
-    assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf", "b.png", "b.pdf"}
+    picture = chart.svg(series, title=text, x_label=text, y_label=text)
+    assert write_figures(tmp_path / "a.svg", picture) is None
+    assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf"}
 
 
 @pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), True, None])

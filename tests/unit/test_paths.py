@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from glmref.views.paths import Cloud, box_of, one_each, svg, write_figures
+from glmref.views.paths import Cloud, box_of, one_each, svg
 
 CIRCLE = tuple((x / 10, y / 10) for x, y in ((10, 0), (0, 10), (-10, 0), (0, -10)))
 WORDS = {"title": "Two & more", "x_label": "q_1", "y_label": "q_2"}
@@ -50,15 +50,3 @@ def test_flat_and_empty_paths_have_a_picture():
         assert high > low and up > down
         ElementTree.fromstring(svg([Cloud("a", points)], **WORDS))
     ElementTree.fromstring(svg([], **WORDS))
-
-
-@pytest.mark.slow
-def test_figures_are_the_same_every_time(tmp_path):
-    pytest.importorskip("matplotlib")
-    written = []
-    for name in ("one", "two"):
-        path = tmp_path / f"{name}.png"
-        assert write_figures(path, [Cloud("a", CIRCLE), Cloud("b", (), "lost")], **WORDS) is None
-        written.append((path.read_bytes(), path.with_suffix(".pdf").read_bytes()))
-    assert written[0] == written[1]
-    assert written[0][0].startswith(b"\x89PNG") and written[0][1].startswith(b"%PDF")
