@@ -5,16 +5,13 @@ from __future__ import annotations
 import time
 from typing import Any
 
-import numpy as np
 import pytest
 
-from glmref import GLM, DataError, ExactnessError, solve
+from glmref import GLM, ExactnessError, solve
 from glmref.exact import ball, exact
-from glmref.exact.expression import parse
 from glmref.exact.jet import jets
 from glmref.theory import order as theory_order
 from glmref.theory.starting_series import StartingSeries
-from tests.build import refused
 
 
 def test_the_sign_of_an_exact_zero_is_zero() -> None:
@@ -24,12 +21,6 @@ def test_the_sign_of_an_exact_zero_is_zero() -> None:
 def test_a_zero_with_a_derivative_is_not_called_zero() -> None:
     (x,) = jets([exact(0)])
     assert x.is_zero() is None and (x - x).is_zero() is True and (x + 1).is_zero() is False
-
-
-def test_a_root_of_zero_and_forty_one_roots_are_refused() -> None:
-    refused(DataError, "positive", parse, "root(0,3)")
-    assert parse("+".join(["sqrt(4)"] * 40)) == 80  # the limits of docs/limits.md
-    refused(DataError, "41 roots", parse, "+".join(["sqrt(4)"] * 41))
 
 
 def test_an_order_that_could_not_be_looked_for_is_not_decided(monkeypatch):
@@ -43,17 +34,6 @@ def test_an_order_that_could_not_be_looked_for_is_not_decided(monkeypatch):
             found = theory_order.order_of(euler)
         assert found.order == 0 and not found.decided and found.reason == "too large"
     assert theory_order.order_of(euler).decided
-
-
-def test_stages_with_one_eigenvector_are_solved_by_newton() -> None:
-    """A has the double eigenvalue 1/2 and is not diagonal: one matrix for both stages."""
-    method = GLM(
-        A=[["3/4", "-1/4"], ["1/4", "1/4"]], U=[["1"], ["1"]], B=[["1/2", "1/2"]], V=[["1"]]
-    )
-    given: dict[str, Any] = {"h": 0.1, "steps": 3}
-    found = solve("kepler", method, engine="interpreted", solver="newton", **given)
-    assert found.completed
-    assert np.abs(found.y - solve("kepler", method, engine="reference", **given).y).max() < 1e-12
 
 
 @pytest.mark.parametrize("engine", ["interpreted", "reference"])

@@ -6,7 +6,6 @@ from itertools import combinations_with_replacement
 import pytest
 
 import glmref
-from glmref.errors import UsageError
 from glmref.exact import exact
 from glmref.exact.judging import asked
 from glmref.method import GLM
@@ -17,7 +16,6 @@ from glmref.theory.stability import (
     divided,
     leading_part,
     oscillator,
-    parasitic_curvature,
     seems_a_stable,
     stability_matrix,
     stability_polynomial,
@@ -53,12 +51,6 @@ def test_stability_function_of_gauss_2_is_the_pade_approximation():
     N, D = stability_function(runge_kutta(*tableau("gauss-2")))
     assert N == (1, Fraction(1, 2), Fraction(1, 12))
     assert D == (1, Fraction(-1, 2), Fraction(1, 12))
-
-
-def test_common_factor_of_a_stability_function_cancels():
-    # the first stage of the trapezoidal rule, doubled: a pole that is not there
-    m = runge_kutta([["0", "0", "0"], ["1/2", "1/2", "0"], ["0", "0", "1/3"]], ["1/2", "1/2", "0"])
-    assert stability_function(m) == ((1, Fraction(1, 2)), (1, Fraction(-1, 2)))
 
 
 def test_stability_polynomial_of_leapfrog():
@@ -205,13 +197,6 @@ def test_a_pole_that_cancels_leaves_the_stability_function_of_what_is_left():
     for m in (lower, full):
         numerator, denominator = stability_function(m)
         assert (numerator, denominator) == (P(1, Fraction(1, 2)), P(1, Fraction(-1, 2)))
-
-
-def test_the_curvature_is_asked_of_explicit_pairs_with_the_eigenvalues_1_and_minus_1():
-    with pytest.raises(UsageError, match="must carry two values of q and two of p"):
-        parasitic_curvature(splitting(["1"], ["1"], first="q"))
-    with pytest.raises(UsageError, match="must be explicit"):
-        parasitic_curvature(glmref.load("gsymplectic-n-pair"))
 
 
 def test_the_guess_is_that_of_the_judge_for_shipped_methods():

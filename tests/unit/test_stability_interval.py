@@ -11,7 +11,6 @@ import pytest
 import glmref
 from glmref.errors import BudgetError
 from glmref.exact import exact
-from glmref.measure.stability import bounded
 from glmref.system.budget import limited
 from glmref.theory import polynomials as poly
 from glmref.theory import stability_interval
@@ -57,22 +56,6 @@ def test_a_rational_end_is_itself() -> None:
     assert isinstance(method, glmref.GLM)
     assert imaginary_interval(method).end == 1.0
     assert real_interval(glmref.from_rk([[0]], [1])).end == 2.0
-
-
-@pytest.mark.sampled(5)
-@pytest.mark.parametrize(
-    "name", ["rk4", "ab-4", "am-3", "gsymplectic-n", "ark-4", "bdf-5", "kutta-3"]
-)
-def test_floating_point_sees_the_same_ends(name: str) -> None:
-    method = glmref.load(name)
-    assert isinstance(method, glmref.GLM)
-    for found, direction in ((real_interval(method), -1), (imaginary_interval(method), 1j)):
-        end = found.end
-        assert end is not None
-        if 0 < end < INF:
-            assert bounded(method, direction * (end - 1e-4)) and not bounded(
-                method, direction * (end + 1e-3)
-            )
 
 
 def test_an_eigenvalue_of_v_outside_leaves_nothing() -> None:
