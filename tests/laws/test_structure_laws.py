@@ -11,10 +11,12 @@ from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 
 import glmref
+from glmref import PartitionedGLM
 from glmref.errors import DataError
 from glmref.exact import Exact, exact, linalg
 from glmref.method import GLM, as_matrix
 from glmref.method.families import linear_multistep
+from glmref.prove.facts import facts_of
 from glmref.theory.consistency import consistency, zero_stability
 from glmref.theory.equivalence import reduce
 from glmref.theory.order import order_of
@@ -168,3 +170,20 @@ def test_what_was_found_cannot_be_changed(name):
         for field in fields(result):
             with pytest.raises(FrozenInstanceError):
                 setattr(result, field.name, None)
+
+
+# --- pairs of one method --------------------------------------------------------------------------
+
+
+def test_one_method_as_a_pair_with_equal_blocks_gives_the_same_verdicts():
+    for name in ("rk4", "gauss-2", "gsymplectic-n", "radau-iia-2"):
+        m = glmref.load(name)
+        pair = PartitionedGLM(*[getattr(m, x) for x in "AUBV"] * 2)
+        single, double = facts_of(m.bare()), facts_of(pair)
+        assert (
+            single.kernel.range("order-identity").value
+            == double.kernel.range("order-identity").value
+        )
+        for claim in ("preconsistent", "consistent", "zero-stable", "explicit", "symmetric"):
+            assert single.truth(claim) is double.truth(claim), (name, claim)
+        assert single.truth("g-symplectic") is double.truth("g-symplectic"), name

@@ -173,6 +173,7 @@ def test_zero_of_a_ball_is_three_valued() -> None:
     assert Ball.decimal("0.5", 3).is_zero() is False
     assert Ball.decimal("0.000", 3).is_zero() is None
     assert ball(0).is_zero() is True
+    assert [ball(x).sign() for x in (0, 2, -2)] == [0, 1, -1]
     refused(ExactnessError, "its sign is not known", Ball.decimal("0.000", 3).sign)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from glmref.catalogue.lookup import load
-from glmref.errors import UsageError
+from glmref.errors import ExactnessError, UsageError
 from glmref.exact import Ball, exact, jets, lift
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
@@ -23,9 +23,12 @@ from glmref.theory.error_constants import (
     error_norm,
 )
 from glmref.theory.order import highest_order, order_of
-from glmref.theory.trees import parse_tree, trees, trees_up_to
+from glmref.theory.series import compose, flow
+from glmref.theory.starting_series import StartingSeries
+from glmref.theory.trees import parse_tree, trees
 from tests.bseries import order_residuals
 from tests.build import conjugated_rk4, refused
+from tests.literature.exactly import after_step, first_difference
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
 SHARP = [
@@ -102,30 +105,11 @@ def test_starting_series_of_g4123_is_that_of_the_literature():
 
 
 def test_the_starting_series_satisfies_the_definition():
-    # M S = S E, written out with series of another module
-    from glmref.theory.series import compose, flow
-
+    # M S = S E, with M applied by another module
     method = load("g4123")
     result = order_of(method)
-    assert result.eta is not None
-    moved = compose(flow(result.order), result.eta)
-    xi = {}
-    for t in trees_up_to(result.order):
-        slopes = [1] * method.s
-        for child in t.children:
-            slopes = [x * y for x, y in zip(slopes, xi[child], strict=True)]
-        eta = result.eta[t]
-        xi[t] = [
-            sum((a * f for a, f in zip(row, slopes, strict=True)), start=F(0))
-            + sum((u * x for u, x in zip(top, eta, strict=True)), start=F(0))
-            for row, top in zip(method.A, method.U, strict=True)
-        ]
-        after = [
-            sum((b * f for b, f in zip(row, slopes, strict=True)), start=F(0))
-            + sum((v * x for v, x in zip(low, eta, strict=True)), start=F(0))
-            for row, low in zip(method.B, method.V, strict=True)
-        ]
-        assert all(x == y for x, y in zip(after, moved[t], strict=True)), str(t)
+    after, moved = after_step(method, result.eta), compose(flow(result.order), result.eta)
+    assert [first_difference(after, moved, k) for k in range(method.r)] == [result.order + 1] * 2
 
 
 def test_abscissae_of_g4123():
@@ -299,3 +283,14 @@ def test_the_least_squares_of_a_conjugation_solve_their_normal_equations():
     assert [sum(a * x for a, x in zip(row, found, strict=True)) - b == 0
             for row, b in zip(rows, right, strict=True)] == [True] * 3  # fmt: skip
     assert rows[0] == [4, 1, 0]  # as it was
+
+
+def test_an_order_that_could_not_be_looked_for_is_not_decided(monkeypatch):
+    def too_large(*_: Any, **__: Any) -> Any:
+        raise ExactnessError("too large")
+
+    for place, name in ((StartingSeries, "advance"), (StartingSeries, "of")):
+        with monkeypatch.context() as changed:
+            changed.setattr(place, name, too_large)
+            found = order_of(load("euler"))
+        assert found.order == 0 and not found.decided and found.reason == "too large"

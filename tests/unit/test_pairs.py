@@ -1,21 +1,29 @@
-"""Order of pairs: trees of two colours, general and separable, exact and enclosed."""
+"""Order of pairs: trees of two colours, general, separable and of second-order systems."""
 
+import copy
 import re
 from dataclasses import replace
 from fractions import Fraction as F
+from typing import Any
 
 import numpy as np
 import pytest
 
 from glmref.catalogue.lookup import document, load, names
-from glmref.errors import UsageError
+from glmref.catalogue.reader import load_document
+from glmref.errors import DataError, UsageError
 from glmref.exact import Ball, exact
-from glmref.findings import Proof
+from glmref.findings import Proof, Verdict
 from glmref.method import PartitionedGLM
+from glmref.method.component import SEPARABLE
+from glmref.method.families import splitting
+from glmref.prove.beside import known_beside
 from glmref.prove.kernel import Kernel
+from glmref.prove.verifier import facts_for
 from glmref.theory.error_constants import conjugate_error, error_norm
-from glmref.theory.order import order_of
+from glmref.theory.order import OrderResult, order_of
 from glmref.theory.stability import oscillator, parasitic_curvature
+from glmref.theory.trees import counted, is_nystrom, parse_tree, trees
 from tests.bseries import order_residuals
 from tests.build import refused
 from tests.shipped import shipped
@@ -212,3 +220,79 @@ def test_zero_starting_values_are_right_to_a_low_order(name, expected, tree):
 def test_a_splitting_method_starts_from_the_solution():
     found = Kernel(load("stormer-verlet")).range("starting-order")
     assert (found.lower, found.reason) == (2, "every carried value starts with zero")
+
+
+# --- second-order systems -------------------------------------------------------------------------
+
+
+def nystrom_order_of(pair: Any, most: int = 9) -> OrderResult:
+    return order_of(pair, max_order=most, principal="identity", counts=counted("nystrom"))
+
+
+def test_a_vertex_f_with_two_children_does_not_count():
+    assert is_nystrom(parse_tree("k[f[k]f]"))
+    assert not is_nystrom(parse_tree("f[kk]"))
+    assert not is_nystrom(parse_tree("k[f[kk]]"))
+
+
+def nystrom_trees(order):
+    return [t for t in trees(order, SEPARABLE) if is_nystrom(t)]
+
+
+def test_there_are_as_many_trees_as_nystrom_series_have():
+    # Hairer, Norsett, Wanner (1993), section II.14: conditions for y' at orders 1, 2, ..
+    counts = [1, 1, 2, 3, 6, 10, 20]
+    by_root = {
+        root: [sum(t.colour == root for t in nystrom_trees(n)) for n in range(1, 8)]
+        for root in "kf"
+    }
+    assert by_root["k"] == counts
+    assert by_root["f"] == [1, *counts[:-1]]  # f has one child at most
+
+
+def test_the_trees_that_count_are_closed_under_cutting():
+    for n in range(2, 7):
+        for t in nystrom_trees(n):
+            assert all(is_nystrom(child) for child in t.children)
+
+
+@pytest.mark.parametrize(
+    ("name", "general", "nystrom"),
+    [
+        ("stormer-verlet", 2, 2),
+        ("forest-ruth-4", 4, 4),
+        ("mclachlan-atela-4", 3, 4),
+        ("blanes-moan-rkn-6-11", 4, 6),
+        ("blanes-moan-rkn-6-14", 4, 6),
+        ("pair-6-7", 6, 6),
+    ],
+)
+def test_orders_on_all_separable_and_on_second_order_systems(name, general, nystrom):
+    method = load(name)
+    assert order_of(method, principal="identity").order == general
+    found = nystrom_order_of(method)
+    assert found.order == nystrom
+    assert found.failing_tree.order == nystrom + 1
+
+
+def test_one_weight_off_and_the_order_is_lost():
+    good = load("forest-ruth-4")
+    a, b = list(good.B[0]), list(good.B_hat[0])
+    b[0], b[1] = b[1], b[0]
+    assert nystrom_order_of(splitting(a, b)).order == 1
+
+
+def test_shared_stages_and_no_end_of_the_search():
+    found = nystrom_order_of(load("lobatto-iiia-iiib-3"))  # q' = p, p' = k(q, p)
+    assert (found.order, str(found.failing_tree)) == (4, "f[k[fff]]")
+    assert nystrom_order_of(load("stormer-verlet"), 1).at_least
+
+
+def test_other_pairs_cannot_claim_row_sums():
+    doc = copy.deepcopy(dict(document("stormer-verlet")))
+    with pytest.raises(DataError, match="row-sums"):
+        load_document({**doc, "claims": {"row-sums": True}})
+    for name in ("stormer-verlet", "ruth-3", "pair-4-4"):
+        method: Any = load(name)
+        assert facts_for(method).judge("row-sums", True).verdict is Verdict.OPEN
+        assert known_beside(facts_for(method), "row-sums").truth is not False

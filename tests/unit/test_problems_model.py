@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from glmref.errors import UsageError
-from glmref.problems import Problem, problem
+from glmref.problems import Problem, names, problem
 from tests.build import high, refused
 
 
@@ -90,3 +90,23 @@ def test_numba_compiles_the_loops_as_they_stand(name):
 def test_what_is_of_another_kind_is_refused_by_its_key(key: str, value: object) -> None:
     with pytest.raises(UsageError, match=f"`{key}` must "):
         Problem(**{"f": ("y[1]", "-y[0]"), "y0": (1.0, 0.0), key: value})
+
+
+# --- names ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_problem_is_built_and_evaluates(name):
+    p = problem(name)
+    assert p.name == name and p.source
+    if name != "fault-shape":  # which every call refuses, see test_problems_extreme
+        with np.errstate(all="ignore"):
+            slope = p.f(p.t_span[0], p.y0)
+        assert slope.shape == p.y0.shape and np.isfinite(slope).all()
+    assert p.t_span[0] < p.t_span[1] and all(x > 0 for x in p.scales.values())
+
+
+@pytest.mark.parametrize("name", names())
+def test_defaults_written_out_give_the_same_problem(name):
+    same = problem(name, **problem(name).parameters)
+    assert (same.y0 == problem(name).y0).all()
