@@ -340,13 +340,18 @@ def stage_defect(series: Solved, tree: Tree, free: bool) -> list:
     return apply(kernel(added), gap)
 
 
-def a_stage_has_one_abscissa(case: BoundCase) -> bool:
-    """All parts of an additive method give a stage one abscissa."""
-    if case.q == 0 or not case.method.additive:
-        return True
+def abscissae_apart(case: BoundCase) -> list:
+    """Return by how much the abscissae of a stage differ: those of all parts, or A 1 and c."""
+    if not case.method.additive and case.method.system != "time":
+        return []
     series = case.proof.series(*case.kind, 1)
     first, *others = (series.stages((c, ())) for c in case.method.parts)
-    return all(vanishes(less(first, other)) for other in others)
+    return [x for other in others for x in less(first, other)]
+
+
+def a_stage_has_one_abscissa(case: BoundCase) -> bool:
+    """All parts of an additive method give a stage one abscissa; where c stands apart it is A 1."""
+    return case.q == 0 or vanishes(abscissae_apart(case))
 
 
 def stages_are_the_solution(case: BoundCase) -> bool | Fails:
@@ -359,9 +364,11 @@ def stages_are_the_solution(case: BoundCase) -> bool | Fails:
 
 
 def a_stage_is_wrong(case: BoundCase) -> bool:
-    """A stage is not the solution at the tree, whatever the principal part is."""
+    """A stage is not the solution at the tree, whatever the principal part is, or has two times."""
     if case.is_the_order:
         return True
+    if case.q == 0:
+        return any(map(apart, abscissae_apart(case)))
     series = case.proof.series(*case.kind, case.q + 1, filled=True)
     return any(map(apart, stage_defect(series, case.tree, case.is_free(case.q + 1))))
 

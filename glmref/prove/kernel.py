@@ -616,8 +616,12 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
         c = [series.abscissae(colour) for colour in series.palette]
-        # of an additive method the abscissa of a stage is that of every part
-        one = not self.method.additive or all(is_zero(difference(*x)) for x in pairwise(c))
+        # of an additive method the abscissa of a stage is that of every part; c apart is A 1
+        alone = not self.method.additive and self.timed is self
+        one = alone or all(is_zero(difference(*x)) for x in pairwise(c))
+        if not one and any(x.is_zero() is False for y in pairwise(c) for x in difference(*y)):
+            leaf = str(series.level(1)[0])
+            return Range(0, 0, exact=exact, reason="a stage has two abscissae", failing=leaf)
         defect, solved = fast_judge().rules_orders.stage_defect, series.solved
         found = self._compared(
             series, order, top, lambda t, last: defect(solved, t, last),

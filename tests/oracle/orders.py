@@ -13,7 +13,7 @@ from functools import cache
 
 from mpmath import mp
 
-from .methods import Method, Tree, of_second_order
+from .methods import Method, Tree, of_second_order, of_time
 from .numbers import Margin, Matrix, Number, Undecided, Vector, at, dot, eye, plus, transposed
 
 #: Trees times (stages squared + values cubed), above which an order is not looked at.
@@ -305,9 +305,10 @@ def stage_order(start: Starting) -> int:
     if start.loose:
         raise Undecided("the starting series is not the only one")
     first, *others = (start.stages((c, ())) for c in start.method.parts)
-    if not start.method.pair and not all(start.margin.zeros([x - y for x, y in zip(first, other, strict=True)])
-                          for other in others):  # fmt: skip
-        raise Undecided("a stage has no one abscissa")
+    gaps = [x - y for other in others for x, y in zip(first, other, strict=True)]
+    one_time = not start.method.pair or start.method.counts is of_time
+    if one_time and not start.margin.zeros(gaps):
+        return 0
     q = min(start.order, 1)
     while q < start.order:
         for t in start.pool(q + 1):

@@ -168,8 +168,14 @@ def test_the_abscissae_of_the_parts_stand_one_after_another():
     assert found.verdict is Verdict.FAILS and "no abscissae" in found.witness
 
 
-@pytest.mark.parametrize(("c", "expected"), [("0", Verdict.HOLDS), ("1", Verdict.OPEN)])
-def test_a_stage_that_the_parts_put_at_two_times_has_no_stage_order(c, expected):
-    parts = [{"A": [["0"]], "b": ["1"]}, {"A": [[c]], "b": ["1"]}]
-    method = load_document(EULER | {"parts": parts, "claims": {"stage-order": 1}})
-    assert facts_for(method).judge("stage-order", 1).verdict is expected
+@pytest.mark.parametrize(("two", "order"), [(False, 1), (True, 0)])
+def test_stages_with_two_times_have_the_order_0(two: bool, order: int) -> None:
+    parts = [{"A": [["0"]], "b": ["1"]}, {"A": [["1" if two else "0"]], "b": ["1"]}]
+    table = {"class": "rk", "A": [["0"]], "b": ["1"], "c": ["1" if two else "0"]}
+    common = {k: x for k, x in EULER.items() if k not in ("class", "parts")}
+    for own in ({"class": "additive", "parts": parts}, table):
+        method = load_document({**common, "format": "glmref-method-2", **own, "claims": {}})
+        for q in (0, 1):
+            expected = Verdict.HOLDS if q == order else Verdict.FAILS
+            found = facts_for(method).judge("stage-order", q)
+            assert found.verdict is expected and checked(found.certificate)[0]
