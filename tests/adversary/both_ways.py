@@ -10,70 +10,27 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from glmref import judge
 from glmref.catalogue.reader import load_document
 from glmref.errors import GlmrefError
+from glmref.judge import claims
+from glmref.judge.claims import ORDERS, PROVES, SECOND
+from glmref.judge.statements import RULES
 from glmref.prove.verifier import facts_for
 from tests.build import SOURCE
 
 Document = Mapping[str, Any]
 Part = tuple[str, Mapping[str, Any]]
-ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
-SECOND = {
-    "stage-order": "stage-order",
-    "starting-order": "start",
-    "nystrom-starting-order": "start",
-    "finishing-order": "finish",
-    "hamiltonian-to-order": "hamiltonian",
-    "conjugate-symplectic-order": "conjugate-symplectic",
-    "energy-order": "energy",
-}
 #: Those of the underlying one-step method, whose parts stand alone.
 ALONE = ("hamiltonian", "conjugate-symplectic", "energy")
-#: Claims that are true or false, with the parts for true and those for false; `?` stands for every
-#: colour, `~` for a witness of :func:`_witnesses`.
-TRUTHS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "preconsistent": (("preconsistent", "implied"), ("not-preconsistent ?",)),
-    "consistent": (("consistent", "implied"), ("no-order-1 ?",)),
-    "symplectic": (("quadratic", "implied"), ("not-quadratic ~", "not-quadratic")),
-    "g-symplectic": (
-        ("form ~", "preconsistent form ~", "implied"),
-        ("given-form-fails", "no-form", "not-preconsistent ?"),
-    ),
-    "conjugate-symplectic": (
-        ("form ~ conjugate", "quadratic conjugate", "implied"),
-        ("conjugate-symplectic-at-most ~",),
-    ),
-    "symmetric": (("symmetric ~", "implied"), ("not-symmetric ~", "not-symmetric")),
-    "explicit": (("explicit",), ("implicit",)),
-    "reducible": (("reducible",), ("irreducible",)),
-    "zero-stable": (("bounded *",), ("unbounded ?", "unbounded ~")),
-    "a-stable": (("bounded * a-stable",), ("not-a-stable ~", "unbounded ? not-a-stable ~")),
-    "l-stable": (
-        ("bounded * a-stable l-limit",),
-        ("not-a-stable ~", "unbounded ? not-a-stable ~", "not-l-limit"),
-    ),
-    "parasitism-free": (
-        ("eigen * growth", "bounded * unshared", "implied"),
-        ("eigen * grows ~", "unbounded ?"),
-    ),
-    "embedded-difference": (("differences", "implied"), ("no-differences",)),
-    "row-sums": (("row-sums",), ("no-row-sums",)),
-    "dense-end": (("dense-end",), ("no-dense-end",)),
-}
-#: Claims with a value: the parts for it and those against it.
-VALUES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "growth": (
-        ("eigen * growth", "bounded * unshared", "implied"),
-        ("eigen * grows ~", "unbounded ?", "bounded * unshared", "implied"),
-    ),
-    "second-order-growth": (("eigen * second-order", "implied"), ("eigen * other-second-order",)),
-    "abscissae": (("abscissae", "implied"), ("other-abscissae", "no-order-1 ?")),
-    "error-constant": (("error-constant",), ("other-error-constant",)),
-}
+#: Claims that are true or false, and claims with a value, of which both directions are asked.
+TRUTHS = [x for x in PROVES if x not in (*claims.VALUES, "dense-order", "symmetric-reduced")]
+VALUES = [
+    x for x in claims.VALUES if x in PROVES and x not in ("embedded-order", "order-to-digits")
+]
 #: Steps or stages above which no search for an exchange of stages is asked for.
 STEPS = 12
 
@@ -174,44 +131,35 @@ def _trees(colours: Sequence[str], most: int) -> Iterator[str]:
 def _bounds(subject: Subject, claim: str, most: int) -> Iterator[tuple[int, bool, Sequence[Part]]]:
     """Yield (bound, whether it is a lower one, parts) for orders of a kind."""
     trees = list(dict.fromkeys(_trees(subject.colours, most + 1)))
-    principals, kinds = ("free", "identity"), ("all", "nystrom")
-    seconds = claim in SECOND
     name = SECOND.get(claim, "order")
     if name in ALONE:
         for q, which in itertools.product(range(most + 2), ("least", "most")):
             yield q, which == "least", [(f"{name}-at-{which}", {"q": q})]
         return
-    for c in subject.colours:
-        yield 0, False, [("no-order-1", {"colour": c})]
-        yield 0, False, [("not-preconsistent", {"colour": c})]
-    for p in range(most + 1):
-        for principal, kind in itertools.product(principals, kinds):
-            if (kind == "nystrom") != claim.startswith("nystrom"):
-                continue
+    for rule, c in itertools.product(("no-order-1", "not-preconsistent"), subject.colours):
+        yield 0, False, [(rule, {"colour": c})]
+    kinds = ("nystrom", "nystrom-paths") if claim.startswith("nystrom") else ("all", "paths")
+    for principal, kind in itertools.product(("free", "identity"), kinds[: len(subject.colours)]):
+        lows: list[tuple[int, Part]] = []
+        highs: list[tuple[int, Part]] = []
+        for p in range(most + 1):
             own = {"order": p, "principal": principal, "trees": kind}
-            least: Part = ("order-at-least", own)
-            implied: Part = ("implied-order", own)
-            here = [t for t in trees if sum(map(t.count, subject.colours)) or t]
-            at_most: Sequence[Part] = [("order-at-most", {**own, "tree": t}) for t in here
-                                   if _size(t) == p + 1][:6]  # fmt: skip
-            if not seconds:
-                yield p, True, [least]
-                yield p, True, [implied]
-                for part in at_most:
-                    yield p, False, [part]
-                continue
-            for part in at_most:
-                yield p, False, [part]
-            for q in range(p + 1):
-                for low, high in itertools.product((least, implied), at_most[:3]):
-                    yield q, True, [low, high, (f"{name}-at-least", {"q": q})]
-                    yield q, True, [low, high, (f"implied-{name}", {"q": q})]
-                yield q, True, [least, (f"{name}-at-least", {"q": q})]
-    if seconds:
-        for q in range(most + 1):
-            for t in ["", *trees]:
-                if t == "" or _size(t) == q + 1:
-                    yield q, False, [(f"{name}-at-most", {"q": q, "tree": t})]
+            lows += [(p, (rule, own)) for rule in ("order-at-least", "implied-order")]
+            of_next = [t for t in trees if _size(t) == p + 1][:6]
+            highs += [(p, ("order-at-most", {**own, "tree": t})) for t in of_next]
+        yield from ((p, True, [low]) for p, low in lows if claim not in SECOND)
+        yield from ((p, False, [high]) for p, high in highs)
+        for (p, low), (n, high) in itertools.product(lows, highs):
+            if kind.endswith("paths"):
+                yield n, False, [low, high]
+            for q in range(p + 1) if claim in SECOND and n >= p else ():
+                yield q, True, [low, high, (f"{name}-at-least", {"q": q})]
+                yield q, True, [low, high, (f"implied-{name}", {"q": q})]
+        for before in ([], *([low] for _, low in lows)) if claim in SECOND else ():
+            for q in range(most + 1):
+                yield q, True, [*before, (f"{name}-at-least", {"q": q})]
+                for t in ["", *(t for t in trees if _size(t) == q + 1)]:
+                    yield q, False, [*before, (f"{name}-at-most", {"q": q, "tree": t})]
 
 
 def _size(tree: str) -> int:
@@ -232,62 +180,57 @@ def order_bounds(subject: Subject, claim: str, most: int = 4) -> tuple[int, int 
     return low, high
 
 
+#: Small witnesses of rules; those of components are made for each colour.
+SMALL: dict[str, Sequence[Mapping[str, Any]]] = {
+    "not-quadratic": ({"several-values": True}, {}),
+    "not-symmetric": ({},),
+    "not-a-stable": (*({"y": y} for y in ("1", "1/2", "2", "0", "1/10", "100")),
+                     *({x: True} for x in ("infinity", "pole", "axis", "start"))),
+    "grows": [{"part": n} for n in range(-1, 3)],
+    "eigen": [{"zeta": text.split()} for text in (
+        "1", "-1", "1 -1", "", "1 exp(pi*i/2) -1 exp(3*pi*i/2)")],
+    "conjugate-symplectic-at-most": [{"q": q} for q in range(1, 6)],
+}  # fmt: skip
+
+
 def _witnesses(
-    subject: Subject, rule: str, claim: str, own: Sequence[Mapping[str, Any]]
+    subject: Subject, rule: str, own: Sequence[Mapping[str, Any]]
 ) -> Iterator[Mapping[str, Any]]:
     """Yield witnesses of a rule: those the package proposed, and small ones."""
     for certificate in own:
         for part in certificate["parts"]:
             if part["rule"] == rule:
                 yield part["witness"]
-    if rule == "not-quadratic":
-        yield {"several-values": True}
-    elif rule == "not-symmetric":
-        yield from ({"singular": c} for c in subject.colours)
-    elif rule == "unbounded":
+    yield from SMALL.get(rule, ())
+    members = [x.name for x in fields(RULES[rule].witness)]
+    if not members:
+        yield {}
+    for key in {"colour", "which", "singular"} & {*members}:
+        yield from ({key: c} for c in subject.colours)
+    if rule == "unbounded":
         yield from ({"which": c, "block": n} for c in subject.colours for n in range(3))
-    elif rule == "not-a-stable":
-        yield from ({"y": y} for y in ("1", "1/2", "2", "0", "1/10", "100"))
-        yield from ({x: True} for x in ("infinity", "pole", "axis", "start"))
-    elif rule == "grows":
-        yield from ({"part": n} for n in range(-1, 3))
-    elif rule == "eigen":
-        some = ("1", "-1", "1,-1", "", "1,exp(pi*i/2),-1,exp(3*pi*i/2)")
-        yield from ({"zeta": [x for x in text.split(",") if x]} for text in some)
-    elif rule == "conjugate-symplectic-at-most":
-        yield from ({"q": q} for q in range(1, 6))
-    elif rule == "form":
-        G, D = subject.document.get("G"), subject.document.get("D")
-        if G is not None and D is not None:
-            yield {"G": G, "D": D}
+    elif rule == "form" and {"G", "D"} <= set(subject.document):
+        yield {"G": subject.document["G"], "D": subject.document["D"]}
 
 
 def _filled(
-    subject: Subject, text: str, claim: str, own: Sequence[Mapping[str, Any]]
+    subject: Subject, text: str, own: Sequence[Mapping[str, Any]]
 ) -> Iterator[Sequence[Part]]:
-    """Yield lists of parts that a pattern of :data:`TRUTHS` stands for."""
+    """Yield lists of parts that an alternative of :data:`PROVES` stands for."""
     choices: list[list[Sequence[Part]]] = []
-    words = text.split()
-    for k, rule in enumerate(words):
-        sign = words[k + 1] if k + 1 < len(words) else ""
-        if rule in "?*~":
-            continue
-        if sign == "?":
-            key = "which" if rule in ("unbounded",) else "colour"
-            choices.append([[(rule, {key: c})] for c in subject.colours])
-        elif sign == "*" and rule == "bounded":
-            choices.append([[(rule, {"which": c}) for c in subject.colours]])
-        elif sign == "*":
-            some = list(_witnesses(subject, rule, claim, own))
+    for word in text.split():
+        rule = word.rstrip("*")
+        some = list(_witnesses(subject, rule, own))
+        if rule == "eigen":
             plain = [list(x) for x in dict.fromkeys(tuple(y["zeta"]) for y in some if "zeta" in y)]
             lists = itertools.product(plain, repeat=len(subject.colours))
             choices.append([[(rule, {"which": c, "zeta": z}) for c, z in zip(subject.colours, zs,
                              strict=True)] for zs in lists
                              if max(map(zs.count, zs)) == len(zs) or plain[0] in zs])  # fmt: skip
-        elif sign == "~":
-            choices.append([[(rule, w)] for w in _witnesses(subject, rule, claim, own)])
+        elif word != rule:
+            choices.append([[(rule, {"which": c}) for c in subject.colours]])
         else:
-            choices.append([[(rule, {})]])
+            choices.append([[(rule, w)] for w in some])
     for choice in itertools.product(*choices):
         yield [part for parts in choice for part in parts]
 
@@ -310,11 +253,12 @@ def directions(
         Certificates of the document whose witnesses are tried too.
     """
     found: set[bool] = set()
-    for truth, patterns in zip((True, False), {**TRUTHS, **VALUES}[claim], strict=True):
-        for pattern in patterns:
+    for truth, patterns in zip((True, False), PROVES[claim], strict=True):
+        implied = "|implied" if truth or claim == "growth" else ""
+        for pattern in (patterns + implied).split("|"):
             if pattern == "not-symmetric" and subject.steps > STEPS:
                 continue
-            for parts in _filled(subject, pattern, claim, own):
+            for parts in _filled(subject, pattern, own):
                 if subject.accepts(claim, declared, "holds" if truth else "fails", parts):
                     found.add(truth)
                     break

@@ -9,10 +9,9 @@ import pytest
 
 from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
+from glmref.judge.claims import ORDERS, SECOND
 
 from .both_ways import (
-    ORDERS,
-    SECOND,
     TRUTHS,
     VALUES,
     Subject,
