@@ -359,6 +359,8 @@ class Proof:
             return found
         found.advance(order)
         if filled:
+            fine = found.order == order
+            require(fine, f"the conditions of order {found.order + 1} contradict each other")
             found.fill()
         return found
 
