@@ -42,6 +42,7 @@ from glmref.prove.analysis import analyze
 from glmref.prove.verifier import verify_file
 from glmref.system.budget import READING, limited
 from tests.oracle.claims import opinion
+from tests.oracle.draw import Draw, claims_of
 
 from .tally import Tally
 
@@ -414,76 +415,10 @@ def _kept(doc: Any) -> dict[str, Any]:
     return {"format": "glmref-method-2", **kept}
 
 
-def _sparse(draw: random.Random, rows: int, columns: int, lower: bool = False) -> list[list[str]]:
-    """Entries of small methods, of which many are zero; below the diagonal only where asked."""
-    some = ("0", "0", "1", "1/2", "-1/2", "1/4", "sqrt(3)/6", "1/3", "2")
-    return [
-        ["0" if lower and j >= i else draw.choice(some) for j in range(columns)]
-        for i in range(rows)
-    ]  # fmt: skip
-
-
-def _summing(draw: random.Random, n: int) -> list[str]:
-    """Weights that sum to 1."""
-    row = [draw.choice(("0", "1/2", "1/4", "1/3", "-1")) for _ in range(n - 1)]
-    return [*row, f"1-({'+'.join(row) or '0'})"]
-
-
-def _additive(draw: random.Random, doc: Any) -> Any:
-    """An additive method with parts of one size or not."""
-    s, k = draw.choice((1, 2, 3)), draw.choice((1, 2, 2, 3, 9, 10, 300))
-    parts = [
-        {"A": _sparse(draw, s, s, lower=draw.random() < 0.7), "b": _summing(draw, s)}
-        for _ in range(k)
-    ]
-    if draw.random() < 0.2:
-        parts[-1] = {"A": _sparse(draw, s + 1, s + 1), "b": _summing(draw, s)}
-    return {**_kept(doc), "class": "additive", "parts": parts}
-
-
-def _nystrom(draw: random.Random, doc: Any) -> Any:
-    s = draw.choice((1, 2, 3, 60))
-    made = {**_kept(doc), "class": "nystrom", "A": _sparse(draw, s, s, lower=draw.random() < 0.7)}
-    made |= {"b": _sparse(draw, 1, s)[0], "b_prime": _summing(draw, s), "c": _sparse(draw, 1, s)[0]}
-    if draw.random() < 0.3:
-        made["A_prime"] = _sparse(draw, s, s, lower=True)
-    made["claims"] = {"nystrom-order": draw.choice((1, 2, 3)), "row-sums": draw.random() < 0.5}
-    return made
-
-
-def _rosenbrock(draw: random.Random, doc: Any) -> Any:
-    s = draw.choice((1, 1, 2, 3))
-    gamma = _sparse(draw, s, s, lower=True)
-    entry = draw.choice(("1/2", "0", "1-sqrt(2)/2", "-1", "1/1000"))
-    for i in range(s):
-        gamma[i][i] = entry if draw.random() < 0.9 else "1"
-    made = {**_kept(doc), "class": "rosenbrock", "alpha": _sparse(draw, s, s, lower=True)}
-    made |= {"gamma": gamma, "b": _summing(draw, s)}
-    made["claims"] = {"order": draw.choice((1, 2, 3)), "w-order": draw.choice((0, 1, 2))}
-    made["claims"] |= {"a-stable": draw.random() < 0.5, "l-stable": draw.random() < 0.5}
-    return made
-
-
-def _kicks(draw: random.Random, doc: Any) -> Any:
-    """A multistep pair with one kick a step or several: shifted values, and a new one from forces."""
-    r, s = draw.choice((2, 3, 6, 20)), draw.choice((1, 1, 2, 3))
-
-    def shifted(first: list[str]) -> list[list[str]]:
-        unit = [["1" if j == i else "0" for j in range(r)] for i in range(r - 1)]
-        return [first, *unit]
-
-    half = draw.choice((["1"], ["2", "-1"], ["1", "-1", "1"]))
-    first = [*half, *["0"] * r][:r]
-    q = {"A": _sparse(draw, s, s), "U": [["1", *["0"] * (r - 1)]] * s, "V": shifted(first)}
-    q["B"] = [_summing(draw, s), *[["0"] * s] * (r - 1)]
-    p = copy.deepcopy(q) if draw.random() < 0.5 else {**q, "A": _sparse(draw, s, s, lower=True)}
-    if draw.random() < 0.3:
-        p["output"] = _sparse(draw, 1, r)[0]
-    made = {**_kept(doc), "format": "glmref-method-1", "class": "partitioned", "q": q, "p": p}
-    made |= {"separable": draw.random() < 0.9}
-    made["claims"] = {"nystrom-order": draw.choice((1, 2, 4)), "zero-stable": draw.random() < 0.5}
-    made["claims"] |= {"consistent": True, "symmetric": draw.random() < 0.5}
-    return made
+def _drawn(draw: random.Random, doc: Any) -> Any:
+    """A small method of any class with claims that may be right, as the oracle draws them."""
+    made = Draw(draw).document()
+    return {**_kept(doc), **made, "claims": claims_of(made, draw)}
 
 
 def _letters(draw: random.Random, doc: Any) -> Any:
@@ -539,9 +474,8 @@ MUTATIONS: dict[str, tuple[int, Mutation]] = {
     "key": (5, _key), "shape": (4, _shape), "claim": (5, _claim), "true claims": (5, _true_claims),
     "class": (1, _class), "constants": (2, _constants), "enclosure": (3, _enclosure),
     "start": (2, _start), "huge": (1, _huge), "multistep": (1, _multistep),
-    "composition": (1, _composition), "rows": (3, _rows), "additive": (1, _additive),
-    "nystrom": (1, _nystrom), "rosenbrock": (1, _rosenbrock), "kicks": (1, _kicks), "letters": (1, _letters),
-    "words": (3, _words),
+    "composition": (1, _composition), "rows": (3, _rows), "drawn": (4, _drawn),
+    "letters": (1, _letters), "words": (3, _words),
 }  # fmt: skip
 
 

@@ -14,10 +14,11 @@ from glmref.errors import GlmrefError
 
 from .files import (
     SENTENCE,
-    VALUES,
     _at,
     _broken_text,
     _exchanged,
+    _key,
+    _kind,
     _places,
     _put,
     _ring,
@@ -41,22 +42,6 @@ def _digit(draw: random.Random, doc: Any) -> Any:
     return _put(doc, path, draw.choice((0, -1, 1, 10**9, 1e308, 0.5, True, "1")))
 
 
-def _other(draw: random.Random, doc: Any) -> Any:
-    """Something of another type, anywhere."""
-    return _put(doc, draw.choice(list(_places(doc))), copy.deepcopy(draw.choice(VALUES)))
-
-
-def _lost(draw: random.Random, doc: Any) -> Any:
-    """A key that is missing or has another name."""
-    inner = [p for p in _places(doc) if isinstance(_at(doc, p), dict) and _at(doc, p)]
-    if inner:
-        block = _at(doc, draw.choice(inner))
-        value = block.pop(draw.choice(list(block)))
-        if draw.random() < 0.4:
-            block[draw.choice(("zzz", "", "A", "format", "\x1b[2J"))] = value
-    return doc
-
-
 def _swapped(draw: random.Random, doc: Any) -> Any:
     """Two parts exchanged."""
     paths = [p for p in _places(doc) if p and not isinstance(_at(doc, p), dict | list)]
@@ -68,7 +53,7 @@ def mutated(draw: random.Random, doc: Any, *, text: float = 0.1) -> bytes:
     doc = copy.deepcopy(doc)
     for _ in range(draw.choice((1, 1, 1, 2, 3))):
         if isinstance(doc, dict | list) and doc:
-            doc = draw.choice((_digit, _digit, _other, _lost, _swapped, _shape))(draw, doc)
+            doc = draw.choice((_digit, _digit, _kind, _key, _swapped, _shape))(draw, doc)
     written = json.dumps(doc)
     return _broken_text(draw, written) if draw.random() < text else written.encode()
 
