@@ -12,7 +12,6 @@ import time
 
 import pytest
 
-from glmref.catalogue.canonical import compact
 from glmref.compute import Records
 from tests.evidence.faulty_runs import TASKS, Runs, sentence
 
@@ -276,38 +275,6 @@ def test_damage_costs_the_records_it_hit(runs: Runs) -> None:
     found = sorted(map(str, runs.records("damaged")))
     assert found == sorted(map(str, runs.right))
     again = runs.run("damaged")
-    assert (again.returncode, again.stderr) == (0, "")
-
-
-@pytest.mark.slow
-def test_damage_of_every_kind_costs_the_lines_it_hit(runs: Runs) -> None:
-    """Of a file as earlier versions kept records, which stays as it is."""
-    lines = [compact(record) + b"\n" for record in Records(runs.path("undisturbed"))]
-    damaged = [
-        lines[0],
-        lines[1].replace(b'"completed"', b'"complfted"'),  # a bit that flipped
-        lines[2],
-        lines[2],  # a record that is there twice
-        b"not a record\n",
-        b'{"format": "of another program"}\n',
-        lines[3].rstrip(b"\n") + lines[4],  # a line end that was lost
-        b"\xff\xfe\x00\n",
-        *lines[5:11],
-        lines[11][:100],  # a writer that was killed
-    ]
-    old = runs.folder / "lines" / "tiny.jsonl"
-    old.parent.mkdir()
-    old.write_bytes(b"".join(damaged))
-    done = runs.run("lines", "--format", "json")
-    assert done.returncode == 0
-    assert '"measured": 4,' in done.stdout and f'"resumed": {TASKS - 4},' in done.stdout
-    assert done.stderr == (
-        "note: tiny.jsonl: line 2: it is damaged: its checksum does not agree with its content, "
-        "and 5 lines more; what cannot be read is measured again\n"
-    )
-    assert old.read_bytes() == b"".join(damaged)
-    assert sorted(map(str, runs.records("lines"))) == sorted(map(str, runs.right))
-    again = runs.run("lines")
     assert (again.returncode, again.stderr) == (0, "")
 
 

@@ -15,7 +15,7 @@ from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
 
 from .exactly import determinant, dot, is_g_symplectic, matrix, order, same, vector
-from .thesis import B6, C6, ZETA3, sweep
+from .thesis import B6, C6, ZETA3, a_of, sweep
 
 B, C = B6, C6
 C2 = Fraction(1, 15)
@@ -84,16 +84,6 @@ def solve_w(c2: Fraction, a33: Fraction) -> Matrix:
     put(4, 0, 1 - (c[4] - sum(rest, exact(0))) / b[0])
     assert dot(rest, c[1:]) == HALF
     return matrix(W)
-
-
-def a_of(W: Matrix) -> Matrix:
-    """A of (3.14), with the half on the diagonal."""
-    return tuple(
-        tuple(
-            B[j] * (1 - W[i][j]) * (HALF if i == j else 1) if j <= i else exact(0) for j in range(5)
-        )
-        for i in range(5)
-    )
 
 
 def test_equations_have_the_recorded_w_and_a_as_their_only_solution() -> None:

@@ -9,7 +9,6 @@ import json
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -17,6 +16,7 @@ from glmref.catalogue.lookup import data_root
 from glmref.conformance.taylor import taylor_states
 from glmref.problems import names, problem
 from glmref.problems.reference import Reference
+from tests.build import high
 from tools.collocation import collocation_states
 
 # 200 bits: (problem, t) -> state
@@ -28,12 +28,6 @@ OTHER = {
 }
 
 
-def high():
-    context = mpmath.MPContext()
-    context.dps = 60
-    return context
-
-
 def shipped(name, t, **parameters) -> Reference:
     """The reference of a problem at one time."""
     found = problem(name, **parameters).references
@@ -42,7 +36,7 @@ def shipped(name, t, **parameters) -> Reference:
 
 def difference(ours, theirs):
     """Largest difference relative to the largest component."""
-    context = high()
+    context = high(60)
     ours, theirs = [[context.mpf(x) for x in y] for y in (ours, theirs)]
     size = max(abs(x) for x in theirs)
     return max(abs(x - y) for x, y in zip(ours, theirs, strict=True)) / size
@@ -56,7 +50,7 @@ def body_by_body(state):
 
 def with_momenta(state):
     """Angles and angular velocities of the double pendulum to angles and momenta."""
-    context = high()
+    context = high(60)
     q1, q2, v1, v2 = [context.mpf(x) for x in state]
     c = context.cos(q1 - q2)
     return [q1, q2, 2 * v1 + v2 * c, v2 + v1 * c]
@@ -92,7 +86,7 @@ def test_references_agree_with_printed_digits(name, parameters, t, printed, allo
 def test_arenstorf_orbits_close_as_far_as_their_printed_digits_go(orbit):
     p = problem("arenstorf", orbit=orbit)
     (reference,) = p.references
-    start = p.on(high()).y0
+    start = p.on(high(60)).y0
     gap = difference(reference.state, start)
     # 29 digits of the speed, magnified by the orbit's instability of about 1e2 to 1e3
     assert 1e-30 < gap < 1e-24
@@ -101,13 +95,13 @@ def test_arenstorf_orbits_close_as_far_as_their_printed_digits_go(orbit):
 def test_figure_eight_closes_to_its_eight_digits():
     p = problem("figure-eight")
     (reference,) = p.references
-    assert 1e-9 < difference(reference.state, p.on(high()).y0) < 1e-6
+    assert 1e-9 < difference(reference.state, p.on(high(60)).y0) < 1e-6
 
 
 @pytest.mark.parametrize("t", [10, 100])
 def test_pendulum_references_agree_with_elliptic_functions(t):
     p = problem("pendulum")
-    assert difference(shipped("pendulum", t).state, p.on(high()).solution(t)) < 1e-36
+    assert difference(shipped("pendulum", t).state, p.on(high(60)).solution(t)) < 1e-36
 
 
 # every entry of every file: (problem, parameters, t), and the state
@@ -134,7 +128,7 @@ def test_problems_find_their_entries(name, parameters, t, entry):
 
 @pytest.mark.parametrize(("name", "parameters", "t", "entry"), ENTRIES)
 def test_invariants_at_the_references_are_those_of_the_start(name, parameters, t, entry):
-    p, context = problem(name, **parameters), high()
+    p, context = problem(name, **parameters), high(60)
     exact = p.on(context)
     end = np.array([context.mpf(x) for x in entry["state"]], dtype=object)
     for key, value in {**exact.invariants, **exact.quadratic, "H": exact.hamiltonian}.items():

@@ -11,22 +11,19 @@ from glmref.exact import exact, linalg
 from glmref.exact.linalg import Matrix
 
 from .exactly import determinant, dot, matrix, order, same, vector
-from .thesis import A6_PRINTED, B6, C6, W6_HAT_PRINTED, W6_PRINTED, W6_TILDE_PRINTED, one_value
+from .thesis import (
+    A6_PRINTED,
+    B6,
+    C6,
+    W6_HAT_PRINTED,
+    W6_PRINTED,
+    W6_TILDE_PRINTED,
+    a_of,
+    one_value,
+)
 
 W, A, B, C = W6_PRINTED, A6_PRINTED, B6, C6
 C2 = Fraction(1, 15)
-
-
-def from_w(W: Matrix) -> Matrix:
-    """A of (3.14) to (3.16), with the half on the diagonal."""
-    half = Fraction(1, 2)
-    return tuple(
-        tuple(
-            (exact(1) - W[i][j]) * B[j] * (half if i == j else 1) if j <= i else exact(0)
-            for j in range(5)
-        )
-        for i in range(5)
-    )
 
 
 def test_printed_w_satisfies_3_18_3_19_3_20_and_the_printed_3_22() -> None:
@@ -71,7 +68,7 @@ def stage_sums(A: Matrix) -> tuple[list[Fraction | None], list[Fraction | None]]
 
 
 def test_printed_w_fails_3_23_and_3_24() -> None:
-    first, second = stage_sums(from_w(W))
+    first, second = stage_sums(a_of(W))
     assert first == [Fraction(1, 2), Fraction(34069669, 1711125), 1]
     assert second == [Fraction(1, 2), Fraction(16924562, 1711125), 1]
     assert [c.as_fraction() for c in C[2:]] == [Fraction(1, 2), Fraction(14, 15), 1]
@@ -86,10 +83,10 @@ def test_printed_w_fails_3_23_and_3_24() -> None:
 
 def test_printed_a_is_that_of_the_printed_w_except_a31() -> None:
     differing = [
-        (i + 1, j + 1) for i, j, x in linalg.entries(linalg.sub(from_w(W), A)) if not x.is_zero()
+        (i + 1, j + 1) for i, j, x in linalg.entries(linalg.sub(a_of(W), A)) if not x.is_zero()
     ]
     assert differing == [(3, 1)]
-    assert from_w(W)[2][0] == Fraction(-407, 60)
+    assert a_of(W)[2][0] == Fraction(-407, 60)
     assert A[2][0] == Fraction(691, 105)
 
 
@@ -153,7 +150,7 @@ def test_printed_tilde_matrix_has_rank_3_where_rank_2_is_needed() -> None:
 
 def test_printed_weights_and_a_fail_the_second_order_condition() -> None:
     # (3.23) makes A 1 the abscissae, so that b^T A 1 = 1/2 is the condition of order 2.
-    for used in (A, from_w(W)):
+    for used in (A, a_of(W)):
         sums = linalg.matvec(used, vector([1] * 5))
         assert dot(B, sums) != Fraction(1, 2)
     good = one_value([["1/2"]], ["1"])
@@ -162,4 +159,4 @@ def test_printed_weights_and_a_fail_the_second_order_condition() -> None:
 
 def test_printed_a_and_b_alone_have_order_exactly_1() -> None:
     assert order(one_value(A, B)) == 1
-    assert order(one_value(from_w(W), B)) == 1
+    assert order(one_value(a_of(W), B)) == 1

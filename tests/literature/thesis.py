@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 from glmref.exact import Exact, Scalar, exact, linalg, root_of_unity
 from glmref.exact.linalg import Matrix, Vector
@@ -178,6 +179,19 @@ W6_TILDE_PRINTED = matrix(
         ["-5613/85", "-65239/3375", "1071/1240"],
     ]
 )
+
+
+def a_of(W: Matrix) -> Matrix:
+    """A of (3.14) to (3.16), with the half on the diagonal."""
+    half = Fraction(1, 2)
+    return tuple(
+        tuple(
+            B6[j] * (1 - W[i][j]) * (half if i == j else 1) if j <= i else exact(0)
+            for j in range(5)
+        )
+        for i in range(5)
+    )
+
 
 ZETA3: Exact = root_of_unity(1, 3)
 

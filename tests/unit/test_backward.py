@@ -64,7 +64,7 @@ from glmref.theory.series import (
 from glmref.theory.symplectic import g_symplectic
 from glmref.theory.trees import edge_cuts, free_trees, trees, trees_up_to
 from glmref.theory.underlying import UnderlyingMethod
-from tests.build import refused
+from tests.build import high, refused
 from tests.shipped import shipped
 
 PAGE = Path(__file__).parents[2] / "docs" / "modified.md"
@@ -408,8 +408,7 @@ def test_derivatives_of_every_function():
     names = ("sin(y[0])", "cos(y[0])", "tan(y[0])", "exp(y[0])", "log(y[0])", "sqrt(y[0])",
              "y[0]**5", "y[0]**-2", "y[0]**1.5", "1/(2 + y[0])", "2**y[0]", "y[0]**y[0]",
              "atan2(y[0], 3 - y[0])", "y[0]/3 - 1")  # fmt: skip
-    context = mpmath.MPContext()
-    context.dps = 60
+    context = high(60)
     for text in names:
         problem = glmref.Problem(f=(text,), y0=(F(7, 10),))
         slope = problem.on(context).f

@@ -4,10 +4,8 @@ import csv
 import io
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -109,38 +107,6 @@ def glmref(*arguments, **options):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "glmref", *map(str, arguments)]
     return subprocess.Popen(command, env=environment, cwd=ROOT, **options)
-
-
-@pytest.mark.slow
-def test_a_run_that_is_killed_keeps_its_records_and_the_rerun_does_the_rest(scene, tmp_path):
-    counts = [2_000_000 + k for k in range(12)]
-    scene.write_text(
-        SCENE.replace("[20, 40]", str(counts)).replace('"heun-2", ', ""), encoding="utf-8"
-    )
-    out = tmp_path / "out"
-    path = out / "tiny.sqlite"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    process = glmref("run", scene, "--output", out, **quiet)
-    deadline = time.monotonic() + 120
-    while len(Records(path)) < 3:
-        assert process.poll() is None and time.monotonic() < deadline
-        time.sleep(0.005)
-    process.send_signal(signal.SIGKILL)
-    assert process.wait() == -signal.SIGKILL
-    kept = list(Records(path))
-    assert 3 <= len(kept) < 12
-    for record, steps in zip(kept, counts, strict=False):
-        assert (record["task"]["steps"], record["outcome"]) == (steps, "completed")
-    again = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
-    document = json.loads(again.communicate(timeout=120)[0])
-    assert again.returncode == 0
-    assert document["resumed"] == len(kept)
-    assert document["measured"] == 12 - document["resumed"]
-    assert [record["task"]["steps"] for record in document["records"]] == counts
-    assert list(Records(path))[: len(kept)] == kept  # nothing that was there was measured again
-    assert len(Records(path)) == len(counts)
-    third = glmref("run", scene, "--output", out, "--format", "json", stdout=subprocess.PIPE)
-    assert json.loads(third.communicate(timeout=120)[0])["measured"] == 0
 
 
 @pytest.mark.slow

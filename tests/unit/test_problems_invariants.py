@@ -2,12 +2,12 @@
 
 from random import Random
 
-import mpmath
 import numpy as np
 import pytest
 
 from glmref.conformance.taylor import Tape
 from glmref.problems import names, problem
+from tests.build import high
 
 SMALL = {
     "fput": {"sites": 5, "beta": "1/2"},
@@ -29,8 +29,7 @@ DIGITS = 60
 
 def at_random(name, parameters, seed):
     """A problem in double precision, and a random point near its start as exact numbers."""
-    context = mpmath.MPContext()
-    context.dps = DIGITS
+    context = high(DIGITS)
     p = problem(name, **parameters)
     y0 = p.on(context).y0
     random = Random(seed)

@@ -8,6 +8,7 @@ import pytest
 from glmref.errors import DataError
 from glmref.problems import problem
 from glmref.problems.reference import FORMAT, read_references
+from tests.build import high
 from tools.reference_solutions import solution_document, solution_entries
 
 GOOD = {
@@ -58,8 +59,7 @@ def test_references_belong_to_their_parameters():
 def test_regenerated_digits_are_all_right():
     p = problem("pendulum")
     (entry,) = solution_entries(p, ["2"], digits=15)
-    context = mpmath.MPContext()
-    context.dps = 40
+    context = high(40)
     exact = p.on(context).solution(2)
     for text, value in zip(entry["state"], exact, strict=True):
         digits = len(text.lstrip("-0.").replace(".", ""))

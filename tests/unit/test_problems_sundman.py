@@ -2,7 +2,6 @@
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -11,7 +10,7 @@ from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.problems import Problem, problem
 from glmref.problems.sundman import time_transformed
-from tests.build import refused
+from tests.build import high, refused
 
 RADIUS = "sqrt(y[0]*y[0] + y[1]*y[1])"
 
@@ -27,16 +26,15 @@ def symplectic_defect(p, y):
 @pytest.mark.parametrize("e", ["0", "9/10", "999/1000"])
 def test_the_orbit_is_that_of_kepler_at_the_time_it_says(e):
     p, plain = problem("kepler-sundman", eccentricity=e), problem("kepler", eccentricity=e)
-    context = mpmath.MPContext()
-    context.dps = 40
-    high, reference = p.on(context), plain.on(context)
+    context = high(40)
+    fine, reference = p.on(context), plain.on(context)
     for s in (0.3, 2.0, 7.5):
-        y = high.exact(context.mpf(s), high.y0)
+        y = fine.exact(context.mpf(s), fine.y0)
         z = reference.exact(y[2], reference.y0)
         assert max(abs(y[i] - z[i]) for i in (0, 1)) < 1e-30
         assert max(abs(y[3 + i] - z[2 + i]) for i in (0, 1)) < 1e-28
     # s is the eccentric anomaly: a turn takes the period
-    assert abs(high.exact(2 * context.pi, high.y0)[2] - 2 * context.pi) < 1e-35
+    assert abs(fine.exact(2 * context.pi, fine.y0)[2] - 2 * context.pi) < 1e-35
 
 
 def test_the_general_transformation_gives_the_same_equations():

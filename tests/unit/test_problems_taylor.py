@@ -9,6 +9,7 @@ import pytest
 from glmref.conformance.taylor import taylor_states
 from glmref.errors import UsageError
 from glmref.problems import Problem, problem
+from tests.build import high
 from tools.collocation import collocation_states, radau_nodes
 
 
@@ -19,8 +20,7 @@ def size(y):
 @pytest.mark.parametrize("digits", [15, 25, 35])
 def test_taylor_error_follows_the_digits_asked(digits):
     p = problem("kepler")
-    context = mpmath.MPContext()
-    context.dps = 60
+    context = high(60)
     (end,) = taylor_states(p, [3], digits=digits)
     # some 30 steps, each within 10**-digits of |y| <= 2; Kepler's flow stretches by about 20
     assert size(p.on(context).solution(3) - end) < 2000 * 10.0**-digits
@@ -64,8 +64,7 @@ def test_plain_arithmetic_functions_are_expanded_too():
 
 @pytest.mark.parametrize("stages", [1, 2, 3, 9, 16])
 def test_radau_nodes_are_zeros_that_end_at_one(stages):
-    context = mpmath.MPContext()
-    context.dps = 40
+    context = high(40)
     nodes = radau_nodes(stages, context)
     assert nodes == sorted(nodes) and len(set(nodes)) == stages and nodes[-1] == 1 and nodes[0] > 0
     for c in nodes:
@@ -88,8 +87,7 @@ def test_radau_nodes_of_two_stages_are_a_third_and_one():
 def test_collocation_agrees_with_the_exact_solution_however_stiff(name, parameters, t):
     p = problem(name, **parameters)
     (end,) = collocation_states(p, [t], digits=16, stages=8)
-    context = mpmath.MPContext()
-    context.dps = 40
+    context = high(40)
     exact = p.on(context).solution(Fraction(t))
     assert size(end - exact) < 1e-15
 

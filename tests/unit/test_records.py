@@ -305,12 +305,15 @@ def test_damage_of_lines_costs_the_lines_it_hit(tmp_path):
     path = tmp_path / "records.jsonl"
     lines(path, *(made(task, DONE) for task in TASKS))
     first, second, third = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"not a record\n" + first + second.replace(b"0.2", b"0.7") + third[:-9])
+    other = b'{"format": "of another program"}\n\xff\xfe\x00\n'
+    joined = second.rstrip() + third  # a line end that was lost
+    path.write_bytes(b"not a record\n" + 2 * first + second.replace(b"0.2", b"0.7") + other + joined
+                     + third[:-9])  # fmt: skip
     store = Records(tmp_path / "records.sqlite")
     assert [x["task"] for x in store] == TASKS[:1] and list(store.missing(TASKS)) == TASKS[1:]
     (said,) = store.notices
     assert said == (
-        "records.jsonl: line 1: it is not JSON, and 2 lines more; what cannot be read is measured "
+        "records.jsonl: line 1: it is not JSON, and 5 lines more; what cannot be read is measured "
         "again"
     )
 
