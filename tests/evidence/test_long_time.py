@@ -17,12 +17,6 @@ ROWS = {(row["method"], row["variant"]): row for row in RECORD["rows"]}
 EXACT, PLAIN, ROUNDED, NAIVE = VARIANTS
 
 
-def test_the_record_holds_every_variant_over_ten_million_steps():
-    assert ROWS.keys() == {(name, variant) for name in METHODS for variant in VARIANTS}
-    assert {row["steps"][-1] for row in ROWS.values()} == {10_000_000}
-    assert all(len(row["steps"]) == len(row["rms"]) >= 10 for row in ROWS.values())
-
-
 @pytest.mark.parametrize("name", METHODS)
 def test_round_off_is_a_random_walk_in_the_exact_form_and_a_drift_in_a_rounded_tableau(name):
     """1/2 is a random walk, 1 a drift; compensation without exact coefficients is not enough."""
