@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -41,6 +41,16 @@ def invertible(draw: st.DrawFn, r: int, largest: int = 2) -> Matrix:
     first = as_matrix([lower[i] for i in order], "T")
     factor = as_matrix([[scale]], "scale")[0][0]
     return linalg.scale(exact(factor), linalg.matmul(first, as_matrix(upper, "T")))
+
+
+def same(a: Matrix, b: Matrix) -> bool:
+    """Whether two matrices are equal, entry by entry."""
+    return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
+
+
+def floats(matrix: Iterable[Iterable[Any]]) -> np.ndarray:
+    """Return a matrix of numbers of any kind in doubles."""
+    return np.array([[float(x) for x in row] for row in matrix])
 
 
 def conjugated_rk4() -> GLM:

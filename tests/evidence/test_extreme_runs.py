@@ -16,6 +16,7 @@ from glmref.errors import GlmrefError
 from glmref.problems import Problem, problem
 from glmref.problems.formula import Formula
 from glmref.problems.user_functions import FunctionFailed
+from tests.build import floats
 from tests.shipped import shipped
 
 EPS = 2.0**-53
@@ -55,7 +56,7 @@ def test_a_field_of_zero_applies_v(name):
     steps = 5
     for engine in ("interpreted", "reference"):
         found = solve(problem("zero-field"), method, h=0.5, steps=steps, start=start, engine=engine)
-        V = np.array([[float(x) for x in row] for row in method.V])
+        V = floats(method.V)
         # each step rounds r products and r - 1 sums for each value, each within EPS of the terms
         terms = np.linalg.matrix_power(np.abs(V), steps) @ np.abs(start)
         bound = 8 * steps * method.r * EPS * np.max(terms)
@@ -89,7 +90,7 @@ def test_there_are_many_integral_ones():
 
 def kronecker_step(method, h, matrix, start):
     """One step of y' = A y by one linear solve."""
-    A, U, B, V = (np.array([[float(x) for x in row] for row in m]) for m in
+    A, U, B, V = (floats(m) for m in
                   (method.A, method.U, method.B, method.V))  # fmt: skip
     d = len(matrix)
     left = np.eye(method.s * d) - np.kron(A, h * matrix)

@@ -11,6 +11,7 @@ from glmref.catalogue.lookup import data_root, load
 from glmref.measure.longtime import follow, watch
 from glmref.measure.parasitic import parasitic_size, solution_direction
 from glmref.problems import problem
+from tests.build import floats
 
 RECORD = json.loads((data_root() / "measurements" / "roundoff.json").read_text(encoding="utf-8"))
 ROWS = {(row["method"], row["variant"]): row for row in RECORD["rows"]}
@@ -74,7 +75,7 @@ def test_the_energy_error_of_a_good_method_is_bounded(name, bound):
 def test_the_form_is_kept_to_round_off_and_the_invariants_of_the_solution_only_stay_near(name):
     steps = 100_000
     method, subject = load(name), problem("rigid-body")
-    G = np.array([[float(x) for x in row] for row in method.G])
+    G = floats(method.G)
     found = follow(subject, method, h=0.1, steps=steps)
     drifts = watch(subject, found, G=G)
     forms = [one for one in drifts if one.kind == "form"]

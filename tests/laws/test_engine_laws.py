@@ -23,6 +23,7 @@ from glmref.engine.reference import stepper
 from glmref.engine.shape import shape_of
 from glmref.engine.starting_values import zero_start
 from glmref.prove.facts import facts_of
+from tests.build import floats
 from tests.shipped import claiming as claimed
 from tests.shipped import shipped
 
@@ -106,10 +107,6 @@ def form_of(values, G, C):
         for j, g in enumerate(row)
         if g
     )
-
-
-def floats(matrix):
-    return np.array([[float(x) for x in row] for row in matrix])
 
 
 @cache

@@ -11,7 +11,7 @@ from glmref.errors import ExactnessError
 from glmref.exact import Ball, Exact, exact, linalg
 from glmref.exact.expression import parse, to_text
 from glmref.exact.linalg import Matrix
-from tests.build import refused
+from tests.build import refused, same
 from tests.examples import examples
 
 LAWS = examples(60)
@@ -212,10 +212,6 @@ def several(draw: st.DrawFn, *shapes: tuple[int, int]) -> tuple[Matrix, ...]:
         tuple(tuple(draw(kind) for _ in range(columns)) for _ in range(rows))
         for rows, columns in shapes
     )
-
-
-def same(a: Matrix, b: Matrix) -> bool:
-    return all(x.is_zero() is True for row in linalg.sub(a, b) for x in row)
 
 
 @examples(25)

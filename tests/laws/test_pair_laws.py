@@ -20,16 +20,13 @@ from glmref.findings import Verdict
 from glmref.measure.linearised import step_derivatives
 from glmref.problems.model import Problem
 from glmref.prove.verifier import verify
+from tests.build import floats
 from tests.shipped import shipped
 
 PAIRS = [x for x in names("methods") if shipped(x)["class"] == "pair-sweep"]
 SPLITTINGS = ["symplectic-euler-a", "stormer-verlet", "ruth-3", "forest-ruth-4", "suzuki-verlet-4"]
 EPSILON = 2.0**-52
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def floats(matrix):
-    return np.array([[float(x) for x in row] for row in matrix])
 
 
 def form_of(method):

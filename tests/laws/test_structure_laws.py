@@ -28,16 +28,12 @@ from glmref.theory.stability import stability_polynomial
 from glmref.theory.stability_interval import real_interval
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import find_forms, form_identities, g_symplectic
-from tests.build import invertible
+from tests.build import invertible, same
 from tests.examples import examples, law
 
 SMALL = st.integers(-3, 3)
 LAWS = settings(max_examples=8, deadline=None)
 METHODS = ["gsymplectic-n", "gsymplectic-p", "g4123", "s4-symmetric", "thesis-3-8", "leapfrog"]
-
-
-def same(a, b):
-    return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
 
 
 @law(METHODS, LAWS, 2, besides=("s4-symmetric",))

@@ -8,6 +8,7 @@ import numpy as np
 
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import StageSolver
+from tests.build import floats
 
 from .planted import Base, StoppedBase, planted
 from .planted_runs import PLANTED, Foreign, Run, RunOnly
@@ -242,10 +243,7 @@ class Grk4t(Rosenbrock):
     def __init__(self) -> None:
         known: Any = load("grk4t")
         self.b = np.array([float(x) for x in known.b])
-        self.A, self.G = (
-            np.array([[float(x) for x in row] for row in rows])
-            for rows in (known.alpha, known.gamma)
-        )
+        self.A, self.G = (floats(rows) for rows in (known.alpha, known.gamma))
 
 
 @planted("order", "falls like h^1", methods=("mine",))

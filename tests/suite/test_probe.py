@@ -21,6 +21,7 @@ from glmref.errors import UsageError
 from glmref.exact import Exact
 from glmref.method import PartitionedGLM
 from glmref.views.tables import Style
+from tests.build import floats
 
 
 class Opaque:
@@ -34,10 +35,6 @@ class Opaque:
         return self.inner.step(self.hidden, problem, t, y, h)
 
 
-def doubles(matrix: Any) -> np.ndarray:
-    return np.array([[float(x) for x in row] for row in matrix])
-
-
 @pytest.mark.sampled(1, besides=("gauss", "gsym", "g6245", "verner", "lobatto"))
 @pytest.mark.parametrize(
     ("name", "values"),
@@ -49,10 +46,10 @@ def test_coefficients_come_out_of_a_black_box_to_1e_10_and_the_method_by_name(na
     assert probe.reading is not None and probe.notes == ()
     known = load(name)
     for letter in "AUBV":
-        found, right = getattr(probe.reading, letter), doubles(getattr(known, letter))
+        found, right = getattr(probe.reading, letter), floats(getattr(known, letter))
         assert found.shape == right.shape and np.abs(found - right).max() < 1e-10, letter
     if isinstance(known, PartitionedGLM):
-        hats = [doubles(getattr(known, f"{x}_hat")) for x in "AUBV"]
+        hats = [floats(getattr(known, f"{x}_hat")) for x in "AUBV"]
         assert probe.reading.hat is not None
         assert all(
             np.abs(x - y).max() < 1e-10 for x, y in zip(probe.reading.hat, hats, strict=True)

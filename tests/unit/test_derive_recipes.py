@@ -19,10 +19,9 @@ from glmref.derive.recipes.order6_family import Quadratic, family, least_growth,
 from glmref.derive.recipes.two_stage import condition
 from glmref.errors import UsageError
 from glmref.exact import Exact
-from glmref.exact.linalg import Matrix
 from glmref.findings import Proof
 from glmref.method import GLM
-from tests.build import refused
+from tests.build import refused, same
 
 
 def text_of(name: str) -> str:
@@ -106,13 +105,6 @@ def test_quadratic_numbers_are_written_as_they_are_read() -> None:
     assert (x * x / x).exact() == x.exact()
     assert Quadratic(Fraction(-1), Fraction(-1, 2), 3).factor_text("y") == "-(1+sqrt(3)/2)*y"
     assert Quadratic(Fraction(2), Fraction(0), 3).quotient_text() == "2"
-
-
-def same(a: Matrix, b: Matrix) -> bool:
-    """Whether two matrices agree exactly."""
-    return all(
-        (x - y).is_zero() for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True)
-    )
 
 
 def assert_same_method(derived: Mapping[str, Any], name: str) -> None:

@@ -10,6 +10,7 @@ from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import starting_values
 from glmref.method import as_matrix, as_vector
+from tests.build import floats
 
 H = 0.1
 
@@ -17,10 +18,6 @@ H = 0.1
 def started(name, start=None, of="pendulum", h=H):
     engine = stepper(load(name) if isinstance(name, str) else name, problem(of))
     return starting_values(engine, start, t=0.0, y0=np.array(engine.problem.y0), h=h)
-
-
-def floats(rows):
-    return np.array([[float(x) for x in row] for row in rows])
 
 
 def by_hand(start, of, h):

@@ -27,6 +27,7 @@ from glmref.engine.parasites import (
 from glmref.measure.linearised import step_derivatives
 from glmref.problems import problem
 from glmref.problems.model import Problem
+from tests.build import floats
 
 METHODS = ("multistep-general-6", "multistep-general-8", "multistep-general-8b")
 SHEAR = Problem.from_hamiltonian("(p**2 + q**2)/2 + 3*p*q/10", {"q": 1, "p": 0})
@@ -188,7 +189,7 @@ def test_a_part_that_alternates_with_a_root_of_its_half_is_seen(name: str, half:
     """It is with the energy that a notice follows; a part that was there at first is none."""
     method = method_of(name)
     component = method.components[half]
-    V = np.array([[float(x) for x in row] for row in component.V])
+    V = floats(component.V)
     given = replace(PARTICLE, hamiltonian=oscillator)
     for angle in np.angle(np.linalg.eigvals(V)):
         if angle < 1e-6:

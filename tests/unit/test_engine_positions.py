@@ -9,6 +9,7 @@ from glmref import load, problem, solve
 from glmref.engine.forms import StepForm
 from glmref.engine.kernel import prepare
 from glmref.method import GLM
+from tests.build import floats
 
 
 def _prologue(name: str, h: float) -> dict[str, float]:
@@ -65,7 +66,7 @@ def test_single_stages_keep_the_momentum_of_their_form(name: str) -> None:
     y = solve(kepler, method, steps=200_000, every=2000, history=True, **numbers).history
     assert y is not None
     assert isinstance(method, GLM) and method.G is not None
-    G = np.array([[float(x) for x in row] for row in method.G])
+    G = floats(method.G)
     terms = (np.einsum("ij,ni,nj->n", G, y[:, :, a], y[:, :, b]) for a, b in ((0, 3), (1, 2)))
     momentum = np.subtract(*terms)
     assert np.abs(momentum / momentum[0] - 1).max() < 2e-14

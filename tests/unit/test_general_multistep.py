@@ -31,6 +31,7 @@ from glmref.prove.facts import facts_of
 from glmref.theory.coefficients import first_nonzero
 from glmref.theory.residues import both_ways, rates_on_one_sign, residues
 from glmref.theory.starting_series import StartingSeries
+from tests.build import SOURCE
 
 F = Fraction
 #: The shipped methods for all systems.
@@ -40,8 +41,7 @@ Q4, P4 = GeneralHalf((F(1, 2),), True), GeneralHalf((F(1, 3), F(-1, 4)))
 
 
 def document(q: GeneralHalf, p: GeneralHalf) -> dict[str, Any]:
-    source = {"citation": "-", "where": "-", "status": "derived"}
-    return {**general_document("found", q, p), "title": "found", "source": source}
+    return {**general_document("found", q, p), "title": "found", "source": SOURCE}
 
 
 def method(q: GeneralHalf, p: GeneralHalf) -> Any:
@@ -102,9 +102,8 @@ def test_paths_need_stages_at_one_time() -> None:
     half = {"U": [["1"]] * 3, "B": [[str(x) for x in b]], "V": [["1"]]}
     q = {"A": [[str(x) for x in row] for row in A], **half}
     p = {"A": [[str(x) for x in row[::-1]] for row in A[::-1]], **half}
-    source = {"citation": "-", "where": "-", "status": "derived"}
     given = {"format": "glmref-method-1", "name": "x", "title": "x", "class": "partitioned",
-             "q": q, "p": p, "source": source}  # fmt: skip
+             "q": q, "p": p, "source": SOURCE}  # fmt: skip
     assert facts_of(load_document(given)).judge("order", 3).verdict is Verdict.FAILS
     assert facts_of(load_document(given)).judge("order", 2).verdict is Verdict.HOLDS
 

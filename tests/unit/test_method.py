@@ -13,7 +13,7 @@ from glmref.catalogue.lookup import load
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import linalg
 from glmref.method import GLM, PartitionedGLM, as_matrix, as_vector
-from tests.build import refused
+from tests.build import refused, same
 
 HALF: dict[str, Any] = {"A": [["1/2"]], "U": [["1"]], "B": [["1"]], "V": [["1"]]}
 
@@ -58,8 +58,7 @@ def test_transformation_there_and_back_is_the_identity() -> None:
     T = as_matrix([["1", "sqrt(2)"], ["1", "-1"]], "T")
     back = method.transform(T).transform(linalg.inverse(T))
     for letter in "AUBVG":
-        for row, old in zip(getattr(back, letter), getattr(method, letter), strict=True):
-            assert all(x == y for x, y in zip(row, old, strict=True))
+        assert same(getattr(back, letter), getattr(method, letter))
     assert method.transform(T).claims == method.claims
     assert method.transform(T).document is None
     assert method.transform(T).U[0][1] != method.U[0][1]
@@ -78,9 +77,7 @@ def test_permutation_of_stages_moves_rows_and_columns_together() -> None:
     assert turned.B[0][0] == method.B[0][3]
     assert not turned.is_diagonally_implicit
     again = turned.permute_stages([3, 1, 2, 0])
-    assert all(
-        x == y for p, q in zip(again.A, method.A, strict=True) for x, y in zip(p, q, strict=True)
-    )
+    assert same(again.A, method.A)
     for wrong in ([0, 1, 2], [0, 0, 1, 2], [1, 2, 3, 4]):
         refused(DataError, "must be a permutation of", method.permute_stages, wrong)
 

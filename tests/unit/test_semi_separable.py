@@ -24,6 +24,7 @@ from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.prove.facts import facts_of
 from glmref.scenes.comparing import kind_of
+from tests.build import SOURCE, floats
 
 F = Fraction
 #: Two halves of order 6, with an implicit one of q.
@@ -32,9 +33,8 @@ P6 = EndedHalf((F(1, 2), F(-1, 3)), True)
 
 
 def method(q: GeneralHalf, p: GeneralHalf) -> Method:
-    source = {"citation": "-", "where": "-", "status": "derived"}
     document = general_document("found", q, p, title="found")
-    return load_document({**document, "source": source, "claims": {"order": q.order}})
+    return load_document({**document, "source": SOURCE, "claims": {"order": q.order}})
 
 
 PAIR = method(Q6, P6)
@@ -73,12 +73,12 @@ def test_the_order_holds_and_the_step_reads_the_same_backwards() -> None:
 def test_a_half_with_a_changed_cosine_is_neither() -> None:
     """The values of other roots, or an update that is not cut in the middle."""
     document = general_document("found", Q6, P6, title="found")
-    document["source"] = {"citation": "-", "where": "-", "status": "derived"}
+    document["source"] = SOURCE
     document["q"]["V"][1][1] = "41/100"
     facts = facts_of(load_document(document))
     assert facts.judge("order", 6).verdict is Verdict.FAILS
     document = general_document("found", Q6, P6, title="found")
-    document["source"] = {"citation": "-", "where": "-", "status": "derived"}
+    document["source"] = SOURCE
     document["q"]["B"][1] = document["q"]["B"][1][::-1]
     assert facts_of(load_document(document)).judge("symmetric", True).verdict is Verdict.FAILS
 
@@ -228,7 +228,7 @@ def test_a_gyration_is_stable_up_to_the_bound_of_the_page(order: int, bound: flo
     """p' = i omega p: the half of p alone, with its stages."""
     m: Any = load(f"multistep-kinetic-{order}")
     c = m.components[1]
-    A, U, B, V = (np.array([[float(x) for x in row] for row in M]) for M in (c.A, c.U, c.B, c.V))
+    A, U, B, V = (floats(M) for M in (c.A, c.U, c.B, c.V))
 
     def radius(z: float) -> float:
         step = V + 1j * z * B @ np.linalg.solve(np.eye(len(A)) - 1j * z * A, U)

@@ -16,12 +16,8 @@ from glmref.method.families import (
     splitting,
 )
 from glmref.theory.symmetry import _better, symmetry, symmetry_as_given
+from tests.build import same
 from tests.shipped import multistep, one_leg_twin, tableau
-
-
-def same(a, b):
-    return all(x == y for r, s in zip(a, b, strict=True) for x, y in zip(r, s, strict=True))
-
 
 HALF, ROOT = exact(1) / 2, exact(3).sqrt() / 2
 BLOCK = ((HALF, ROOT), (ROOT, -HALF))

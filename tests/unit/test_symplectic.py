@@ -26,6 +26,7 @@ from glmref.theory.symplectic import (
     judge_identities,
     quadratic_value,
 )
+from tests.build import same
 from tests.shipped import multistep, one_leg_twin, tableau
 
 GSYMPLECTIC = [
@@ -254,7 +255,7 @@ def test_a_method_paired_with_itself_has_its_own_form():
     n = glmref.load("gsymplectic-n")
     found = g_symplectic(pair_of(n, n))
     assert found.holds is True
-    assert all(x == y for r, s in zip(found.G, n.G, strict=True) for x, y in zip(r, s, strict=True))
+    assert same(found.G, n.G)
 
 
 @pytest.mark.parametrize("separable", [False, True])
