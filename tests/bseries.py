@@ -6,13 +6,12 @@ recursion, and series are composed with :mod:`glmref.theory.series`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
-from glmref.errors import UsageError
 from glmref.method import Method
 from glmref.method.component import ROOTED, Palette
-from glmref.method.stage_order import reached
 from glmref.theory.coefficients import Coefficient, first_nonzero, is_zero, plus, times, weighted
 from glmref.theory.series import Series
 from glmref.theory.starting_series import StartingSeries
@@ -57,30 +56,16 @@ def _ones(like: Coefficient) -> Coefficient:
 
 
 def combine(terms: Sequence[tuple[Any, Series]]) -> Series:
-    """Return the linear combination ``sum of factor * series``, truncated to the shortest.
+    """Return the linear combination ``sum of factor * series``, truncated to the shortest."""
+    first = terms[0][1]
 
-    Raises
-    ------
-    UsageError
-        Without terms.
-    """
-    if not terms:
-        raise UsageError("a linear combination needs at least one series")
+    def total(coefficient: Callable[[Series], Coefficient]) -> Coefficient:
+        return reduce(plus, (times(factor, coefficient(series)) for factor, series in terms))
+
     order = min(series.order for _, series in terms)
-    palette = terms[0][1].palette
-    values: dict[Tree, Coefficient] = {}
-    for t in trees_up_to(order, palette):
-        total: Coefficient = times(0, terms[0][1][t])
-        for factor, series in terms:
-            total = plus(total, times(factor, series[t]))
-        values[t] = total
-    empty: dict[str, Coefficient] = {}
-    for colour in palette:
-        total = times(0, terms[0][1].empty(colour))
-        for factor, series in terms:
-            total = plus(total, times(factor, series.empty(colour)))
-        empty[colour] = total
-    return Series(values, empty, order, palette)
+    values = {t: total(lambda x, t=t: x[t]) for t in trees_up_to(order, first.palette)}
+    empty = {c: total(lambda x, c=c: x.empty(c)) for c in first.palette}
+    return Series(values, empty, order, first.palette)
 
 
 def elementary_weights(
@@ -88,7 +73,7 @@ def elementary_weights(
 ) -> Series:
     """Return the series of ``Y = y + h A f(Y)``, ``x = u y + h B f(Y)``."""
     outputs = B if isinstance(u, tuple) else (B,)
-    rows, weights = _needed([_nonzero(row) for row in A], [_nonzero(row) for row in outputs])
+    rows, weights = ([_nonzero(row) for row in M] for M in (A, outputs))
     values = _weights({"o": rows}, {"o": weights}, order, ROOTED)
     return Series(
         values if isinstance(u, tuple) else {t: x for t, (x,) in values.items()}, u, order
@@ -129,11 +114,3 @@ _Sparse = list[tuple[int, Any]]
 
 def _nonzero(row: Sequence[Any]) -> _Sparse:
     return [(j, x) for j, x in enumerate(row) if is_zero(x) is not True]
-
-
-def _needed(rows: list[_Sparse], weights: list[_Sparse]) -> tuple[list[_Sparse], list[_Sparse]]:
-    """Leave out the stages on which no weight depends."""
-    found = reached({j for row in weights for j, _ in row}, lambda i: {j for j, _ in rows[i]})
-    place = {j: k for k, j in enumerate(sorted(found))}
-    kept = [[(place[j], x) for j, x in rows[i]] for i in place]
-    return kept, [[(place[j], x) for j, x in row] for row in weights]

@@ -195,17 +195,6 @@ def test_a_broken_file_does_not_keep_the_form_it_gives(name):
     assert min(lost(name, G, seed, 0.05, 200) for seed in range(4)) > LOST
 
 
-def test_to_fail_is_not_to_lose_the_form():
-    # at h = 1e6 no stage equation has a solution that an iteration finds: the broken file fails and
-    # is no example of a lost form, and so does its intact neighbour, which is no counterexample
-    broken = "gsymplectic-signs-mmm"
-    for name in (broken, "gsymplectic-n"):
-        with pytest.raises(AssertionError, match="nothing is known of its form"):
-            lost(name, floats(load_once(broken).G), 0, 1e6, 200)
-    # and the intact one keeps its own form where the broken one lost its
-    assert lost("gsymplectic-n", form("gsymplectic-n"), 0, 0.05, 200) < KEPT
-
-
 # --- growth -------------------------------------------------------------------------------------
 
 

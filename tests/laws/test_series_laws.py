@@ -6,12 +6,14 @@ from math import factorial
 from hypothesis import given
 from hypothesis import strategies as st
 
+from glmref.catalogue.lookup import load
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.order import order_of
 from glmref.theory.series import Series, compose, flow, identity, inverse
 from glmref.theory.trees import pruned, trees_up_to
 from tests.bseries import combine
+from tests.build import invertible
 from tests.examples import examples
 
 ORDER = 4
@@ -104,23 +106,8 @@ def test_conjugation_leaves_the_order_with_a_free_principal_part(x, known):
     assert (result.order, result.decided) == (order, True)
 
 
-@st.composite
-def invertible(draw, size):
-    entry = st.integers(min_value=-2, max_value=2)
-    lower = [[draw(entry) if j < i else int(i == j) for j in range(size)] for i in range(size)]
-    upper = [[draw(entry) if j > i else int(i == j) for j in range(size)] for i in range(size)]
-    product = range(size)
-    return [[sum(lower[i][k] * upper[k][j] for k in product) for j in product] for i in product]
-
-
 @given(invertible(2), st.permutations([0, 1, 2]))
 @examples(20)
 def test_equivalent_methods_have_the_same_order(T, stages):
-    g4123 = GLM(
-        A=[[0, 0, 0], ["2/3", 0, 0], ["2/5", "-3/10", "1/2"]],
-        U=[[1, 1], [1, -1], [1, "-1/5"]],
-        B=[["1/3", "-3/8", "25/24"], ["1/3", "3/8", "-5/24"]],
-        V=[[1, 0], [0, -1]],
-    )
-    result = order_of(g4123.transform(T).permute_stages(stages))
+    result = order_of(load("g4123").transform(T).permute_stages(stages))
     assert (result.order, str(result.failing_tree)) == (4, "[[o][o]]")

@@ -81,14 +81,6 @@ def test_vector_valued_series_compose_from_the_left():
     assert after[single()] == (2, 0)
 
 
-def test_stages_on_which_no_weight_depends_change_nothing():
-    A, b = [[0, 0, 0], [F(1, 2), 0, 0], [7, 7, 7]], [0, 1, 0]
-    assert elementary_weights(A, b, 6) == elementary_weights([[0, 0], [F(1, 2), 0]], [0, 1], 6)
-    assert elementary_weights(A, [0, 1, F(1, 99)], 6) != elementary_weights(A, b, 6)
-    coupled = [A[0], [F(1, 2), 0, F(1, 99)], A[2]]
-    assert elementary_weights(coupled, b, 6) != elementary_weights(A, b, 6)
-
-
 def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
     third = Ball.decimal("0.33333", 5)
     series = flow(2).map(lambda x: x * third)
@@ -104,7 +96,6 @@ def test_misuse_is_refused():
     refused(UsageError, "no coefficient", Series, {single("f"): 1}, 1, 2)
     refused(UsageError, "palettes", compose, flow(2), flow(2, 1, GENERAL))
     refused(UsageError, "empty coefficient 1", compose, combine([(2, flow(2))]), flow(2))
-    refused(UsageError, "at least one", combine, [])
     with pytest.raises(KeyError):
         flow(2)[parse_tree("[oo]")]
 
