@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -18,22 +19,13 @@ from glmref.cli import EXAMPLES, HIDDEN, group, main
 from glmref.findings import Finding, Verdict
 from glmref.prove import verifier as verification
 
-
-class Run:
-    """Runs the command line in this process."""
-
-    def __init__(self, capsys: pytest.CaptureFixture[str]) -> None:
-        self.capsys = capsys
-
-    def __call__(self, *arguments: str) -> tuple[int, str, str]:
-        code = main(arguments)
-        captured = self.capsys.readouterr()
-        return code, captured.out, captured.err
+Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
-    return Run(capsys)
+    """Run the command line in this process."""
+    return lambda *arguments: (main(arguments), *capsys.readouterr())
 
 
 @pytest.fixture

@@ -63,51 +63,6 @@ def test_bdf_of_7_steps_is_not():
     assert found.holds is False and "outside the unit circle" in found.witness
 
 
-@pytest.mark.parametrize(
-    ("V", "expected"),
-    [
-        ([["1", "0"], ["0", "1"]], True),
-        ([["1", "1"], ["0", "1"]], False),
-        ([["1", "1"], ["0", "1/2"]], True),
-        ([["0", "1"], ["0", "0"]], True),
-        ([["3/5", "-4/5"], ["4/5", "3/5"]], True),
-        ([["2", "0"], ["0", "1/2"]], False),
-        # two equal rotations, coupled: defective; uncoupled: bounded
-        (
-            [
-                ["0", "-1", "1", "0"],
-                ["1", "0", "0", "1"],
-                ["0", "0", "0", "-1"],
-                ["0", "0", "1", "0"],
-            ],
-            False,
-        ),
-        (
-            [
-                ["0", "-1", "0", "0"],
-                ["1", "0", "0", "0"],
-                ["0", "0", "0", "-1"],
-                ["0", "0", "1", "0"],
-            ],
-            True,
-        ),
-        (
-            [
-                ["3/5", "-4/5", "1", "0"],
-                ["4/5", "3/5", "0", "1"],
-                ["0", "0", "3/5", "-4/5"],
-                ["0", "0", "4/5", "3/5"],
-            ],
-            False,
-        ),
-    ],
-)
-def test_power_boundedness_is_decided(V, expected):
-    found = power_bounded(as_matrix(V, "V"))
-    assert found.holds is expected
-    assert bool(found.witness) is not expected
-
-
 def test_published_decimals_leave_the_eigenvalues_open():
     V = ((Ball.decimal("0.5", 20),),)
     assert power_bounded(V).holds is None
@@ -126,6 +81,9 @@ def test_published_decimals_leave_the_eigenvalues_open():
             [["-1", "1", "0"], ["0", "-1", "0"], ["0", "0", "-1"]],
             "eigenvalue -1 of V on the unit circle has multiplicity 3 and 2 eigenvectors$",
         ),
+        # i and -i twice each, in two blocks that are coupled
+        ([["0", "-1", "1", "0"], ["1", "0", "0", "1"], ["0", "0", "0", "-1"], ["0", "0", "1", "0"]],
+         "multiplicity 2 and 1 eigenvector$"),
         # (3 + 4 i)/5 twice, in one block: found by no root of unity
         (
             [["3/5", "-4/5", "1", "0"], ["4/5", "3/5", "0", "1"], ["0", "0", "3/5", "-4/5"],
@@ -140,9 +98,13 @@ def test_what_is_not_bounded_says_why(V, witness):
 
 
 def test_multiple_eigenvalues_with_all_their_eigenvectors_are_bounded():
-    rotation = as_matrix([["3/5", "-4/5"], ["4/5", "3/5"]], "V")
-    for V in (block_diagonal(rotation, rotation), diagonal([exact(x) for x in (1, 1, -1, -1, 0, 0)]),
-              block_diagonal(rotation, as_matrix([["0", "1"], ["0", "0"]], "V"))):  # fmt: skip
+    nil, shear, quarter, rotation = (
+        as_matrix(V, "V")
+        for V in ([["0", "1"], ["0", "0"]], [["1", "1"], ["0", "1/2"]], [["0", "-1"], ["1", "0"]],
+                  [["3/5", "-4/5"], ["4/5", "3/5"]])
+    )  # fmt: skip
+    for V in (nil, shear, block_diagonal(quarter, quarter), block_diagonal(rotation, rotation),
+              block_diagonal(rotation, nil), diagonal([exact(x) for x in (1, 1, -1, -1, 0, 0)])):  # fmt: skip
         assert power_bounded(V) == Boundedness(True, "")
 
 
