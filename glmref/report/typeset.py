@@ -53,8 +53,8 @@ _MATHML = Notation(
 def typeset(text: str) -> Markup:
     """Return an entry as MathML, or as it is where it follows no grammar.
 
-    >>> typeset("1/2")
-    '<math displaystyle="true"><mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac></math>'
+    >>> print(typeset("1/2"))
+    <math displaystyle="true"><mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac></math>
     """
     text = text.strip()
     if not text:

@@ -7,6 +7,7 @@ output follows it must be the output; ``# exit N`` after a command is its exit c
 
 from __future__ import annotations
 
+import doctest
 import io
 import json
 import re
@@ -14,6 +15,7 @@ import runpy
 import shlex
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -200,3 +202,16 @@ def test_primes_and_brackets_do_not_depend_on_a_font_of_mathematics() -> None:
     assert matrix.count("&#x00028;") == matrix.count("&#x00029;") == 2
     assert found(r"|\zeta| = 1").count('lspace="0" rspace="0">&#x0007C;') == 2
     assert "&#x02102;" in found(r"\mathbb C^r") and "bold" in found(r"\mathbf 1")
+
+
+MODULES = sorted(
+    ".".join(path.relative_to(DOCS.parent).with_suffix("").parts)
+    for path in (DOCS.parent / "glmref").rglob("*.py")
+    if ">>> " in path.read_text(encoding="utf-8")
+)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_examples_of_the_docstrings_are_as_printed(name: str) -> None:
+    found = doctest.testmod(import_module(name))
+    assert found.attempted and not found.failed

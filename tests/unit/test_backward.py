@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 from dataclasses import replace
 from fractions import Fraction as F
 from itertools import pairwise
@@ -32,7 +31,6 @@ from glmref.judge.linalg import kernel
 from glmref.method.component import ROOTED, SEPARABLE
 from glmref.problems.nilpotent import Derivatives
 from glmref.prove.verifier import verify
-from glmref.scenes import modified as modified_module
 from glmref.theory.backward import (
     LARGEST_CONJUGATE,
     _change_equations,
@@ -646,9 +644,3 @@ def test_invariants_are_proved_and_near_misses_refuted():
     assert verdict(stated, replace(method, V=V, document=None)) is not Verdict.HOLDS
     assert verdict(["0", "0"], load("leapfrog")) is Verdict.OPEN  # its growth parameter is not 0
     assert verdict([], load("rk4")) is Verdict.HOLDS
-
-
-@pytest.mark.parametrize("module", [modified_module])
-def test_the_examples_are_as_printed(module):
-    found = doctest.testmod(module)
-    assert found.attempted and not found.failed

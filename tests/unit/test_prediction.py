@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import math
 from dataclasses import replace
 
@@ -269,12 +268,6 @@ def test_the_plan_of_a_scene_says_what_is_lost():
     (one,) = predictions(replace(scene, methods=("gsymplectic-p",)))
     assert (one.verdict, one.steps) == (LOST, predict("gsymplectic-p", PENDULUM, 0.1).steps)
     assert predictions(load_scene("kepler")) == ()
-
-
-@pytest.mark.slow
-def test_the_example_is_as_printed():
-    found = doctest.testmod(prediction)
-    assert found.attempted and not found.failed
 
 
 @pytest.mark.slow

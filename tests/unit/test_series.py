@@ -1,6 +1,5 @@
 """Series: flow, composition, inverse, elementary weights."""
 
-import doctest
 import random
 from fractions import Fraction as F
 
@@ -11,8 +10,6 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
 from glmref.method.component import GENERAL, ROOTED
-from glmref.theory import series, starting_series
-from glmref.theory import trees as trees_module
 from glmref.theory.coefficients import is_zero, plus, times, weighted
 from glmref.theory.series import (
     Series,
@@ -149,9 +146,3 @@ def test_series_of_methods_are_their_weights_and_several_values_are_refused():
     refused(UsageError, "one value", Series.of, load("ab-2"), 2)
     refused(UsageError, "below each", modified_equation, verlet, verlet)
     refused(UsageError, "consistent", modified_equation, flow(3), flow(3, 2))
-
-
-@pytest.mark.parametrize("module", [series, starting_series, trees_module])
-def test_the_examples_of_the_docstrings_are_as_printed(module):
-    found = doctest.testmod(module)
-    assert found.attempted and not found.failed
