@@ -145,13 +145,9 @@ def test_ab2_is_the_recursion_of_its_output():
 
 
 def test_a_multiple_eigenvalue_is_refused():
-    refused(UsageError, "not unique", modified, _doubled(), 3)
+    doubled = GLM(A=[[F(1, 2)]], U=[[1, 0]], B=[[1], [1]], V=[[1, 0], [0, 1]])
+    refused(UsageError, "not unique", modified, doubled, 3)
     refused(UsageError, "additive", modified, "ars-2-2-2", 3)
-
-
-def _doubled():
-    """Two independent copies of the implicit midpoint rule."""
-    return glmref.GLM(A=[[F(1, 2)]], U=[[1, 0]], B=[[1], [1]], V=[[1, 0], [0, 1]])
 
 
 # -- which fields are Hamiltonian
@@ -195,10 +191,8 @@ def test_an_order_of_the_modified_equation_is_proved_and_a_near_miss_refuted(nam
         assert verdict(claim, value, method) is Verdict.HOLDS
         other = value + 1 if type(value) is int else not value
         assert verdict(claim, other, method) is Verdict.FAILS
-    # 1/1000 added to an entry of A: no form is left, and no change of variables
-    A = ((method.A[0][0] + F(1, 1000), *method.A[0][1:]), *method.A[1:])
-    twin = replace(method, A=A, document=None)
-    assert verdict(CONJUGATE_SYMPLECTIC.key, True, twin) is Verdict.FAILS
+    # no form is left, and no change of variables
+    assert verdict(CONJUGATE_SYMPLECTIC.key, True, _twin(method)) is Verdict.FAILS
 
 
 def _check_ranks(palette, orders):
@@ -276,13 +270,8 @@ def test_the_averaged_vector_field_preserves_energy():
         for child in t.children:
             values[t] *= values[child]
     field = modified_equation(Series(values, 1, 7))
-    assert energy_reach(field) == energy_reach(flow_field(7))
+    assert energy_reach(field) == energy_reach(Series({Tree("o"): 1}, 0, 7))
     assert hamiltonian_reach(field).order == 2 and conjugacy(field).reach.order == 4
-
-
-def flow_field(order):
-    """The field of the problem itself."""
-    return Series({Tree("o"): 1}, 0, order)
 
 
 # -- G-symplecticity implies conjugate symplecticity (D'Ambrosio, Hairer, Zbinden 2013)
@@ -331,9 +320,7 @@ def test_wrong_twins_are_not(name):
 
 def _twin(method):
     """The method with 1/1000 added to an entry of A."""
-    A = tuple(tuple(x + F(1, 1000) if (i, j) == (0, 0) else x for j, x in enumerate(row))
-              for i, row in enumerate(method.A))  # fmt: skip
-    return method.bare(A=A)
+    return method.bare(A=((method.A[0][0] + F(1, 1000), *method.A[0][1:]), *method.A[1:]))
 
 
 # -- modified Hamiltonians

@@ -49,10 +49,6 @@ def test_an_unexpected_exception_is_one_sentence_and_exit_3(monkeypatch, cli):
     assert err.count("\n") == 1
     assert err.startswith("glmref: internal error while checking euler (RuntimeError: the sky")
     assert "please report it" in err
-
-
-def test_debugging_shows_the_traceback_of_an_internal_error(monkeypatch, cli):
-    monkeypatch.setattr(verification, "verify_file", broken)
     monkeypatch.setenv("GLMREF_DEBUG", "1")
     assert "Traceback" in cli("verify", "euler", code=3).err
 
