@@ -15,13 +15,12 @@ from ..catalogue.claims import NYSTROM_ORDER, NYSTROM_STARTING_ORDER, ORDER, STA
 from ..catalogue.writer import DIGITS, decimal
 from ..errors import ExactnessError
 from ..exact import ball
-from ..exact.judging import as_scalar, consulted, fast_judge
+from ..exact.judging import as_scalar, fast_judge
 from ..prove.enclosure import Enclosure
 from ..prove.starting import (
     DECIMAL,
     Target,
     conditions_of,
-    function_of,
     made,
     proposed,
     prove_blocks,
@@ -210,10 +209,9 @@ def _polished(key: str, texts: Mapping[str, Any], block: Any) -> dict[str, Any]:
 
     A sign that has changed is carried along.
     """
-    function = function_of(block, conditions_of(key, block))
-    with consulted():
-        point = [ball(as_scalar(x)) for x in block.published]
-        found = polish(function, point, digits=90)
+    conditions = conditions_of(key, block)
+    point = [as_scalar(x) for x in block.published]
+    found = polish(lambda values: block.gaps(conditions, values), point, digits=90)
     new = {old: decimal(x) for old, x in zip(block.unknowns, found, strict=True)}
     if any(x.startswith("-") for x in new.values()):
         raise ExactnessError("a parameter changed its sign while it was polished")

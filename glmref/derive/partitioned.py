@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..catalogue.writer import SYMMETRIC, fill
 from ..errors import UsageError
-from ..exact import ball
+from ..exact import Exact
 from ..judge.trees import gamma
 from ..prove.enclosure import Enclosure, conditions_of, gaps_of, prove
 from ..prove.equations import one_of_each
@@ -145,8 +145,8 @@ def complete_pair(
         When the start leads to no root, or the proof fails.
     """
     document = ansatz.document()
-    values = [ball(Fraction(str(x))) for x in start]
-    document = fill(document, polish(gaps_of(document), values))
+    values = [Exact(Fraction(str(x))) for x in start]
+    document = fill(document, polish(conditions_of(document).residuals, values))
     enclosure = prove(document)
     orders: dict[str, Any] = dict(document["claims"])
     if enclosure.identity:

@@ -6,13 +6,11 @@ Two number types share one set of operations, so that the theory is written once
 * :class:`Ball`, a complex interval of :data:`BALL_BITS` bits, for published decimals and for
   enclosures. ``is_zero`` is ``False`` when zero is excluded and ``None`` when it is not.
 
-Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does. A
-:class:`Jet` is either with its gradient.
+Mixing the two gives a ball. A Python int or Fraction mixes with both; a float never does.
 Reading and writing the text form is the business of :mod:`glmref.exact.expression`.
 """
 
 from .field import BALL_BITS, LIBRARY
-from .jet import Jet, jets, lift
 from .number import Ball, Exact, ball, exact, isolated_roots, root_of_unity
 from .products import BallMatrix, sum_of_products
 from .relations import RationalCombinations, box, cyclotomic, factorization
@@ -24,7 +22,6 @@ __all__ = [
     "Ball",
     "BallMatrix",
     "Exact",
-    "Jet",
     "RationalCombinations",
     "Scalar",
     "ball",
@@ -33,8 +30,6 @@ __all__ = [
     "exact",
     "factorization",
     "isolated_roots",
-    "jets",
-    "lift",
     "root_of_unity",
     "rounded_decimal",
     "sum_of_products",

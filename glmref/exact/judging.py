@@ -311,8 +311,14 @@ def newton_sums(
     return [_upper(steps[i, 0]) for i in range(n)], slacks
 
 
+def coordinates(point: Sequence[Interval]) -> list[Gradient]:
+    """Return intervals (n,) as the coordinates of their space, each with its unit gradient."""
+    unit = Interval(flint.arb(1))
+    return [Gradient(x, {k: unit}) for k, x in enumerate(point)]
+
+
 def newton(
-    function: Callable[[list], list], start: Sequence[flint.fmpq], over_box: list, steps: int = 8
+    function: Callable[[list], list], start: Sequence[Any], over_box: list, steps: int = 8
 ) -> tuple[list[Interval], flint.arb_mat]:
     """Return a point near the root of a square system, and the inverse Jacobian: not proved.
 
@@ -320,7 +326,7 @@ def newton(
     ----------
     function : callable
         n values of n unknowns, over intervals.
-    start : sequence of fmpq
+    start : sequence of fmpq or Interval
         The numbers to begin with, (n,).
     over_box : list
         The function over a small box around them, with derivatives, (n,).
@@ -335,7 +341,7 @@ def newton(
     n, zero = len(start), Interval(flint.arb(0))
     rows = [_split(x)[1] for x in over_box]
     J = flint.arb_mat(n, n, [by.get(j, zero).ball.mid() for by in rows for j in range(n)])
-    inverse, point = J.inv().mid(), [flint.arb(x) for x in start]
+    inverse, point = J.inv().mid(), [_split(x)[0] for x in start]
     for _ in range(steps):
         values = [_split(x)[0] for x in function([Interval(x) for x in point])]
         move = (inverse * flint.arb_mat(n, 1, values)).entries()
@@ -346,7 +352,7 @@ def newton(
 
 
 class Algebraic(Ring):
-    """An irrational number of the package, a jet or the like, among the numbers of the judge."""
+    """An irrational number of the package among the numbers of the judge."""
 
     __slots__ = ("value",)
 
@@ -398,7 +404,7 @@ def as_number(x: Any):
     if isinstance(x, Ring):
         return x
     if not isinstance(x, Exact):
-        return Algebraic(x)  # a jet, or what else mixes with exact numbers and balls
+        return Algebraic(x)  # what else mixes with exact numbers and balls
     if x._q is not None:
         return x._q
     return Fraction(0) if x.is_zero() else Algebraic(x)
@@ -425,7 +431,7 @@ def as_scalar(x: Any) -> Any:
 
 
 def over_scalars(function: Callable[[list], Iterable]) -> Callable[[Sequence[Any]], list[Any]]:
-    """Return a function of numbers of :func:`fast_judge` as one of numbers, jets and the like."""
+    """Return a function of numbers of :func:`fast_judge` as one of numbers and the like."""
 
     def found(values: Sequence[Any]) -> list[Any]:
         with consulted():

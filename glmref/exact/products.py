@@ -12,7 +12,6 @@ import flint
 
 from ..errors import ExactnessError
 from ..system.budget import spend
-from .jet import Jet
 from .number import Ball, Exact, ball
 
 _NIL = flint.fmpq(0)
@@ -25,7 +24,7 @@ def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
     Returns
     -------
     Any
-        Exact where no ball took part; a ball; a jet where one took part.
+        Exact where no ball took part, else a ball.
     """
     spend()
     rational, exactly, total = _NIL, None, None
@@ -63,8 +62,6 @@ def sum_of_products(pairs: Sequence[tuple[Any, Any]]) -> Any:
 
 def _sum_of_others(pairs: Sequence[tuple[Any, Any]]) -> Any:
     """Return the same where a number takes part that is neither exact nor a ball."""
-    if any(type(x) is Jet or type(y) is Jet for x, y in pairs):
-        return Jet.sum_of_products(pairs)
     total: Any = _ZERO
     for x, y in pairs:
         total = total + x * y

@@ -231,7 +231,7 @@ def conditions_of(key: str, block: Any) -> list[Any]:
 
 
 def function_of(block: Any, conditions: Sequence[Any]) -> Callable[[Sequence[Any]], list[Any]]:
-    """Return the conditions of a block as a function of its unknowns, over jets and the like."""
+    """Return the conditions of a block as a function of its unknowns, over any scalars."""
     return over_scalars(lambda values: block.gaps(conditions, values))
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Ball, Exact, Jet, Scalar, sum_of_products
+from ..exact import Ball, Exact, Scalar, sum_of_products
 from ..exact.linalg import Vector
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
@@ -47,7 +47,7 @@ def times(factor: Any, a: Coefficient) -> Coefficient:
 
 
 #: Numbers whose sums of products are computed as a whole.
-_NUMBERS = frozenset({Ball, Exact, Jet})
+_NUMBERS = frozenset({Ball, Exact})
 
 
 def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
@@ -102,7 +102,7 @@ def tidy(vector: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def scalars(vector: Sequence[Any]) -> Vector:
-    """Return the entries as numbers of the exact field, balls or jets."""
+    """Return the entries as numbers of the exact field or balls."""
     return tuple([Exact(x) if isinstance(x, int | Fraction) else x for x in vector])
 
 

@@ -2,19 +2,18 @@
 
 import time
 from fractions import Fraction as F
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import ExactnessError, UsageError
-from glmref.exact import Ball, exact, jets, lift
+from glmref.exact import Ball, exact
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
 from glmref.findings import Proof
 from glmref.method import GLM
-from glmref.method.component import GENERAL, ROOTED, SEPARABLE, Component
+from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.prove.kernel import Kernel
 from glmref.theory.error_constants import (
     _solve_rational,
@@ -26,7 +25,6 @@ from glmref.theory.order import highest_order, order_of
 from glmref.theory.series import compose, flow
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import parse_tree, trees
-from tests.bseries import order_residuals
 from tests.build import conjugated_rk4, refused
 from tests.literature.exactly import after_step, first_difference
 
@@ -247,27 +245,6 @@ def test_a_multiple_eigenvalue_with_more_freedom_is_reported_as_undecided():
 )
 def test_wrong_arguments_are_refused(arguments):
     refused(UsageError, "", order_of, load("rk4"), **arguments)
-
-
-def test_conditions_take_numbers_that_carry_a_gradient():
-    # residuals of N with b_11 and a_21 as unknowns; the gradient against difference quotients
-    n = load("gsymplectic-n")
-    b, a = jets([n.B[0][0].ball(), n.A[1][0].ball()])
-
-    def residuals(b11, a21):
-        A = (n.A[0], (a21, n.A[1][1]))
-        B = ((b11, n.B[0][1]), n.B[1])
-        of_jets: Any = SimpleNamespace(components=[Component("o", A, n.U, B, n.V)], palette=ROOTED)
-        return order_residuals(of_jets, 5, free=True)
-
-    carried = residuals(b, a)
-    step = F(1, 10**40)
-    at, moved = residuals(b.value, a.value), residuals(b.value, a.value + step)
-    for t, jet in carried.items():
-        # |f''| h / 2 with h = 1e-40 and coefficients below 2 stays far below 1e-30
-        quotient = (moved[t] - at[t]) / step
-        assert (quotient - lift(jet, 2).gradient[1]).magnitude() < 1e-30
-    assert any(lift(jet, 2).gradient[0].is_zero() is not True for jet in carried.values())
 
 
 def test_trees_are_compared_as_far_as_their_number_allows():

@@ -21,9 +21,9 @@ from typing import Any
 
 from ...catalogue.writer import fill
 from ...errors import UsageError
-from ...exact import Exact, ball
+from ...exact import Exact
 from ...findings import Proof
-from ...prove.enclosure import gaps_of, prove
+from ...prove.enclosure import conditions_of, prove
 from ...system.arguments import one_of
 from ..polish import polish
 from ..recognise import exact_text, surds
@@ -136,8 +136,8 @@ def _symmetric(b1: Fraction, beta1: Fraction, start: str) -> Derivation:
     document["unknowns"] = {"alpha1": "", "alpha2": ""}
     equations = ["order [oo]", "growth exp(2*pi*i/3)"]
     document["enclosure"] = {"equations": equations, "radius": "1e-60", "xi": {}}
-    point = [ball(Fraction(x)) for x in start.split(",")]
-    found = polish(gaps_of(document), point)
+    point = [Exact(Fraction(x)) for x in start.split(",")]
+    found = polish(conditions_of(document).residuals, point)
     document = fill(document, found)
     enclosure = prove(document)
     where = f"symmetric family with sum b omega = 0, b1 = {b1}, beta1 = {beta1}"

@@ -9,10 +9,10 @@ from functools import partial
 from typing import Any
 
 from ...catalogue.writer import DIGITS, SYMMETRIC, fill
-from ...exact import ball
+from ...exact import Exact
 from ...exact.linalg import Matrix
 from ...findings import Proof
-from ...prove.enclosure import Enclosure, gaps_of, prove
+from ...prove.enclosure import Enclosure, conditions_of, prove
 from ...prove.starting import Target
 from ...system.arguments import one_of
 from ..ansatz import Ansatz
@@ -89,8 +89,8 @@ def finish(rough: Rough, *, start: bool = True) -> tuple[dict[str, Any], list[St
         When the start leads to no root, or the proof fails.
     """
     document = rough.ansatz.document()
-    point = [ball(Fraction(x)) for x in rough.start.split()]
-    document = fill(document, polish(gaps_of(document), point))
+    point = [Exact(Fraction(x)) for x in rough.start.split()]
+    document = fill(document, polish(conditions_of(document).residuals, point))
     enclosure = prove(document)
     r = len(document["V"])
     document["claims"] = {

@@ -13,9 +13,9 @@ from fractions import Fraction
 from typing import Any
 
 from ...catalogue.writer import fill
-from ...exact import ball
+from ...exact import Exact
 from ...findings import Proof
-from ...prove.enclosure import gaps_of, prove
+from ...prove.enclosure import conditions_of, prove
 from ...system.arguments import one_of
 from ..ansatz import Ansatz
 from ..polish import polish
@@ -62,8 +62,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         title=f"Yoshida's composition of order 6, solution {which}: seven implicit midpoint steps",
     )
     document = ansatz.document()
-    start = [ball(Fraction(x)) for x in SOLUTIONS[which]]
-    document = fill(document, polish(gaps_of(document), start))
+    start = [Exact(Fraction(x)) for x in SOLUTIONS[which]]
+    document = fill(document, polish(conditions_of(document).residuals, start))
     enclosure = prove(document)
     document["claims"] = {
         "order": 6,
