@@ -219,6 +219,8 @@ class Expressions:
             raise Unsupported(ast.unparse(node))
         if name in self.m.functions:
             return self._call(name, node.args)
+        if name in self.slots:
+            return self._call_at(self._as(self._value(node.func), self.integer), node.args)
         if name == "len":
             return self._array(node.args[0]).shape[0]
         if name == "int":
@@ -257,6 +259,17 @@ class Expressions:
             kinds.append(f"{letter}{len(array.shape)}")
             given += [array.pointer, *array.shape]
         return self.b.call(self.m.function(name, tuple(kinds)), given)
+
+    def _call_at(self, address: Any, arguments: Sequence[ast.expr]) -> Any:
+        """Call a kernel of these arguments by its address; arrays go without their shapes."""
+        given = [
+            self.arrays[x.id].pointer
+            if isinstance(x, ast.Name) and x.id in self.arrays
+            else self._value(x)
+            for x in arguments
+        ]
+        kind = self.ir.FunctionType(self.integer, [x.type for x in given])
+        return self.b.call(self.b.inttoptr(address, kind.as_pointer()), given)
 
     def _intrinsic(self, name: str, given: Any, result: Any) -> Any:
         """Return an intrinsic function of LLVM of one argument."""

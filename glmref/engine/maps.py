@@ -10,6 +10,7 @@ zero in every row, so that a row does not depend, to the last bit, on those befo
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import lru_cache
 
@@ -22,21 +23,20 @@ from ..problems.model import Problem
 from . import kernel_cache, native
 from .codegen import ARGUMENTS, Builder, choose_kind, header
 from .emit import TARGETS, ScalarTarget, Writer
-from .forms import Rows, StepForm, float_rows, floats
+from .forms import Row, Rows, StepForm, float_rows, floats
 from .kept import expressed, recalled
 from .native import Tuning
 from .options import Options
 from .reference import palette_of
 from .shape import Shape, shape_of
 from .stages import StageWriter
-from .updates import Term, linear
 
 
 class _MapBuilder(Builder):
     """Writes a kernel that replaces each row of ``out`` by what a tableau makes of it.
 
-    Rows are r values long, of which the first one comes in. ``first`` and ``last`` count rows; row
-    n belongs to step ``n * every``, but no later one than ``mark``.
+    Rows are ``length`` numbers long, of which the first d come in. ``first`` and ``last`` count
+    rows; row n belongs to step ``n * every``, but no later one than ``mark``.
     """
 
     @property
@@ -44,79 +44,114 @@ class _MapBuilder(Builder):
         """See :class:`.explicit.ExplicitWriter`: products of h and coefficients are not formed."""
         return False
 
-    @property
-    def ordered(self) -> bool:
-        """Whether slopes are summed before they are multiplied by h: L is f, and not h f."""
-        return not self.form.implicit_stages
-
     def _prediction(self, i: int, block: Sequence[int]) -> list[tuple[int, bool, float]]:
         """See :meth:`.StageWriter._prediction`: there is no row before, so its slopes are zero."""
         first = self.form.blocks[0].stages
         return [] if block[0] in first else super()._prediction(i, block)
 
-    def _named(
-        self, i: int, big: list[Term], small: list[Term], part: tuple[int, int]
-    ) -> tuple[str, str]:
-        z, a = super()._named(i, big, small, part)
-        return z, f"h*{a if a[1:].isidentifier() else f'({a})'}" if self.ordered and small else a
-
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
         StageWriter._explicit(self, i, base, slope)  # there is no force of a step before
 
-    def _increment(self, i: int, slope: str) -> None:
-        if self.ordered:
-            side, _ = self.form.place(i)
-            self.t.vec([f"@L{i} = @{slope}"], self.sides[-1 - side].part)
-        else:
-            super()._increment(i, slope)
-
-    def _values(self) -> list[str]:
-        """Write the values n{k}, and return the sums that are numbers where all of them are."""
-        checks = [f"check{k or ''}" for k in range(len(self.sides))]
-        for values, increments, check in zip(self.sides, self.moving, checks, strict=True):
-            if self.ordered:
-                rows = zip(values.V, values.R, strict=True)
-                for k, ((u, *_), row) in enumerate(rows):
-                    moved = linear(list(zip(row, increments, strict=True)))
-                    terms = [(1.0, f"h*({moved})")] if any(row) else []
-                    self.t.vec([f"@n{k} = {linear([*terms, (u, '@y0')])}"], values.part)
-            else:
-                values.finish(increments)
-            values.check(check)
-        return checks
-
     def kernel(self) -> None:
         """Write the function ``kernel``."""
-        w, d, r = self.w, self.shape.dimension, self.form.rows
+        w, by_table = self.w, not self.form.implicit_stages
         w("", "@compiled_with_signature")
         with w.block(f"def kernel({', '.join(ARGUMENTS)}):"):
-            self._preamble()
-            self._declare()
+            if by_table:
+                self._heading()
+            else:
+                self._preamble()
+                self._declare()
+                w(f"length = {self.shape.dimension * self.form.rows}")
             w("n = first", "evaluations = 0", "velocities = 0", "outcome = 0", "iterations = 0")
             with w.block("while n < last:"), self._guard():
-                w(f"place = n*{d * r}")
+                w("place = n*length")
                 w("taken = n*every if n*every < mark else mark", "start = t0 + taken*h")
-                self._moved("@y0 = {}", 0, self.all)
-                if not self.ordered:
-                    self.t.vec([f"@L{i} = 0.0" for i in range(self.form.s)])
-                self._begin()
-                self._blocks()
-                self._finite(" + ".join(self._values()))
-                for values in self.sides:
-                    for k in range(values.r):
-                        self._moved(f"{{}} = @n{k}", k, values.part)
+                self._moved("@y0 = {}", "out", "place", self.all)
+                (self._by_table if by_table else self._by_solver)()
                 w("n += 1")
             w("tally[0] += evaluations", "tally[1] += velocities", "tally[4] = n")
             w("return outcome")
 
-    def _moved(self, template: str, k: int, part: tuple[int, int]) -> None:
-        """Write a statement for the entries of value k in the current row."""
-        d = self.shape.dimension
+    def _by_solver(self) -> None:
+        """Write stages and values of a row in turn."""
+        self.t.vec([f"@L{i} = 0.0" for i in range(self.form.s)])
+        self._begin()
+        self._blocks()
+        checks = [f"check{k or ''}" for k in range(len(self.sides))]
+        for values, increments, check in zip(self.sides, self.moving, checks, strict=True):
+            values.finish(increments)
+            values.check(check)
+        self._finite(" + ".join(checks))
+        for values in self.sides:
+            for k in range(values.r):
+                place = f"place + {k * self.shape.dimension}"
+                self._moved(f"{{}} = @n{k}", "out", place, values.part)
+
+    # --- coefficients from a table --------------------------------------------------------------
+
+    def _heading(self) -> None:
+        """Read how many stages and values there are, see :func:`_table`."""
+        self.t.parameters()
+        begin = len(self.shape.values)
+        if self.shape.loops:
+            self.w(f"constants = par[{len(self.shape.parameters)}:{begin}]")
+        self.w("time = t0", f"stages = int(par[{begin}])", f"length = int(par[{begin + 1}])")
+        for name in ("y0", "S", "Y", "n", *(f"F{k}" for k in range(len(self.sides)))):
+            self.t.offset(name)
+        # behind the vectors that have names: the values made, and the slopes of all stages
+        self.w(f"made = {self.t.used}", "slopes = made + length", f"begin = {begin + 2}")
+
+    def _by_table(self) -> None:
+        """Write loops over stages and values: the source does not grow with the tableau."""
+        w, d, both = self.w, self.shape.dimension, self.form.together or len(self.sides) == 1
+        w("c = begin", "i = 0")
+        with w.block("while i < stages:"):
+            if self.shape.uses_time:
+                w("time = start + h*par[c]")
+            w("own = slopes + int(par[c + 1])", "side = par[c + 2]", "c += 3")
+            for k, values in enumerate(self.sides):
+                with nullcontext() if both else w.block(f"if side == {k}.0:"):
+                    self._sum(values.part)
+                    self.t.vec(["@Y = @y0 + h*@S"], values.part)
+                    if both and k + 1 < len(self.sides):
+                        continue
+                    stage = 0 if both else k * len(self.form.U)
+                    for part in self._due(stage):
+                        self.t.call(part, "Y", f"F{k}", f"s{k}")
+                        self._moved(f"{{}} = @F{k}", "x", "own", (part.start, part.stop))
+                    self._count([stage])
+            w("i += 1")
+        w("check = 0.0")
+        for values in self.sides:
+            w("v = made", "end = made + int(par[c])", "c += 1")
+            with w.block("while v < end:"):
+                w("u = par[c]", "c += 1")
+                self._sum(values.part)
+                self.t.vec(["@n = h*@S + u*@y0"], values.part)
+                self.t.total("one", "@n", values.part)
+                self._moved("{} = @n", "x", "v", values.part)
+                w("check = check + one", f"v += {d}")
+        self._finite("check")
+        w("i = 0")
+        with w.block("while i < length:"):
+            w("out[place + i] = x[made + i]", "i += 1")
+
+    def _sum(self, part: tuple[int, int]) -> None:
+        """Write S: slopes by the coefficients that are next in the table, term by term."""
+        self.t.vec(["@S = -0.0"], part)
+        self.w("stop = c + 1 + 2*int(par[c])", "c += 1")
+        with self.w.block("while c < stop:"):
+            self.w("a = par[c]", "j = slopes + int(par[c + 1])", "c += 2")
+            self._moved("@S = @S + a*{}", "x", "j", part)
+
+    def _moved(self, template: str, array: str, place: str, part: tuple[int, int]) -> None:
+        """Write a statement for entries of an array from a place on, that of component 0."""
         if isinstance(self.t, ScalarTarget):
             for c in range(*part):
-                self.w(self.t.substitute(template.format(f"out[place + {k * d + c}]"), c))
+                self.w(self.t.substitute(template.format(f"{array}[{place} + {c}]"), c))
         else:
-            self.t.vec([template.format(f"out[place + {k * d} + component]")], part)
+            self.t.vec([template.format(f"{array}[{place} + component]")], part)
 
 
 def _map_form(method: Method, palette: Palette) -> StepForm:
@@ -137,6 +172,40 @@ def _map_form(method: Method, palette: Palette) -> StepForm:
     return StepForm("standard", False, tuple(components), blocks, c, together=together)
 
 
+def _is_solution(form: StepForm, i: int) -> bool:
+    """Return whether stage i of stages evaluated together is the solution that comes in."""
+    first = (i,) == form.blocks[0].stages and (not form.c or form.c[i] == 0.0)
+    return form.together and first and not any(any(one.M[i]) for one in form.components)
+
+
+def _table(form: StepForm, d: int) -> list[float]:
+    """Return the coefficients of explicit stages and of the values as a kernel reads them.
+
+    The number of stages, and of doubles in a row. Of each stage its abscissa, the place of its
+    slope (..., d), its component, and the sums for the components that it has; of each component d
+    times the number of its values, and of each value its factor of the solution, and a sum. A sum
+    is the number of its terms, and of each the coefficient and the place of the slope.
+    """
+    n, both = len(form.U), form.together or len(form.components) == 1
+
+    def total(k: int, row: Row) -> list[float]:
+        first = 0 if both or k else n
+        terms = [(x, float((first + j) * d)) for j, x in enumerate(row) if x]
+        return [float(len(terms)), *(x for term in terms for x in term)]
+
+    table = [float(len(form.blocks)), float(form.rows * d)]
+    for (i,) in (block.stages for block in form.blocks):
+        side, row = form.place(i)
+        table += [form.c[i] if form.c else 0.0, float(i * d), float(side)]
+        for k in range(len(form.components)) if both else (side,):
+            table += total(k, form.components[k].M[row])
+    for k, one in enumerate(form.components):
+        table.append(float(len(one.V) * d))
+        for (u,), row in zip(one.V, one.R, strict=True):
+            table += [u, *total(k, row)]
+    return table
+
+
 class Map:
     """A tableau with one value coming in, compiled on a problem.
 
@@ -144,13 +213,18 @@ class Map:
     """
 
     def __init__(
-        self, method: Method, shape: Shape, *, palette: Palette | None = None, interpreted: bool,
-        seldom: bool = False,
-    ) -> None:  # fmt: skip
+        self, method: Method, shape: Shape, *, palette: Palette | None = None, interpreted: bool
+    ) -> None:
         form = _map_form(method, method.palette if palette is None else palette)
-        self.values = form.rows
+        self.values, self.shape, self.par = form.rows, shape, shape.par
         options = Options(compensated=False, interpreted=interpreted)
-        kind = choose_kind(form.s, shape, options)
+        about, stages = [options, replace(shape, values=shape.values.tolist())], 1
+        if form.implicit_stages:
+            about, stages = [*about, form], form.s
+        else:
+            about += [form.together, [len(x.U) > 0 for x in form.components]]
+            self.par = np.concatenate([self.par, _table(form, shape.dimension)])
+        kind = choose_kind(stages, shape, options)
 
         def written() -> tuple[str, int]:
             writer = Writer()
@@ -159,15 +233,21 @@ class Map:
             head = '"""Generated kernel: a map of rows."""\n\n' + header(shape, kind, newton=False)
             return head + writer.text, target.work_size
 
-        about = repr((form, replace(shape, values=shape.values.tolist()), options))
-        text, self.work_size = recalled("map", about, written, tuple, list)
-        self.shape = shape
+        text, size = recalled("map", repr(about), written, tuple, list)
+        # behind what the source reserves a table has the values made and the slopes of all stages
+        slopes = size + form.rows * shape.dimension
+        self.work_size = slopes + form.s * shape.dimension
+        #: Whether coefficients are data, and the place in the work array where afterwards the slope
+        #: at the solution stands, ``None`` where no stage is the solution.
+        self.by_table = not form.implicit_stages
+        begins = [i for i in range(len(form.U)) if _is_solution(form, i)]
+        self.slope_place = (
+            slopes + begins[0] * shape.dimension if begins and self.by_table else None
+        )
         if interpreted:
             self.built = kernel_cache.interpret(text, {}, "")
         else:
-            self.built = kernel_cache.build(
-                text, ARGUMENTS, tuning=Tuning(pack=kind == "array", seldom=seldom)
-            )
+            self.built = kernel_cache.build(text, ARGUMENTS, tuning=Tuning(pack=kind == "array"))
 
     def __call__(
         self, rows: np.ndarray, t0: float, h: float, *, every: int = 1, last: int = 0
@@ -177,24 +257,32 @@ class Map:
         Row n belongs to step ``min(n every, last)``, step 0 to ``t0``. Returns how many rows became
         numbers, and the evaluations.
         """
-        tally, work = np.zeros(6, dtype=np.int64), native.aligned_zeros(self.work_size)
-        numbers = (t0, h, 0, len(rows), last, every)
-        self.built.kernel(work, self.shape.par, *numbers, rows.reshape(-1), 0, tally)
+        tally, _ = self._called(rows, t0, h, last, every)
         return int(tally[4]), int(tally[0])
 
+    def slope(self, h: float, t: float, y: np.ndarray) -> np.ndarray:
+        """Return the right-hand side at (t, y), shape (d,), as this kernel evaluates it."""
+        rows = np.zeros((1, self.values, len(y)))
+        rows[0, 0] = y
+        _, work = self._called(rows, t, h, 0, 1)
+        return work[self.slope_place :][: len(y)]
 
-def map_of(
-    method: Method | None, problem: Problem, *, interpreted: bool = False, seldom: bool = False
-) -> Map | None:
-    """Return the kernel of a starting or finishing method, ``None`` where the reference has to do.
+    def _called(
+        self, rows: np.ndarray, t0: float, h: float, last: int, every: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        tally, work = np.zeros(6, dtype=np.int64), native.aligned_zeros(self.work_size)
+        numbers = (t0, h, 0, len(rows), last, every)
+        self.built.kernel(work, self.par, *numbers, rows.reshape(-1), 0, tally)
+        return tally, work
 
-    ``seldom``: of one that takes one row now and then, so that compiling it has to be quick.
-    """
-    return None if method is None else _kept_map(method, expressed(problem), interpreted, seldom)
+
+def map_of(method: Method | None, problem: Problem, *, interpreted: bool = False) -> Map | None:
+    """Return the kernel of a start or a finish, ``None`` where the reference has to do."""
+    return None if method is None else _kept_map(method, expressed(problem), interpreted)
 
 
 @lru_cache(maxsize=256)
-def _kept_map(method: Method, problem: Problem, interpreted: bool, seldom: bool) -> Map | None:
+def _kept_map(method: Method, problem: Problem, interpreted: bool) -> Map | None:
     shape, palette = shape_of(problem), palette_of(method, problem)
     real = all(
         x.is_real() for c in method.components for m in (c.A, c.B, c.V) for r in m for x in r
@@ -203,5 +291,5 @@ def _kept_map(method: Method, problem: Problem, interpreted: bool, seldom: bool)
     one = method.parts == 1 or not any(block.implicit for block in blocks)
     if not blocks or not real or not one or shape.opaque or method.additive:
         return None
-    found = Map(method, shape, palette=palette, interpreted=interpreted, seldom=seldom)
+    found = Map(method, shape, palette=palette, interpreted=interpreted)
     return None if found.built.engine == "numba" else found

@@ -56,8 +56,6 @@ class Tuning:
     #: Whether a product and a sum may become one operation with one rounding. The bits then depend
     #: on the processor.
     fuse: bool = False
-    #: Whether the code is called so seldom that compiling it has to be quick.
-    seldom: bool = False
     lanes: int = 0  #: Numbers in a vector of the kind ``v*``.
 
 
@@ -90,6 +88,7 @@ def compile_kernel(
         return raw(*passed)
 
     kernel.engine = engine  # type: ignore[attr-defined]  # the code lives as long as its engine
+    kernel.address = address  # type: ignore[attr-defined]
     return kernel
 
 
@@ -102,7 +101,7 @@ def _engine(source: str, arguments: Mapping[str, str], cached: Path | None, tuni
     if tuning.wide and "+avx512f" in features:
         features += ",-prefer-256-bit"
     machine = binding.Target.from_default_triple().create_target_machine(
-        cpu=binding.get_host_cpu_name(), features=features, opt=1 if tuning.seldom else 3
+        cpu=binding.get_host_cpu_name(), features=features, opt=3
     )
     _resolve_symbols(source)
     code = None if cached is None else read_entry(cached)
@@ -125,7 +124,7 @@ def _compiled(
         translated(source, arguments, fuse=tuning.fuse, lanes=tuning.lanes)
     )
     module.verify()
-    options = binding.create_pipeline_tuning_options(speed_level=0 if tuning.seldom else 3)
+    options = binding.create_pipeline_tuning_options(speed_level=3)
     options.loop_vectorization = True
     # operations on vectors of lanes wait for nothing that more of them in a row would hide
     options.loop_unrolling = not tuning.lanes

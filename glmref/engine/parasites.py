@@ -303,19 +303,21 @@ class Watch:
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
         return error > factor * max(self.energy_error, unit)
 
-    def alarming(self, y: np.ndarray, step: int) -> bool:
-        """Return whether the energy at a solution (d,) says that the last steps be looked at.
+    def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
+        """Return at which solutions (n, d) the energy says that the steps before be looked at.
 
         So it does where its error has grown as much as :meth:`large` asks for at least, and has
-        doubled since it last did.
+        doubled since it last did. The numbers are those of the solutions.
         """
-        if self.hamiltonian is None or step <= _EARLY:
-            return False
-        (error,) = self._errors_of_energy([y])
-        if error <= max(_ENERGY_TOO * max(self.energy_error, _unit(step)), 2 * self.alarm):
-            return False
-        self.alarm = error
-        return True
+        if self.hamiltonian is None or not len(solutions):
+            return []
+        found = []
+        for k, error in enumerate(self._errors_of_energy(solutions)):
+            least = _ENERGY_TOO * max(self.energy_error, _unit(steps[k]))
+            if steps[k] > _EARLY and error > max(least, 2 * self.alarm):
+                self.alarm = error
+                found.append(k)
+        return found
 
     def notice(self, time: float, step: int) -> str:
         """Return the sentence on what was found at a step."""

@@ -6,6 +6,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,19 +23,12 @@ from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
 from .parasites import WINDOW, Watch, watched, windows
 from .plan import Plan
 from .reference import Stepper, apply_finish
+from .renewals import RenewalFailed, Renewing, renewing
 from .solver_choice import newton_bytes, with_band
 from .starting_values import Start, starting_values
 
 #: Renewals from which on compiling their start takes less time than it saves.
 _MANY = 20
-
-
-class RenewalFailed(Exception):
-    """Start or finish had no value in the middle of a run, because of ``why``."""
-
-    def __init__(self, why: Exception) -> None:
-        super().__init__(str(why))
-        self.why = why
 
 
 class Run:
@@ -66,6 +60,8 @@ class Run:
         #: Kernels of the finishing method, and of the start that renews, where there are any.
         self.finishing: Map | None = None
         self.starting: Map | None = None
+        #: What renews the values between compiled steps, where Python need not.
+        self.within: Renewing | None = None
         #: Step and values from which the steps so far followed: those of the last renewal.
         self.base = (0, start.values)
         #: What looks for a parasitic part that grows, and the time from which it is large.
@@ -124,18 +120,26 @@ class Run:
         """Return the state of a kernel after a renewal from the solution; the counts go on."""
         values = self._renewal(state.step, y)
         t = float(self.problem.t_span[0]) + state.step * self.h
-        other = self._state(kernel, t, values)
+        other = self._state(kernel, t, values, self.starting)
         other.tally[:] = state.tally
         self.start_evaluations += bool(kernel.form.memory)
         return other
 
-    def _state(self, kernel: Kernel, t: float, values: np.ndarray) -> State:
-        """Return the state of a kernel at a time, with what it remembers of a step before."""
+    def _state(
+        self, kernel: Kernel, t: float, values: np.ndarray, again: Map | None = None
+    ) -> State:
+        """Return the state of a kernel at a time, with what it remembers of a step before.
+
+        After a renewal by a kernel (``again``) as that one evaluates the right-hand side.
+        """
         slope = np.full(self.problem.dimension, np.nan)
         # a method may not evaluate there
         with contextlib.suppress(ArithmeticError, ValueError):
             if kernel.form.memory:
-                slope = self.reference.slope(t, self.reference.solution(values))
+                slope_at = self.reference.slope
+                if again is not None and again.slope_place is not None:
+                    slope_at = partial(again.slope, self.h)
+                slope = slope_at(t, self.reference.solution(values))
         return kernel.state(values, slope, self.h)
 
     def _not_renewed(self, error: RenewalFailed) -> None:
@@ -143,7 +147,8 @@ class Run:
         self.detail = f" (in renewing the values{why})"
 
     def _renews(self, n: int) -> bool:
-        return self.renew > 0 and n % self.renew == 0 and 0 < n < self.plan.steps
+        here = self.renew > 0 and n % self.renew == 0 and 0 < n < self.plan.steps
+        return here and self.within is None
 
     def _pause(self, done: int) -> bool:
         if self.progress is None and self.cancel is None:  # it is called after every step
@@ -251,15 +256,19 @@ class Run:
             self.finishing = map_of(self.method.finishing, self.problem, interpreted=interpreted)
             start = self.method.starting if self.again is None else self.again
             if self.renew and self.plan.steps > _MANY * self.renew and isinstance(start, Method):
-                self.starting = map_of(start, self.problem, interpreted=interpreted, seldom=True)
+                self.starting = map_of(start, self.problem, interpreted=interpreted)
         self.start_evaluations += bool(kernel.form.memory)
         state = self._state(kernel, t0, self.start)
+        other = renewing(kernel, self.starting, self.reference, self.renew)
+        if other is not None:
+            kernel, self.within = other, other.built.kernel  # type: ignore[assignment]
         if self.plan.rows[0] == 0:
             self._keep(0, self.start)
         # the kernel writes its rows where they stay
         out = self.rows[self.kept :] if self.plan.every else self.rows[:0]
         marks = {self.plan.steps} if self.plan.every else {n for n in self.plan.rows if n}
-        renewals = range(self.renew, self.plan.steps, self.renew) if self.renew else ()
+        returns = self.renew and self.within is None
+        renewals = range(self.renew, self.plan.steps, self.renew) if returns else ()
         begins = set(windows(self.plan.steps, self.renew)) if self.watch is not None else set()
         self._hold(state)
         try:
@@ -275,7 +284,7 @@ class Run:
                     self._keep(mark, kernel.values(state))
                 if self._renews(mark):
                     y = self.reference.solution(kernel.values(state))
-                    if self._alarming(y, mark):
+                    if self._alarming(y[None], range(mark, mark + 1)):
                         self._locate(kernel, state, t0)
                     state = self._renewed(kernel, state, y)
                     self._hold(state)
@@ -309,12 +318,38 @@ class Run:
         if self.watch is not None and self.suspect is None:
             self.sound = state.work.copy(), state.tally.copy()
 
+    def _hold_from(self, kernel: Kernel, t0: float, n: int, values: np.ndarray | None) -> None:
+        """Do so of the state after a renewal."""
+        if self.watch is not None and self.suspect is None and values is not None:
+            state = self._state(kernel, t0 + n * self.h, values, self.starting)
+            state.tally[4] = n
+            self._hold(state)
+
     def _large(self, values: np.ndarray, step: int) -> bool:
         assert self.watch is not None
         return self.suspect is None and self.watch.large(self.reference.solution(values), step)
 
-    def _alarming(self, y: np.ndarray, step: int) -> bool:
-        return self.watch is not None and self.suspect is None and self.watch.alarming(y, step)
+    def _alarming(self, solutions: np.ndarray, steps: range) -> list[int]:
+        """Return which of some solutions (n, d) ask for a closer look, see :class:`.Watch`."""
+        if self.watch is None or self.suspect is not None:
+            return []
+        return self.watch.alarming(solutions, steps)
+
+    def _follow(self, kernel: Kernel, state: State, t0: float) -> None:
+        """Count the renewals that a kernel did by itself, and look where the energy says so."""
+        if self.within is None or not self.within.plan[3]:
+            return
+        steps, solutions, spent = self.within.taken()
+        self.renewals += len(steps)
+        self.start_evaluations += spent
+        self.base = steps[-1], self.within.made.reshape(self.start.shape).copy()
+        for k in self._alarming(solutions, steps):
+            if k:
+                n = steps[k - 1]
+                values, _ = self._mapped(self.starting, t0 + n * self.h, solutions[k - 1])
+                self._hold_from(kernel, t0, n, values)
+            self._locate(kernel, state, t0, steps[k])
+        self._hold_from(kernel, t0, *self.base)
 
     def _warn(self, found: bool, step: int) -> None:
         if not found or self.watch is None:
@@ -357,15 +392,18 @@ class Run:
         outcome = self._advance(kernel, state, first + count - 1, t0, values, every=1)
         return values[: state.step - first + 1], outcome
 
-    def _locate(self, kernel: Kernel, state: State, t0: float) -> None:
+    def _locate(self, kernel: Kernel, state: State, t0: float, last: int | None = None) -> None:
         """Take the steps since the last sound state again; warn of the first large window.
+
+        Up to step ``last``, by default that of the state.
 
         Each window has half of the one before. Nothing of these steps is counted or kept.
         """
         if self.watch is None or self.sound is None or self.suspect is not None:
             return
         ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
-        seconds, last, half = self.seconds, state.step, WINDOW // 2
+        last = state.step if last is None else last
+        seconds, half = self.seconds, WINDOW // 2
         state.take_back(*self.sound)
         found, values = False, np.zeros((0, *self.rows.shape[1:]))
         while state.step + (half if len(values) else WINDOW - 1) <= last and not found:
@@ -410,7 +448,8 @@ class Run:
             self.outcome = Outcome.NOT_FINITE
         back, (first, values) = 1, self.base
         while last > first:
-            state = self._state(kernel, t0 + first * self.h, values)
+            again = self.starting if first else None
+            state = self._state(kernel, t0 + first * self.h, values, again)
             state.tally[4] = first
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)
@@ -431,9 +470,15 @@ class Run:
         every: int | None = None,
     ) -> Outcome:  # fmt: skip
         every = self.plan.every if every is None else every
-        outcome, seconds = kernel.advance(
-            state, mark, t0=t0, h=self.h, every=every, out=out, pause=self._pause
-        )
+        if self.within is not None:
+            watching = self.watch is not None and self.suspect is None and self.renew >= WINDOW
+            self.within.keep((mark - state.step) // self.renew + 1 if watching else 0)
+        try:
+            outcome, seconds = kernel.advance(
+                state, mark, t0=t0, h=self.h, every=every, out=out, pause=self._pause
+            )
+        finally:
+            self._follow(kernel, state, t0)
         self.seconds += seconds
         if self._asked("progress", state.step, self.plan.steps) and state.step < self.plan.steps:
             return Outcome.CANCELLED

@@ -8,6 +8,7 @@ import pytest
 from glmref import Problem, load, problem, solve
 from glmref.engine import maps
 from glmref.engine.maps import Map, map_of
+from glmref.engine.outcome import Outcome
 from glmref.engine.reference import apply_start, stepper
 from glmref.engine.shape import shape_of
 
@@ -49,7 +50,7 @@ def test_a_start_by_a_kernel_has_the_bits_of_the_reference(name, of):
     y0, h = np.array(system.y0, dtype=float), 0.03125
     wanted, cost = apply_start(method.starting, stepper(method, system), 0.0, y0, h)
     for interpreted in (False, True):
-        kernel = map_of(method.starting, system, interpreted=interpreted, seldom=True)
+        kernel = map_of(method.starting, system, interpreted=interpreted)
         rows = np.zeros((1, *wanted.shape))
         rows[0, 0] = y0
         assert kernel(rows, 0.0, h) == (1, cost)
@@ -72,6 +73,49 @@ def test_a_run_with_many_renewals_compiles_their_start(monkeypatch):
     assert many.renewals == few.renewals == 39
     assert many.start_evaluations == few.start_evaluations == 40 * 24
     np.testing.assert_array_equal(many.y, few.y)
+
+
+@pytest.mark.parametrize(
+    ("name", "of", "h"),
+    [
+        ("multistep-general-8b", "uneven-plane", 0.02),
+        ("multistep-general-6", "discrete-schroedinger", 0.022),  # lost, with a notice
+        ("multistep-kinetic-8", "dipole-charge", 0.02),  # its steps remember a slope
+    ],
+)
+@pytest.mark.parametrize("how", [{"every": 7}, {"times": [40, 63, 66]}, {"history": True}])
+def test_renewals_between_compiled_steps_are_those_of_python(name, of, h, how, monkeypatch):
+    """Also where rows and ends of pieces are on renewals; the interpreter returns to Python."""
+    if "times" in how:
+        how = {"times": [n * h * 50 for n in how["times"]]}
+    else:
+        how = how | {"steps": 3300}
+    monkeypatch.setattr("glmref.engine.kernel._FIRST_CHUNK", 150)
+    with_, without = (
+        solve(of, name, h=h, renew=150, engine=engine, **how)
+        for engine in ("compiled", "interpreted")
+    )
+    for key in ("y", "values", "t"):
+        np.testing.assert_array_equal(getattr(with_, key), getattr(without, key))
+    if with_.history is not None:
+        np.testing.assert_array_equal(with_.history, without.history)
+    for key in ("outcome", "evaluations", "start_evaluations", "renewals", "suspect", "notices"):
+        assert getattr(with_, key) == getattr(without, key)
+    assert with_.renewals == 21
+
+
+def test_a_renewal_between_compiled_steps_that_fails_ends_the_run_by_name():
+    rows = {"q": "p*(1 + q*q)", "p": "-q + sqrt(2 - t)*(1 + p*p)/10"}
+    ends = Problem.from_equations(rows, {"q": 1, "p": 0})  # no number from t = 2 on
+    found = [
+        solve(ends, "multistep-general-6", h=0.001, steps=4000, renew=40, engine=engine)
+        for engine in ("compiled", "interpreted")
+    ]
+    assert found[0].outcome is found[1].outcome is Outcome.NOT_FINITE
+    assert "in renewing the values: the values are not finite" in found[0].message
+    for key in ("steps", "message", "start_evaluations", "renewals", "suspect"):
+        assert getattr(found[0], key) == getattr(found[1], key)
+    np.testing.assert_array_equal(found[0].y, found[1].y)
 
 
 def test_a_run_with_renewals_is_cancelled():

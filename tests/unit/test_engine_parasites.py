@@ -331,6 +331,6 @@ def test_a_renewed_run_is_looked_at_where_its_energy_has_grown(
     until = round(found.suspect / h)
     medians = np.median(error[: until // WINDOW * WINDOW].reshape(-1, WINDOW), axis=1)
     assert medians.max() < 100 * error[: 3 * WINDOW].max()
-    monkeypatch.setattr(Watch, "alarming", lambda *_: False)
+    monkeypatch.setattr(Watch, "alarming", lambda *_: [])
     late = solve(given, method, **options).suspect
     assert late is None or late > found.suspect + 200 * h

@@ -1,0 +1,166 @@
+"""Renewals between compiled steps, without a return to Python.
+
+One driver, compiled once for all methods and problems, calls the kernel of the steps and that of
+the start, see :mod:`.maps`, by their addresses. It serves where the state of a kernel is the values
+themselves: the solution is a sum of them, and what a start makes of it replaces all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from . import kernel_cache, native
+from .codegen import ARGUMENTS
+from .kernel import Kernel
+from .maps import Map
+from .reference import Stepper
+
+#: ``plan`` is described in :class:`Renewing`. Before step n, if it is one after which the values
+#: are to be renewed, they are, unless they were: so the last step of a run leaves them as they are.
+_SOURCE = """
+def read(values, weights, d, width, rows, y):
+    c = 0
+    while c < d:
+        total = -0.0
+        k = 0
+        while k < rows:
+            weight = weights[c // width*rows + k]
+            total = total + weight*values[k*d + c] if weight != 0.0 else total
+            k += 1
+        y[c] = total
+        c += 1
+
+def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
+           plan, seen, weights, made, again, work, table, spent, steps, start):
+    d = plan[2]
+    size = plan[6]
+    n = first
+    while n < last:
+        if n % plan[0] == 0 and n > plan[1]:
+            count = spent[0]
+            read(x[0:size], weights[0:size], d, plan[10], plan[11], made[0:d])
+            c = 0
+            while c < d and plan[3] < plan[4]:
+                seen[plan[3]*d + c] = made[c]
+                c += 1
+            start(work, table, t0 + n*h, h, 0, 1, 0, 1, made, 0, spent)
+            if spent[4] == 0:
+                spent[0] = count
+                plan[5] = 1
+                return 0
+            plan[1] = n
+            plan[3] += 1
+            c = 0
+            while c < size:
+                x[c] = made[c]
+                c += 1
+            while c < plan[7]:
+                x[c] = 0.0
+                c += 1
+            if plan[8] > 0:
+                count = spent[0]
+                read(made[0:size], weights[0:size], d, plan[10], plan[11], again[0:d])
+                start(work, table, t0 + n*h, h, 0, 1, 0, 1, again, 0, spent)
+                spent[0] = count + 1
+            c = 0
+            while c < plan[8]:
+                x[plan[7] + c] = work[plan[9] + c]
+                c += 1
+        until = n - n % plan[0] + plan[0]
+        until = until if until < last else last
+        outcome = steps(x, par, t0, h, n, until, mark, every, out, row, tally)
+        n = tally[4]
+        row = tally[5]
+        if outcome != 0:
+            return outcome
+        if every > 0:
+            mark = n - n % every + every
+    return 0
+"""
+_OWN = {"plan": "i*", "seen": "d*", "weights": "d*", "made": "d*", "again": "d*", "work": "d*",
+        "table": "d*", "spent": "i*", "steps": "i", "start": "i"}  # fmt: skip
+
+
+class RenewalFailed(Exception):
+    """Start or finish had no value in the middle of a run, because of ``why``."""
+
+    def __init__(self, why: Exception) -> None:
+        super().__init__(str(why))
+        self.why = why
+
+
+class Renewing:
+    """A kernel of steps that renews its values by itself after every ``renew`` steps.
+
+    It is called as the kernel is.
+    """
+
+    def __init__(self, kernel: Kernel, start: Map, reference: Stepper, renew: int) -> None:
+        built = kernel_cache.build(_SOURCE, ARGUMENTS | _OWN)
+        self.driver, self.steps, self.start = built.kernel, kernel.built.kernel, start
+        d, source = kernel.shape.dimension, kernel.source
+        values, memory = source.value_rows * d, source.memory_rows * d
+        head = (2 if kernel.options.compensated else 1) * values
+        #: Steps between renewals, that of the last one, numbers of the solution, renewals since
+        #: :meth:`taken` and how many solutions are kept of them at most, whether one failed,
+        #: numbers of the values, of these with their rounding errors, of the slope remembered and
+        #: its place in the work array of the start; those of a component, and of its weights.
+        rows = source.value_rows
+        numbers = (renew, 0, d, 0, 0, 0, values, head, memory, start.slope_place or 0,
+                   d // len(reference.parts), rows)  # fmt: skip
+        self.plan = np.array(numbers, dtype=np.int64)
+        #: What the solution is of the values, component by component.
+        self.weights = np.zeros((len(reference.parts), rows))
+        for row, reader in zip(self.weights, reference.readers, strict=True):
+            row[: len(reader.weights)] = reader.weights
+        self.made, self.again = np.zeros(values), np.zeros(values)
+        self.work = native.aligned_zeros(start.work_size)
+        self.spent, self.seen = np.zeros(6, dtype=np.int64), np.zeros((0, d))
+
+    def keep(self, most: int) -> None:
+        """Make room for the solutions before so many renewals."""
+        self.seen = np.zeros((most, self.seen.shape[1]))
+        self.plan[4] = most
+
+    def __call__(self, *given: object) -> int:
+        """Take steps, see :data:`.codegen.ARGUMENTS`.
+
+        Raises
+        ------
+        RenewalFailed
+            Where the start has no finite values; the steps before are done.
+        """
+        code = self.driver(
+            *given, self.plan, self.seen, self.weights, self.made, self.again, self.work,
+            self.start.par, self.spent, self.steps.address, self.start.built.kernel.address,  # type: ignore[attr-defined]
+        )  # fmt: skip
+        if self.plan[5]:
+            self.plan[5] = 0
+            raise RenewalFailed(ArithmeticError("the values are not finite"))
+        return code
+
+    def taken(self) -> tuple[range, np.ndarray, int]:
+        """Return the steps of the renewals since the last call.
+
+        Also the solutions (n, d) before them, of as many as there was room for, and their
+        evaluations.
+        """
+        renew, last, _, count = (int(x) for x in self.plan[:4])
+        found = range(last - (count - 1) * renew, last + 1, renew), self.seen[:count].copy()
+        spent, self.plan[3], self.spent[0] = int(self.spent[0]), 0, 0
+        return *found, spent
+
+
+def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) -> Kernel | None:
+    """Return a kernel that renews its values, ``None`` where Python has to."""
+    form = kernel.form
+    plain = form.own_basis and not form.kick and not form.implicit_stages
+    if start is None or kernel.built.engine != "native" or reference.method.finishing is not None:
+        return None
+    if not plain or not start.by_table or (form.memory and start.slope_place is None):
+        return None
+    return replace(
+        kernel, built=replace(kernel.built, kernel=Renewing(kernel, start, reference, renew))
+    )
