@@ -25,7 +25,7 @@ from .kicks import KickWriter
 from .newton import COMPLEX_HELPERS, HELPERS
 from .options import Options
 from .shape import Part, Shape, inlined, jacobian_block, parameter_names, used_parameters
-from .updates import linear
+from .updates import balanced, linear
 
 #: Arguments of every generated kernel, in order; see :mod:`.kernel_cache` for their types.
 ARGUMENTS = {
@@ -79,9 +79,10 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
     if len(form.components) == 1:
         widest = max((len(block.stages) for block in form.blocks), default=1)
     else:  # values of a multistep method turn independently of each other: vectors fit them
-        widest = form.rows if len(form.kick) > 1 else 1
+        widest = form.rows if len(form.kick) > 1 or (form.ahead and shape.dimension > 2) else 1
+    memory = len(form.memory) + form.ahead
     return KernelSource(
-        title + head + writer.text, target.work_size, form.rows, len(form.memory), kind, widest
+        title + head + writer.text, target.work_size, form.rows, memory, kind, widest
     )
 
 
@@ -312,7 +313,7 @@ class Builder(KickWriter):
         """Return vectors that last from call to call, in their order at the head of ``x``."""
         letters = "ye" if self.options.compensated else "y"
         names = [f"{letter}{k}" for letter in letters for k in range(self.form.rows)]
-        return names + [name for name, _ in self.form.memory]
+        return names + [name for name, _ in self.form.memory] + ["P"] * self.form.ahead
 
     def _record(self) -> None:
         for one, values in zip(self.form.components, self.sides, strict=True):
@@ -359,8 +360,21 @@ class Builder(KickWriter):
             for values, increments in zip(self.sides, self.moving, strict=True):
                 values.finish(increments)
         checks = [f"check{k or ''}" for k in range(len(self.sides))]
-        for values, check in zip(self.sides, checks, strict=True):
-            values.check(check)
+        for k, (values, check) in enumerate(zip(self.sides, checks, strict=True)):
+            if self.form.ahead:
+                self._next_point(k)
+                self.t.total(check, "(@P + @F0)", values.part)
+            else:
+                values.check(check)
         self._finite(" + ".join(checks))
         for values in self.sides:
             self._take(self._pairs(values), [], values.part)
+
+    def _next_point(self, k: int) -> None:
+        """Write the part of component k of the next point; what waits for L comes last."""
+        one, values = self.form.components[k], self.sides[k]
+        factors, last = self.form.coming(k)
+        big = [(u, f"@n{j}") for j, u in enumerate(one.U[0]) if one.large[j]]
+        before = balanced([(x, f"@y{j}") for j, x in enumerate(factors)])
+        moved = linear([(1.0, f"({before})"), (last, self.moving[k][0])])
+        self.t.vec([f"@nP = {linear(big)} + ({moved})"], values.part)

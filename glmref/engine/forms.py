@@ -157,6 +157,41 @@ class StepForm:
         weights = [w for one in self.components for w in one.weights]
         return tuple((f"L{i}", weight) for i, weight in enumerate(weights))
 
+    @property
+    def ahead(self) -> bool:
+        """Whether the point of a step is formed at the end of the one before, and kept as P.
+
+        Of a symmetric multistep pair, both halves of which are evaluated at one sum of values: all
+        of this sum but the last slope is there before that slope is, so that the next evaluation
+        waits for two sums and not for one over all values.
+        """
+        one = self.together and not self.same_point and len(self.blocks) == 1
+        return one and not any(map(any, (row for x in self.components for row in x.M)))
+
+    def coming(self, component: int) -> tuple[Row, float]:
+        """Return U y+ of :attr:`ahead`, without multiples of the solution, by y and an increment.
+
+        The factors (r,) of the values y, and that of the increment.
+        """
+        one = self.components[component]
+        (U,) = one.U
+        small = [(Fraction(u), k) for k, u in enumerate(U) if u and not one.large[k]]
+        columns = zip(*(one.V[k] for _, k in small), strict=True)
+        return (
+            tuple(float(sum(u * Fraction(x) for (u, _), x in zip(small, column, strict=True)))
+                  for column in columns),
+            float(sum(u * Fraction(one.R[k][0]) for u, k in small)),
+        )  # fmt: skip
+
+    def point(self, values: np.ndarray) -> np.ndarray:
+        """Return the point (..., d) of a step of :attr:`ahead` from values (..., r, d)."""
+        parts, m = [], values.shape[-1] // 2
+        for k, one in enumerate(self.components):
+            half = values[..., k * m : (k + 1) * m]
+            terms = [u * half[..., j, :] for j, u in enumerate(one.U[0]) if u]
+            parts.append(np.add.accumulate(terms)[-1])
+        return np.concatenate(parts, axis=-1)
+
     def place(self, stage: int) -> tuple[int, int]:
         """Return the component that a stage is read from, and its row there."""
         n = len(self.U)
@@ -175,13 +210,15 @@ class StepForm:
         All but those that oscillate in a multistep method with merged kicks, or with stages that
         are evaluated together. Their sums V y have factors like 2 cos(theta), whose products are
         rounded and not put back, so that the error of the last addition alone is not worth its
-        operations; no multiple of the solution is among them, and their errors do not add up.
+        operations; no multiple of the solution is among them, and their errors do not add up. Nor
+        do they at the root -1, which is turned by its sign.
         """
         V = self.components[component].V
+        sign = 1.0 if self.together else -1.0
         kept = [True] * len(V)
         for k, row in enumerate(V) if self.together or (component and len(self.kick) > 1) else ():
             before = [j for j, x in enumerate(row) if x]
-            kept[k] = all(abs(row[j]) == 1.0 and (j == k or kept[j]) for j in before)
+            kept[k] = all(row[j] in (1.0, sign) and (j == k or kept[j]) for j in before)
         return tuple(kept)
 
     def kicked(self, p: np.ndarray, force: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:

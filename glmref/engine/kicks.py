@@ -107,7 +107,7 @@ class KickWriter(ExplicitWriter):
     def _pairs(self, values: Values) -> list[tuple[str, str]]:
         """Return what an accepted step replaces: the values and the force that kicks them."""
         if not self.form.kick or values is self.values:
-            return values.pairs()
+            return values.pairs() + [("@P", "@nP")] * self.form.ahead
         return [*values.pairs(), ("@G", f"@F{self.form.blocks[-1].stages[0]}")]
 
     def _take(self, pairs: list[tuple[str, str]], before: list[str], part: tuple[int, int]) -> None:

@@ -70,6 +70,7 @@ _MOST_ROWS = 200
 #: Units in the last place by which solutions are rounded, and by which rounding in n steps may
 #: have moved them, over sqrt(n).
 _ROUNDING, _WALK = 8.0, 0.25
+_EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +177,7 @@ def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
     return h * (beyond - 1) / _PART
 
 
+@lru_cache(maxsize=256)
 def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
     """Say up to which h a pair is stable on the system linearised at the start, where not at h."""
     rows = problem.dimension // 2 * sum(len(c.V) for c in method.carriers)
@@ -196,7 +198,7 @@ def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
 
 def _unit(steps: int) -> float:
     """Return what rounding may have moved a solution by, relative."""
-    return float(np.finfo(float).eps) * (_ROUNDING + _WALK * math.sqrt(steps))
+    return _EPSILON * (_ROUNDING + _WALK * math.sqrt(steps))
 
 
 def _largest(rows: np.ndarray) -> float:
@@ -259,11 +261,14 @@ class Watch:
             bool((self.parasitic(halves, least=least) > limit).any()) for least in (False, True)
         )
 
-    def _errors_of_energy(self, solutions: Sequence[np.ndarray] | np.ndarray) -> list[float]:
-        """Return the errors of the energy at solutions (d,), relative."""
-        assert self.hamiltonian is not None
-        first, *others = (float(self.hamiltonian(y)) for y in (self.y0, *solutions))
-        return [abs(x - first) / max(abs(first), np.finfo(float).tiny) for x in others]
+    def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
+        """Return the errors (n,) of the energy at solutions (n, d), relative."""
+        given, energy = np.concatenate([self.y0[None], solutions]), self.hamiltonian
+        if isinstance(energy, Formula):
+            found = energy(given.T) * np.ones(len(given))  # also of a constant
+        else:
+            found = np.array([float(energy(y)) for y in given])
+        return np.abs(found[1:] - found[0]) / max(abs(found[0]), _TINY)
 
     def large(self, solutions: np.ndarray, step: int) -> bool:
         """Return whether the parasitic part is large against the truncation error, or energy lost.
@@ -272,7 +277,8 @@ class Watch:
         """
         if not np.isfinite(solutions).all():
             return True
-        halves = np.split(solutions, len(self.fits), axis=1)
+        m = solutions.shape[1] // 2
+        halves = solutions[:, :m], solutions[:, m:]
         truncation = [
             _largest(fit.truncation @ y) for fit, y in zip(self.fits, halves, strict=True)
         ]
@@ -288,7 +294,7 @@ class Watch:
             return self._exceeds(halves, FACTOR * self.scale)
         if step <= _EARLY:
             early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
-            self.energy_error = max(self.energy_error, *early)
+            self.energy_error = max(self.energy_error, float(early.max()))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
         error = float(np.median(self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])))
@@ -309,13 +315,13 @@ class Watch:
         So it does where its error has grown as much as :meth:`large` asks for at least, and has
         doubled since it last did. The numbers are those of the solutions.
         """
+        found: list[int] = []
         if self.hamiltonian is None or not len(solutions):
-            return []
-        found = []
+            return found
         for k, error in enumerate(self._errors_of_energy(solutions)):
             least = _ENERGY_TOO * max(self.energy_error, _unit(steps[k]))
             if steps[k] > _EARLY and error > max(least, 2 * self.alarm):
-                self.alarm = error
+                self.alarm = float(error)
                 found.append(k)
         return found
 

@@ -7,6 +7,7 @@ themselves: the solution is a sum of them, and what a start makes of it replaces
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -59,15 +60,19 @@ def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
             while c < plan[7]:
                 x[c] = 0.0
                 c += 1
-            if plan[8] > 0:
-                count = spent[0]
-                read(made[0:size], weights[0:size], d, plan[10], plan[11], again[0:d])
-                start(work, table, t0 + n*h, h, 0, 1, 0, 1, again, 0, spent)
-                spent[0] = count + 1
+            read(made[0:size], weights[0:size], d, plan[10], plan[11], again[0:d])
             c = 0
             while c < plan[8]:
-                x[plan[7] + c] = work[plan[9] + c]
+                x[plan[7] + c] = again[c]
                 c += 1
+            if plan[9] > 0:
+                count = spent[0]
+                start(work, table, t0 + n*h, h, 0, 1, 0, 1, again, 0, spent)
+                spent[0] = count + 1
+                c = 0
+                while c < d:
+                    x[plan[7] + c] = work[plan[9] + c]
+                    c += 1
         until = n - n % plan[0] + plan[0]
         until = until if until < last else last
         outcome = steps(x, par, t0, h, n, until, mark, every, out, row, tally)
@@ -108,13 +113,11 @@ class Renewing:
         #: numbers of the values, of these with their rounding errors, of the slope remembered and
         #: its place in the work array of the start; those of a component, and of its weights.
         rows = source.value_rows
-        numbers = (renew, 0, d, 0, 0, 0, values, head, memory, start.slope_place or 0,
+        slope = start.slope_place if kernel.form.memory else 0
+        numbers = (renew, 0, d, 0, 0, 0, values, head, memory, slope,
                    d // len(reference.parts), rows)  # fmt: skip
         self.plan = np.array(numbers, dtype=np.int64)
-        #: What the solution is of the values, component by component.
-        self.weights = np.zeros((len(reference.parts), rows))
-        for row, reader in zip(self.weights, reference.readers, strict=True):
-            row[: len(reader.weights)] = reader.weights
+        self.weights = _weights([reader.weights for reader in reference.readers], rows)
         self.made, self.again = np.zeros(values), np.zeros(values)
         self.work = native.aligned_zeros(start.work_size)
         self.spent, self.seen = np.zeros(6, dtype=np.int64), np.zeros((0, d))
@@ -153,6 +156,14 @@ class Renewing:
         return *found, spent
 
 
+def _weights(of: Sequence[Sequence[float] | np.ndarray], rows: int) -> np.ndarray:
+    """Return weights (.., rows) of the values of each component."""
+    weights = np.zeros((len(of), rows))
+    for row, given in zip(weights, of, strict=True):
+        row[: len(given)] = given
+    return weights
+
+
 def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) -> Kernel | None:
     """Return a kernel that renews its values, ``None`` where Python has to."""
     form = kernel.form
@@ -160,6 +171,11 @@ def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) 
     if start is None or kernel.built.engine != "native" or reference.method.finishing is not None:
         return None
     if not plain or not start.by_table or (form.memory and start.slope_place is None):
+        return None
+    if form.ahead and not np.array_equal(
+        _weights([x.U[0] for x in form.components], form.rows),
+        _weights([x.weights for x in reference.readers], form.rows),
+    ):
         return None
     return replace(
         kernel, built=replace(kernel.built, kernel=Renewing(kernel, start, reference, renew))

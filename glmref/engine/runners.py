@@ -237,6 +237,8 @@ class Lanes(Runner):
             self._put(f"y{k}", inner[:, k])
         for name, weight in self.form.memory:
             self._put(name, remembered(slopes, weight, self.h))
+        if self.form.ahead:
+            self._put("P", self.form.point(inner))
         if self.form.kick:
             m, rows = self.shape.half, len(self.form.components[1].V)
             found = self.form.kicked(inner[:, :rows, m:], slopes[:, m:], self.h)

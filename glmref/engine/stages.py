@@ -127,11 +127,11 @@ class StageWriter(NewtonWriter):
             lines.append(f"@{name}{i} = {z} + ({total(terms)})")
         self.t.vec(lines, part)
 
-    def _evaluate(self, part: Part, stages: Sequence[int]) -> None:
+    def _evaluate(self, part: Part, stages: Sequence[int], at: str = "") -> None:
         for i in stages:
             if part.timed:
                 self._time(i)
-            self.t.call(part, f"Y{i}", f"F{i}", f"s{i}")
+            self.t.call(part, at or f"Y{i}", f"F{i}", f"s{i}")
 
     def _explicit(self, i: int, base: tuple[str, str], slope: str = "") -> None:
         """Write an explicit stage: its value, what is due there (into ``slope``), its increment."""
@@ -153,6 +153,12 @@ class StageWriter(NewtonWriter):
         """Write explicit stages (Q_i, P_i): the point, one evaluation, both increments."""
         *before, part = self.shape.parts
         n, done = len(self.form.U), []
+        if self.form.ahead:
+            self._evaluate(part, [0], "P")
+            for stage in (0, n):
+                self._increment(stage, "F0")
+            self._count([0])
+            return
         for k, block in enumerate(self.form.blocks):
             (i,) = block.stages
             if k == 0 and self.form.same_point:
