@@ -25,6 +25,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -255,12 +256,6 @@ class Watch:
             found.append(max(float(sizes.min(axis=0).max()), float(rest.min())))
         return np.array(found)
 
-    def _exceeds(self, halves: Sequence[np.ndarray], limit: np.ndarray) -> bool:
-        """Return whether the parasitic part of a half is above its limit."""
-        return all(
-            bool((self.parasitic(halves, least=least) > limit).any()) for least in (False, True)
-        )
-
     def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
         """Return the errors (n,) of the energy at solutions (n, d), relative."""
         given, energy = np.concatenate([self.y0[None], solutions]), self.hamiltonian
@@ -291,23 +286,27 @@ class Watch:
             now = np.maximum(now, self.first)
         self.scale = np.maximum(self.scale, now)
         if self.hamiltonian is None:
-            return self._exceeds(halves, FACTOR * self.scale)
+            return bool((self.parasitic(halves) > FACTOR * self.scale).any())
         if step <= _EARLY:
             early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
             self.energy_error = max(self.energy_error, float(early.max()))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        error = float(np.median(self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])))
+        error = median(self._errors_of_energy(solutions[:: WINDOW // _SAMPLES]).tolist())
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
-        if not self._exceeds(halves, enough):
+        # the energy is not in every direction a measure
+        whatever = np.maximum(enough, _OF_SOLUTION * size)
+        known = max(self.energy_error, unit)
+        least = enough if error > _ENERGY_TOO * known else whatever
+        if not (self.parasitic(halves, least=False) > least).any():  # a bound decides for less
             return False
         found = self.parasitic(halves)
-        if (found > np.maximum(enough, _OF_SOLUTION * size)).any():
-            return True  # the energy is not in every direction a measure
+        if (found > whatever).any() or not (found > enough).any():
+            return bool((found > whatever).any())
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
-        return error > factor * max(self.energy_error, unit)
+        return error > factor * known
 
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
         """Return at which solutions (n, d) the energy says that the steps before be looked at.

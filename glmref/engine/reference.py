@@ -209,6 +209,14 @@ class Stepper:
             for columns, w in zip(self.parts, map(output, self.method.carriers), strict=True)
         )
 
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """The output functional as weights (r, d) of all numbers of the values."""
+        weights = self.arithmetic.zeros(self.shape)
+        for reader in self.readers:
+            weights[: len(reader.weights), reader.columns] = reader.weights[:, None]
+        return weights
+
     @property
     def first_value(self) -> bool:
         """Whether the solution is the first value itself."""

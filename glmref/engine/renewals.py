@@ -7,7 +7,6 @@ themselves: the solution is a sum of them, and what a start makes of it replaces
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,15 +20,14 @@ from .reference import Stepper
 #: ``plan`` is described in :class:`Renewing`. Before step n, if it is one after which the values
 #: are to be renewed, they are, unless they were: so the last step of a run leaves them as they are.
 _SOURCE = """
-def read(values, weights, d, width, rows, y):
+def read(values, weights, d, size, y):
     c = 0
     while c < d:
         total = -0.0
-        k = 0
-        while k < rows:
-            weight = weights[c // width*rows + k]
-            total = total + weight*values[k*d + c] if weight != 0.0 else total
-            k += 1
+        k = c
+        while k < size:
+            total = total + weights[k]*values[k] if weights[k] != 0.0 else total
+            k += d
         y[c] = total
         c += 1
 
@@ -41,7 +39,7 @@ def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
     while n < last:
         if n % plan[0] == 0 and n > plan[1]:
             count = spent[0]
-            read(x[0:size], weights[0:size], d, plan[10], plan[11], made[0:d])
+            read(x[0:size], weights[0:size], d, size, made[0:d])
             c = 0
             while c < d and plan[3] < plan[4]:
                 seen[plan[3]*d + c] = made[c]
@@ -60,7 +58,7 @@ def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
             while c < plan[7]:
                 x[c] = 0.0
                 c += 1
-            read(made[0:size], weights[0:size], d, plan[10], plan[11], again[0:d])
+            read(made[0:size], weights[0:size], d, size, again[0:d])
             c = 0
             while c < plan[8]:
                 x[plan[7] + c] = again[c]
@@ -110,14 +108,11 @@ class Renewing:
         head = (2 if kernel.options.compensated else 1) * values
         #: Steps between renewals, that of the last one, numbers of the solution, renewals since
         #: :meth:`taken` and how many solutions are kept of them at most, whether one failed,
-        #: numbers of the values, of these with their rounding errors, of the slope remembered and
-        #: its place in the work array of the start; those of a component, and of its weights.
-        rows = source.value_rows
+        #: numbers of the values, of these with their rounding errors, and of what is remembered of
+        #: the step before: a slope, with its place in the work array of the start, or a point.
         slope = start.slope_place if kernel.form.memory else 0
-        numbers = (renew, 0, d, 0, 0, 0, values, head, memory, slope,
-                   d // len(reference.parts), rows)  # fmt: skip
-        self.plan = np.array(numbers, dtype=np.int64)
-        self.weights = _weights([reader.weights for reader in reference.readers], rows)
+        numbers = (renew, 0, d, 0, 0, 0, values, head, memory, slope)
+        self.plan, self.weights = np.array(numbers, dtype=np.int64), reference.weights
         self.made, self.again = np.zeros(values), np.zeros(values)
         self.work = native.aligned_zeros(start.work_size)
         self.spent, self.seen = np.zeros(6, dtype=np.int64), np.zeros((0, d))
@@ -156,14 +151,6 @@ class Renewing:
         return *found, spent
 
 
-def _weights(of: Sequence[Sequence[float] | np.ndarray], rows: int) -> np.ndarray:
-    """Return weights (.., rows) of the values of each component."""
-    weights = np.zeros((len(of), rows))
-    for row, given in zip(weights, of, strict=True):
-        row[: len(given)] = given
-    return weights
-
-
 def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) -> Kernel | None:
     """Return a kernel that renews its values, ``None`` where Python has to."""
     form = kernel.form
@@ -172,11 +159,8 @@ def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) 
         return None
     if not plain or not start.by_table or (form.memory and start.slope_place is None):
         return None
-    if form.ahead and not np.array_equal(
-        _weights([x.U[0] for x in form.components], form.rows),
-        _weights([x.weights for x in reference.readers], form.rows),
-    ):
+    points = (x.U[0] for x in form.components if form.ahead)
+    if any(tuple(x.weights) != u for x, u in zip(reference.readers, points, strict=False)):
         return None
-    return replace(
-        kernel, built=replace(kernel.built, kernel=Renewing(kernel, start, reference, renew))
-    )
+    own = Renewing(kernel, start, reference, renew)
+    return replace(kernel, built=replace(kernel.built, kernel=own))

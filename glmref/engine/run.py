@@ -327,7 +327,10 @@ class Run:
 
     def _large(self, values: np.ndarray, step: int) -> bool:
         assert self.watch is not None
-        return self.suspect is None and self.watch.large(self.reference.solution(values), step)
+        if self.suspect is not None:
+            return False
+        solutions = np.einsum("kd,nkd->nd", self.reference.weights, values)
+        return self.watch.large(solutions, step)
 
     def _alarming(self, solutions: np.ndarray, steps: range) -> list[int]:
         """Return which of some solutions (n, d) ask for a closer look, see :class:`.Watch`."""
