@@ -117,6 +117,11 @@ class Renewing:
         self.work = native.aligned_zeros(start.work_size)
         self.spent, self.seen = np.zeros(6, dtype=np.int64), np.zeros((0, d))
 
+    @property
+    def values(self) -> np.ndarray:
+        """The values (r, d) after the last renewal."""
+        return self.made.reshape(self.weights.shape).copy()
+
     def keep(self, most: int) -> None:
         """Make room for the solutions before so many renewals."""
         self.seen = np.zeros((most, self.seen.shape[1]))

@@ -69,7 +69,7 @@ class Run:
         if watched(method, problem) and reference.arithmetic.digits is None:
             self.watch = Watch(method, problem)
         self.suspect: float | None = None
-        #: Copies of a kernel's state up to which nothing was found.
+        #: Copies of a kernel's state up to which nothing was found; ``None`` for that of ``base``.
         self.sound: tuple[np.ndarray, np.ndarray] | None = None
 
     def renewed_by(self, renew: int, start: Any) -> None:
@@ -270,7 +270,6 @@ class Run:
         returns = self.renew and self.within is None
         renewals = range(self.renew, self.plan.steps, self.renew) if returns else ()
         begins = set(windows(self.plan.steps, self.renew)) if self.watch is not None else set()
-        self._hold(state)
         try:
             for mark in sorted(marks.union(renewals, begins)):
                 if 0 < mark <= state.step:  # within a window
@@ -286,8 +285,7 @@ class Run:
                     y = self.reference.solution(kernel.values(state))
                     if self._alarming(y[None], range(mark, mark + 1)):
                         self._locate(kernel, state, t0)
-                    state = self._renewed(kernel, state, y)
-                    self._hold(state)
+                    state, self.sound = self._renewed(kernel, state, y), None
                 if mark in begins and self.suspect is None:
                     self.outcome = self._window(kernel, state, t0, out, marks)
                     if self.outcome is not Outcome.COMPLETED:
@@ -313,17 +311,12 @@ class Run:
 
     # --- parasitic part -------------------------------------------------------------------------
 
-    def _hold(self, state: State) -> None:
-        """Keep copies of a state, from which steps are taken again if the run is lost later."""
-        if self.watch is not None and self.suspect is None:
-            self.sound = state.work.copy(), state.tally.copy()
-
-    def _hold_from(self, kernel: Kernel, t0: float, n: int, values: np.ndarray | None) -> None:
-        """Do so of the state after a renewal."""
-        if self.watch is not None and self.suspect is None and values is not None:
-            state = self._state(kernel, t0 + n * self.h, values, self.starting)
-            state.tally[4] = n
-            self._hold(state)
+    def _from_base(self, kernel: Kernel, t0: float) -> State:
+        """Return the state of a kernel after the last renewal, or at the start."""
+        n, values = self.base
+        state = self._state(kernel, t0 + n * self.h, values, self.starting if n else None)
+        state.tally[4] = n
+        return state
 
     def _large(self, values: np.ndarray, step: int) -> bool:
         assert self.watch is not None
@@ -345,14 +338,14 @@ class Run:
         steps, solutions, spent = self.within.taken()
         self.renewals += len(steps)
         self.start_evaluations += spent
-        self.base = steps[-1], self.within.made.reshape(self.start.shape).copy()
         for k in self._alarming(solutions, steps):
             if k:
-                n = steps[k - 1]
+                n, self.sound = steps[k - 1], None
                 values, _ = self._mapped(self.starting, t0 + n * self.h, solutions[k - 1])
-                self._hold_from(kernel, t0, n, values)
+                assert values is not None  # as when it was made
+                self.base = n, values
             self._locate(kernel, state, t0, steps[k])
-        self._hold_from(kernel, t0, *self.base)
+        self.base, self.sound = (steps[-1], self.within.values), None
 
     def _warn(self, found: bool, step: int) -> None:
         if not found or self.watch is None:
@@ -379,7 +372,7 @@ class Run:
             if self._large(values, state.step):
                 self._locate(kernel, state, t0)
             else:
-                self._hold(state)
+                self.sound = state.work.copy(), state.tally.copy()
         return outcome
 
     def _successive(
@@ -402,11 +395,14 @@ class Run:
 
         Each window has half of the one before. Nothing of these steps is counted or kept.
         """
-        if self.watch is None or self.sound is None or self.suspect is not None:
+        if self.watch is None or self.suspect is not None:
             return
         ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
         last = state.step if last is None else last
         seconds, half = self.seconds, WINDOW // 2
+        if self.sound is None:
+            begin = self._from_base(kernel, t0)
+            self.sound = begin.work, begin.tally
         state.take_back(*self.sound)
         found, values = False, np.zeros((0, *self.rows.shape[1:]))
         while state.step + (half if len(values) else WINDOW - 1) <= last and not found:
@@ -451,9 +447,7 @@ class Run:
             self.outcome = Outcome.NOT_FINITE
         back, (first, values) = 1, self.base
         while last > first:
-            again = self.starting if first else None
-            state = self._state(kernel, t0 + first * self.h, values, again)
-            state.tally[4] = first
+            state = self._from_base(kernel, t0)
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)
             if state.step == last and all_finite(self.values):
