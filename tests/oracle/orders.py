@@ -304,11 +304,11 @@ def stage_order(start: Starting) -> int:
     """Return the stage order: the stages are the solution at c = xi of a single vertex."""
     if start.loose:
         raise Undecided("the starting series is not the only one")
-    first, *others = (start.stages((c, ())) for c in start.method.parts)
-    gaps = [x - y for other in others for x, y in zip(first, other, strict=True)]
-    one_time = not start.method.pair or start.method.counts is of_time
-    if one_time and not start.margin.zeros(gaps):
-        return 0
+    if not start.method.pair or start.method.counts is of_time:  # a stage has one abscissa
+        first, *others = (start.stages((c, ())) for c in start.method.parts)
+        gaps = [x - y for other in others for x, y in zip(first, other, strict=True)]
+        if not start.margin.zeros(gaps):
+            return 0
     q = min(start.order, 1)
     while q < start.order:
         for t in start.pool(q + 1):
