@@ -274,11 +274,6 @@ class BoundCase(Case):
         """Tell whether q is the order of the method, which nothing exceeds."""
         return self.q == self.most
 
-    def is_free(self, n: int) -> bool:
-        """Tell whether principal parts are free at an order: that of the method, no bound of it."""
-        p = self.order
-        return n == self.most and not self.kind[0] and (p.high is None or p.enclosed)
-
     @cached_property
     def tree(self) -> Tree:
         """Return the tree of the witness, which must be one of order q + 1."""
@@ -324,14 +319,14 @@ def principal_parts_are_unique(case: BoundCase) -> bool:
     return case.is_the_order or not case.proof.series(*case.kind, case.q + 1, filled=True).loose
 
 
-def stage_defect(series: Solved, tree: Tree, free: bool) -> list:
-    """Return xi(t) - c^|t| / gamma(t), z times it where `free` U N beta may be added.
+def stage_defect(series: Solved, tree: Tree, last: bool) -> list:
+    """Return xi(t) - c^|t| / gamma(t), z times it at the `last` order: U N beta may be added there.
 
     z are the rows with z U N = 0; c is what the stages are at the single vertex.
     """
     c, method = series.stages((tree[0], ())), series.method
     gap = less(series.stages(tree), [x ** size(tree) * Fraction(1, gamma(tree)) for x in c])
-    if not free or all(m.r == 1 for m in method.parts.values()):
+    if not last or all(m.r == 1 for m in method.parts.values()):
         return gap
     N, U = series.N[tree[0]], method.part(tree[0]).U
     added = [apply(U, n) for n in N] if len(N) > 1 else [ones(len(U))]  # U u = 1
@@ -358,7 +353,7 @@ def stages_are_the_solution(case: BoundCase) -> bool | Fails:
     """Every stage is the solution at its abscissa on every tree through q."""
     series = case.proof.series(*case.kind, case.q, filled=True)
     for tree in through(case.method, case.q, case.kind[1]):
-        if size(tree) > 1 and not vanishes(stage_defect(series, tree, case.is_free(size(tree)))):
+        if size(tree) > 1 and not vanishes(stage_defect(series, tree, size(tree) == case.most)):
             return Fails(tree)
     return True
 
@@ -370,7 +365,7 @@ def a_stage_is_wrong(case: BoundCase) -> bool:
     if case.q == 0:
         return any(map(apart, abscissae_apart(case)))
     series = case.proof.series(*case.kind, case.q + 1, filled=True)
-    return any(map(apart, stage_defect(series, case.tree, case.is_free(case.q + 1))))
+    return any(map(apart, stage_defect(series, case.tree, case.q + 1 == case.most)))
 
 
 def equations_give_the_stage_order(case: BoundCase) -> bool:
