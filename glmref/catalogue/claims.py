@@ -41,9 +41,6 @@ class ClaimSpec:
         for what :attr:`sized` says), ``bool``, ``list`` of expressions, or ``str`` for one.
     applies_to : {"any", "single", "partitioned", "rosenbrock"}
         The methods for which the claim has a meaning.
-    rule : str
-        The rule of the kernel, the method or property ``_rule`` of
-        :class:`glmref.prove.kernel.Kernel`.
     schema : Mapping
         JSON Schema of the value, within the schema of ``glmref-method-1``.
     sentence : str
@@ -53,7 +50,6 @@ class ClaimSpec:
     key: str
     type: builtins.type
     applies_to: Kind
-    rule: str
     schema: Mapping[str, Any]
     sentence: str
 
@@ -112,7 +108,6 @@ ORDER = ClaimSpec(
     "order",
     int,
     ANY,
-    "order",
     _ORDER,
     (
         "largest p such that a step from the starting values of the exact solution is right "
@@ -127,7 +122,6 @@ ORDER_IDENTITY = ClaimSpec(
     "order-identity",
     int,
     ANY,
-    "order_identity",
     _ORDER,
     (
         "the same with the value that carries the solution, the first k with u_k not 0, "
@@ -138,7 +132,6 @@ EFFECTIVE_ORDER = ClaimSpec(
     "effective-order",
     int,
     ANY,
-    "effective_order",
     _ORDER,
     (
         "the same with any start, for methods that carry one value: the order between a start "
@@ -149,7 +142,6 @@ NYSTROM_ORDER = ClaimSpec(
     "nystrom-order",
     int,
     PARTITIONED,
-    "nystrom_order",
     _ORDER,
     (
         "pairs: `order-identity` on second-order systems q' = M^{-1} p, p' = k(q), or k(q, p) "
@@ -162,7 +154,6 @@ STAGE_ORDER = ClaimSpec(
     "stage-order",
     int,
     ANY,
-    "stage_order",
     _ORDER,
     (
         "largest q such that every stage is the solution at its abscissa to O(h^{q+1}), and q "
@@ -173,7 +164,6 @@ STARTING_ORDER = ClaimSpec(
     "starting-order",
     int,
     ANY,
-    "starting_order",
     _ORDER,
     (
         "the starting method of the file agrees with the series that the method asks for on "
@@ -184,7 +174,6 @@ NYSTROM_STARTING_ORDER = ClaimSpec(
     "nystrom-starting-order",
     int,
     PARTITIONED,
-    "nystrom_starting_order",
     _ORDER,
     "pairs: the same on second-order systems, as in `nystrom-order`",
 )
@@ -192,7 +181,6 @@ ERROR_CONSTANT = ClaimSpec(
     "error-constant",
     str,
     SINGLE,
-    "error_constant",
     {"$ref": "#/$defs/expression"},
     (
         "C in the local error C h^{p+1} y^{(p+1)} of a multistep method for y' = g(x): "
@@ -205,7 +193,6 @@ ABSCISSAE = ClaimSpec(
     "abscissae",
     list,
     SINGLE,
-    "abscissae",
     {"$ref": "#/$defs/vector"},
     (
         "c = A 1 + U v, v of `consistent` with v_k = 0 at the first k with u_k not 0; of an "
@@ -216,7 +203,6 @@ PRECONSISTENT = ClaimSpec(
     "preconsistent",
     bool,
     ANY,
-    "preconsistent",
     _TRUTH,
     "V u = u and U u = 1 for some u",
 )
@@ -224,7 +210,6 @@ CONSISTENT = ClaimSpec(
     "consistent",
     bool,
     ANY,
-    "consistent",
     _TRUTH,
     "B 1 + V v = u + v for some v",
 )
@@ -232,7 +217,6 @@ ZERO_STABLE = ClaimSpec(
     "zero-stable",
     bool,
     ANY,
-    "zero_stable",
     _TRUTH,
     "the powers of V are bounded",
 )
@@ -240,7 +224,6 @@ EXPLICIT = ClaimSpec(
     "explicit",
     bool,
     ANY,
-    "explicit",
     _TRUTH,
     (
         "the stages have an order in which each needs earlier ones only. Where f and k are "
@@ -252,7 +235,6 @@ SYMPLECTIC = ClaimSpec(
     "symplectic",
     bool,
     ANY,
-    "symplectic",
     _TRUTH,
     (
         "methods that carry one value: b_i a_ij + b_j a_ji = b_i b_j; pairs: b_i a^_ij + b^_j "
@@ -263,7 +245,6 @@ G_SYMPLECTIC = ClaimSpec(
     "g-symplectic",
     bool,
     ANY,
-    "g_symplectic",
     _TRUTH,
     (
         "G = V^* G V, D U = B^* G V, D A + A^* D = B^* G B with the G and D of the file, or "
@@ -275,7 +256,6 @@ CONJUGATE_SYMPLECTIC = ClaimSpec(
     "conjugate-symplectic",
     bool,
     SINGLE,
-    "conjugate_symplectic",
     _TRUTH,
     (
         "the underlying one-step method is conjugate to a symplectic one, to every order; it is "
@@ -287,7 +267,6 @@ CONJUGATE_SYMPLECTIC_ORDER = ClaimSpec(
     "conjugate-symplectic-order",
     int,
     SINGLE,
-    "conjugate_symplectic_order",
     _ORDER,
     (
         "largest n such that the modified field of some chi^{-1} Phi chi is Hamiltonian through "
@@ -298,7 +277,6 @@ HAMILTONIAN_TO_ORDER = ClaimSpec(
     "hamiltonian-to-order",
     int,
     SINGLE,
-    "hamiltonian_to_order",
     _ORDER,
     "the same of Phi itself, which takes one output to the next",
 )
@@ -306,7 +284,6 @@ ENERGY_ORDER = ClaimSpec(
     "energy-order",
     int,
     SINGLE,
-    "energy_order",
     _ORDER,
     "largest n such that H(Phi(y)) - H(y) has no terms through h^n for every H; as above",
 )
@@ -314,7 +291,6 @@ SYMMETRIC = ClaimSpec(
     "symmetric",
     bool,
     ANY,
-    "symmetric",
     _TRUTH,
     (
         "L^2 = I, L V^{-1} L = V, B = V L B P, U = P U L V, A + P A P = U V^{-1} B for some L "
@@ -326,7 +302,6 @@ PARASITISM_FREE = ClaimSpec(
     "parasitism-free",
     bool,
     ANY,
-    "parasitism_free",
     _TRUTH,
     (
         "V is power-bounded and every growth parameter is 0, where an eigenvalue is multiple "
@@ -339,7 +314,6 @@ REDUCIBLE = ClaimSpec(
     "reducible",
     bool,
     PARTITIONED,
-    "reducible",
     _TRUTH,
     (
         "pairs: some value carried is never reached from the solution (by V and B) or never "
@@ -350,7 +324,6 @@ GROWTH = ClaimSpec(
     "growth",
     list,
     ANY,
-    "growth",
     _NUMBERS,
     (
         "growth parameters zeta^{-1} w B U v, one for each eigenvalue zeta of V of modulus 1 "
@@ -369,7 +342,6 @@ SECOND_ORDER_GROWTH = ClaimSpec(
     "second-order-growth",
     list,
     SINGLE,
-    "second_order_growth",
     _NUMBERS,
     (
         "I1, I3 at each eigenvalue zeta of V of modulus 1 other than 1, by increasing argument in "
@@ -384,7 +356,6 @@ A_STABLE = ClaimSpec(
     "a-stable",
     bool,
     SINGLE,
-    "a_stable",
     _TRUTH,
     (
         "M(z) = V + z B (I - z A)^{-1} U is power-bounded for every z with Re z <= 0: it has "
@@ -396,7 +367,6 @@ L_STABLE = ClaimSpec(
     "l-stable",
     bool,
     SINGLE,
-    "l_stable",
     _TRUTH,
     "A-stable, and every eigenvalue of M(z) tends to 0 as z tends to minus infinity",
 )
@@ -404,7 +374,6 @@ FINISHING_ORDER = ClaimSpec(
     "finishing-order",
     int,
     SINGLE,
-    "finishing_order",
     _ORDER,
     (
         "the finishing method of the file undoes the starting method of the file in the "
@@ -415,7 +384,6 @@ SYMMETRIC_REDUCED = ClaimSpec(
     "symmetric-reduced",
     bool,
     SINGLE,
-    "symmetric_reduced",
     _TRUTH,
     (
         "single methods: `symmetric` for the method without the values that are never reached "
@@ -426,7 +394,6 @@ EMBEDDED_ORDER = ClaimSpec(
     "embedded-order",
     dict,
     ANY,
-    "embedded_order",
     _ORDERS,
     (
         "`order`, of a Nystrom method `nystrom-order`, of the method with the weights of each row "
@@ -440,7 +407,6 @@ ORDER_TO_DIGITS = ClaimSpec(
     "order-to-digits",
     dict,
     ANY,
-    "order_to_digits",
     _SIZED_ORDERS,
     (
         "rounded coefficients, taken as the exact rational numbers that they are, of methods that "
@@ -454,7 +420,6 @@ EMBEDDED_DIFFERENCE = ClaimSpec(
     "embedded-difference",
     bool,
     ANY,
-    "embedded_difference",
     _TRUTH,
     (
         "the weights of every error estimate, b less the weights of a row of `embedded` or its "
@@ -468,7 +433,6 @@ ROW_SUMS = ClaimSpec(
     "row-sums",
     bool,
     SINGLE,
-    "row_sums",
     _TRUTH,
     (
         "c = A 1. Where it fails `order` is that on systems y' = f(t, y), f evaluated at t + c_i "
@@ -479,7 +443,6 @@ DENSE_ORDER = ClaimSpec(
     "dense-order",
     int,
     SINGLE,
-    "dense_order",
     _ORDER,
     (
         "largest p such that y + h sum b_i(theta) f(Y_i) is y(t + theta h) to O(h^{p+1}) for "
@@ -490,7 +453,6 @@ DENSE_END = ClaimSpec(
     "dense-end",
     bool,
     SINGLE,
-    "dense_end",
     _TRUTH,
     "b(1) = b: the dense output ends in the solution",
 )
@@ -498,7 +460,6 @@ W_ORDER = ClaimSpec(
     "w-order",
     int,
     ROSENBROCK,
-    "w_order",
     _ORDER,
     "Rosenbrock methods: `order` with any matrix in the place of the Jacobian",
 )

@@ -1,5 +1,9 @@
 """Tables of claims: which there are, and which parts prove which statement (section 7)."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 
 PROVES = {
@@ -8,21 +12,21 @@ PROVES = {
     "symplectic": ("quadratic", "not-quadratic"),
     "g-symplectic": (
         "preconsistent form|form",
-        ("given-form-fails|preconsistent given-form-fails|no-form|preconsistent no-form|"
-         "not-preconsistent")),
-    "conjugate-symplectic": ("form conjugate|quadratic conjugate", "conjugate-symplectic-at-most"),
+        ("given-form-fails|not-preconsistent|preconsistent no-form|no-form|"
+         "preconsistent given-form-fails")),
+    "conjugate-symplectic": ("quadratic conjugate|form conjugate", "conjugate-symplectic-at-most"),
     "symmetric": ("symmetric", "not-symmetric"),
     "symmetric-reduced": ("equivalent irreducible symmetric",
                           "equivalent irreducible not-symmetric"),
     "explicit": ("explicit", "implicit"),
     "reducible": ("reducible", "irreducible"),
     "zero-stable": ("bounded*", "unbounded"),
-    "a-stable": ("bounded a-stable", "not-a-stable|unbounded not-a-stable"),
-    "l-stable": ("bounded a-stable l-limit", "not-a-stable|unbounded not-a-stable|not-l-limit"),
-    "parasitism-free": ("eigen* growth|bounded* unshared|residues",
-                        "eigen* grows|unbounded|residues"),
-    "growth": ("eigen* growth|bounded* unshared|residues",
-               "eigen* grows|unbounded|bounded* unshared|residues"),
+    "a-stable": ("bounded a-stable", "unbounded not-a-stable|not-a-stable"),
+    "l-stable": ("bounded a-stable l-limit", "not-l-limit|unbounded not-a-stable|not-a-stable"),
+    "parasitism-free": ("residues|bounded* unshared|eigen* growth",
+                        "unbounded|residues|eigen* grows"),
+    "growth": ("residues|bounded* unshared|eigen* growth",
+               "unbounded|residues|bounded* unshared|eigen* grows"),
     "second-order-growth": ("eigen* second-order", "eigen* other-second-order"),
     "abscissae": ("abscissae", "other-abscissae|no-order-1"),
     "error-constant": ("error-constant", "other-error-constant"),
@@ -33,6 +37,17 @@ PROVES = {
     "embedded-order": ("row+", "row+|row"),
     "order-to-digits": ("to-digits", "not-to-digits"),
 }  # fmt: skip
+
+
+def alternatives(claim: str, truth: bool, often: Mapping[str, int], more: str = "") -> list[list]:
+    """Return the lists of rules each of which proves a claim true or false, with `more` of them.
+
+    A rule whose name ends in a key of `often` stands so many times in a row.
+    """
+    texts = PROVES.get(claim, ("", ""))[not truth] + more
+    return [[x.rstrip("*+") for x in text.split() for _ in range(often.get(x[-1], 1))]
+            for text in texts.split("|") if text]  # fmt: skip
+
 
 MODIFIED = {  # orders of the underlying one-step method, on systems y' = f(y)
     "hamiltonian-to-order": "hamiltonian", "energy-order": "energy",

@@ -12,10 +12,10 @@ from .claims import (
     OF_ONE_METHOD,
     OF_PAIRS,
     ORDERS,
-    PROVES,
     ROSENBROCK,
     SECOND,
     VALUES,
+    alternatives,
 )
 from .document import CLASSES, rows_of
 from .proof import Proof, record_of
@@ -86,12 +86,9 @@ def fits(proof: Proof) -> bool:
     if claim not in (*VALUES, "dense-order"):
         truth = proof.declared == proof.holds
     exact = proof.kind in ("rational", "tower")
-    texts = PROVES.get(claim, ("", ""))[not truth] if exact or claim in AS_EXACT else ""
-    if not exact and (truth or claim == "growth"):
-        texts += "|implied"
+    more = "|implied" if not exact and (truth or claim == "growth") else ""
     often = {"*": len(proof.method.parts), "+": len(rows_of(proof.method.document))}
-    return rules in ([x.rstrip("*+") for x in text.split() for _ in range(often.get(x[-1], 1))]
-                     for text in texts.split("|") if text)  # fmt: skip
+    return rules in alternatives(claim if exact or claim in AS_EXACT else "", truth, often, more)
 
 
 def fits_order(proof: Proof) -> bool:

@@ -19,29 +19,20 @@ from ..catalogue.claims import (
     ABSCISSAE,
     CLAIMS,
     CONJUGATE_SYMPLECTIC_ORDER,
-    DENSE_END,
     DENSE_ORDER,
     EFFECTIVE_ORDER,
-    EMBEDDED_DIFFERENCE,
     EMBEDDED_ORDER,
-    ENERGY_ORDER,
-    EXPLICIT,
     FINISHING_ORDER,
     GROWTH,
-    HAMILTONIAN_TO_ORDER,
     L_STABLE,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
-    PARASITISM_FREE,
-    REDUCIBLE,
-    ROW_SUMS,
     STAGE_ORDER,
     STARTING_ORDER,
-    SYMMETRIC,
+    SYMMETRIC_REDUCED,
     W_ORDER,
-    ZERO_STABLE,
 )
 from ..catalogue.files import document as shipped_document
 from ..catalogue.keys import ABOUT
@@ -51,8 +42,8 @@ from ..exact.expression import to_text
 from ..exact.judging import consulted, proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
+from ..judge.claims import alternatives
 from ..judge.refusals import Refused
-from ..method.preconsistency import preconsistency_vector
 from ..system.budget import fits
 from ..system.shown import above
 from ..theory import polynomials as poly
@@ -62,21 +53,16 @@ from ..theory.judged import judged_parts
 from ..theory.residues import residues
 from ..theory.stability import SAMPLES
 from ..theory.starting_series import Judged, StartingSeries
-from ..theory.symplectic import find_forms, form_identities
+from ..theory.symmetry import Symmetry, symmetry
+from ..theory.symplectic import find_forms
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
-from .finders import proposal_for
 from .kernel import Found, Kernel
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
-#: Rules that need no witness: that the claim is false, and that it is true.
-_SIMPLE = {
-    EMBEDDED_DIFFERENCE.key: ("no-differences", "differences"),
-    ROW_SUMS.key: ("no-row-sums", "row-sums"),
-    DENSE_END.key: ("no-dense-end", "dense-end"),
-    EXPLICIT.key: ("implicit", "explicit"),
-    REDUCIBLE.key: ("irreducible", "reducible"),
-}
+#: The parts before one that is proposed, and what may be its witness.
+Parts = tuple[Part, ...]
+Witnesses = Iterator[dict[str, Any]]
 #: Orders of the method itself.
 _ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
 
@@ -236,22 +222,15 @@ def _matrix(rows: Matrix) -> list[list[str]]:
     return [_vector(row) for row in rows]
 
 
-def _not_a_stable(**witness: Any) -> Part:
-    return {"rule": "not-a-stable", "witness": witness}
-
-
-def _involutions(proposed: Mapping[str, Any]) -> Any:
-    """Return the L, and the exchanges of stages by colour, that were proposed."""
-    if "involutions" not in proposed:
-        raise ExactnessError("no exchange of stages was found")
-    return proposed["involutions"]
-
-
 class _About:
     """What a writer asks of facts, for a method without a file."""
 
     def __init__(self, kernel: Kernel) -> None:
         self.method, self.kernel = kernel.method, kernel
+
+
+def _none(writer: Any, parts: Parts) -> Witnesses:
+    yield {}
 
 
 class _Writer:
@@ -265,18 +244,41 @@ class _Writer:
 
     def proposals(self) -> Iterator[list[Part]]:
         """Yield lists of parts that may prove the statement."""
-        several = self._several.get(self.claim)
-        if several is None or self._truth() or self._absent() or self._follows():
+        if self._absent() or CLAIMS[self.claim].type in (int, dict):
             yield self.parts()
+        elif self._follows():
+            self.identities.append("decided at the one root of the equations of the file")
+            yield [{"rule": "implied", "witness": {}}]
         else:
-            yield from several(self)
+            yield from self._proved()
+
+    def _proved(self) -> Iterator[list[Part]]:
+        """Yield the parts with which the judge proves such a statement, with what is known."""
+        why: ExactnessError | None = None
+        for rules in alternatives(self.claim, self._truth(), {"*": len(self.blocks)}):
+            why = None
+            try:
+                yield from self._filled(rules)
+            except ExactnessError as error:
+                why = error
+        if why is not None:
+            raise why
+
+    def _filled(self, rules: list[str], parts: tuple[Part, ...] = ()) -> Iterator[list[Part]]:
+        """Yield parts of these rules, after others, with all witnesses that are proposed."""
+        if not rules:
+            yield list(parts)
+            return
+        rule, *later = rules
+        for witness in self._witnesses.get(rule, _none)(self, parts):
+            yield from self._filled(later, (*parts, {"rule": rule, "witness": witness}))
 
     def _follows(self) -> bool:
         """Return whether the statement is decided at the root of the equations of the file."""
         return False
 
     def parts(self) -> list[Part]:
-        """Return the parts that prove the statement."""
+        """Return the parts that prove a statement about an order, or about what is absent."""
         return [{"rule": "absent", "witness": {}}] if self._absent() else self._parts()
 
     def _absent(self) -> bool:
@@ -290,9 +292,7 @@ class _Writer:
         )  # fmt: skip
 
     def _parts(self) -> list[Part]:
-        if self.claim in _SIMPLE:
-            return [{"rule": _SIMPLE[self.claim][self._truth()], "witness": {}}]
-        special = getattr(self, f"_{CLAIMS[self.claim].rule}", None)
+        special = getattr(self, "_" + self.claim.replace("-", "_"), None)
         if special is not None:
             return special()
         if self.claim in (ORDER_IDENTITY.key, EFFECTIVE_ORDER.key, NYSTROM_ORDER.key):
@@ -388,21 +388,8 @@ class _Writer:
 
     def _no_order(self) -> Part:
         """Return a component that is not consistent."""
-        colour = self._without_vectors(consistent=True)
-        if colour is None:
-            raise ExactnessError("order 1 is not excluded by consistency")
-        self.identities.append("u and v of consistency do not exist")
-        return {"rule": "no-order-1", "witness": {"colour": colour}}
-
-    def _without_vectors(self, *, consistent: bool) -> str | None:
-        """Return the first component that has no u as the judge finds, or no u and v."""
-        with consulted():
-            method = judged_parts(self.kernel.method)
-            for colour in method.parts:
-                with suppress(Refused):
-                    if method.vectors_to_one(colour, consistent)[0] is None:
-                        return colour
-        return None
+        (witness,) = self._inconsistent(())
+        return {"rule": "no-order-1", "witness": witness}
 
     def _after_order(self, name: str, parts: list[Part]) -> list[Part]:
         """Return the bounds of stages, a start or a finish after those of the order."""
@@ -440,273 +427,231 @@ class _Writer:
         if not self.kernel._exact_start():
             raise ExactnessError("certificates of enclosed starts are not written yet")
 
-    def _symmetric_reduced(self) -> list[Part]:
-        """Return the method without idle values, which is minimal, and its symmetry."""
-        proposed = self._witness()
-        smaller = proposed.get("reduced")
-        if smaller is None:
-            raise ExactnessError("the method without idle values was not found")
-        if len(smaller.A) != len(self.facts.method.A):
-            raise ExactnessError("a method with idle stages is not reduced")
-        inner = self._of(Kernel(smaller), SYMMETRIC.key)
-        blocks = {k: _matrix(getattr(smaller, k)) for k in "UBV"}
-        if self._truth():
-            Ls, exchanges = _involutions(proposed)
-            witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
-            last = [{"rule": "symmetric", "witness": witness}]
-        else:
-            last = inner._not_symmetric()
-        return [
-            {"rule": "equivalent", "witness": blocks},
-            {"rule": "irreducible", "witness": {}},
-            *last,
-        ]
-
     def _nystrom_starting_order(self) -> list[Part]:
         return self._starting_order(nystrom=True)
 
-    # -- true or false
-
-    def _truth(self) -> bool:
-        return (self.declared is not False) == self.holds
-
-    def _witness(self) -> Mapping[str, Any]:
-        return proposal_for(self.facts, self.claim).witness()
-
-    def _vectors(self, *, v: bool) -> Part:
-        return {"rule": "consistent" if v else "preconsistent", "witness": {}}
-
-    def _consistent(self) -> list[Part]:
-        return [self._vectors(v=True)] if self._truth() else [self._no_order()]
-
-    def _preconsistent(self) -> list[Part]:
-        return [self._vectors(v=False) if self._truth() else self._no_vector()]
-
-    def _no_vector(self) -> Part:
-        """Return a component for which V u = u, U u = 1 contradict each other."""
-        colour = self._without_vectors(consistent=False)
-        if colour is None:
-            raise ExactnessError("no vector refutes preconsistency")
-        return {"rule": "not-preconsistent", "witness": {"colour": colour}}
-
-    @staticmethod
-    def _bounded(c: str) -> Part:
-        return {"rule": "bounded", "witness": {"which": c}}
-
-    def _unbounded(self) -> Iterator[list[Part]]:
-        """Yield every V, or block of V, that may have a root outside or defective on the circle."""
-        for c, (_, _, _, V) in self.kernel.blocks.items():
-            blocks = (
-                [{}]
-                if linalg.is_exact(V)
-                else [{"block": i} for i, _ in enumerate(poly.blocks_of(V))]
-            )
-            for where in blocks:
-                yield [{"rule": "unbounded", "witness": {"which": c, **where}}]
-
-    def _zero_stable(self) -> list[Part]:
-        return [self._bounded(c) for c in self.kernel.blocks]
-
-    def _symplectic(self) -> list[Part]:
-        if self._truth():
-            return [{"rule": "quadratic", "witness": {}}]
-        several = {} if self.kernel.one_step else {"several-values": True}
-        return [{"rule": "not-quadratic", "witness": several}]
-
-    def _g_symplectic(self) -> list[Part]:
-        proposed = self._witness()
-        if self._truth():
-            G, diagonals = proposed.get("form") or self._eliminated_form()
-            names = ("D_P", "D_Q") if self.kernel.is_pair else ("D",)
-            witness = {"G": _matrix(G)}
-            witness |= {n: _vector(d) for n, d in zip(names, diagonals, strict=True)}  # type: ignore[misc]
-            return [self._vectors(v=False), {"rule": "form", "witness": witness}]
-        if proposed.get("given"):
-            fails = {"rule": "given-form-fails", "witness": {}}
-            G, diagonals = proposed["form"]
-            residuals = form_identities(self.kernel.method, G, *diagonals)
-            entries = (x for _, M in residuals for _, _, x in linalg.entries(M))
-            if any(x.is_zero() is False for x in entries):
-                return [fails]
-            for c in self.kernel.method.components:
-                if linalg.is_exact(c.U, c.V) and preconsistency_vector(c) is None:
-                    return [self._no_vector()]
-            return [self._vectors(v=False), fails]
-        return self._no_form()
-
-    def _conjugate_symplectic(self) -> list[Part]:
-        if self._truth():
-            form = self._symplectic() if self.kernel.one_step else self._g_symplectic()[1:]
-            return [*form, {"rule": "conjugate", "witness": {}}]
-        return self._conjugate_symplectic_order()[1:]
-
     def _conjugate_symplectic_order(self) -> list[Part]:
-        return self._reached(CONJUGATE_SYMPLECTIC_ORDER.key, "conjugate-symplectic")
+        return self._reached("conjugate-symplectic")
 
     def _hamiltonian_to_order(self) -> list[Part]:
-        return self._reached(HAMILTONIAN_TO_ORDER.key, "hamiltonian")
+        return self._reached("hamiltonian")
 
     def _energy_order(self) -> list[Part]:
-        return self._reached(ENERGY_ORDER.key, "energy")
+        return self._reached("energy")
 
-    def _reached(self, claim: str, name: str) -> list[Part]:
+    def _reached(self, name: str) -> list[Part]:
         """Return both bounds of an order of the underlying one-step method, or the lower one."""
-        found = self.kernel.range(claim)
+        found = self.kernel.range(self.claim)
         bounds = {"at-least": found.lower, "at-most": found.upper}
         return [{"rule": f"{name}-{which}", "witness": {"q": q}}
                 for which, q in bounds.items() if q is not None]  # fmt: skip
 
-    def _eliminated_form(self) -> tuple[Matrix, tuple[Vector, ...]]:
-        """Return a form that no finder proposes."""
-        found = None if self._witness().get("none") else choose_form(find_forms(self.kernel.method))
-        if found is None:
-            raise ExactnessError("no form was found")
-        return found.G, found.D
+    # -- true or false, and lists: witnesses of rules, after the parts before them
 
-    def _no_form(self) -> list[Part]:
-        if any(preconsistency_vector(c) is None for c in self.kernel.method.components):
-            return [self._no_vector()]
+    def _truth(self) -> bool:
+        return (self.declared is not False) == self.holds
+
+    @property
+    def blocks(self) -> dict[str, Matrix]:
+        """V by colour; of questions about stability those of the linear form."""
+        stable = self.claim in (A_STABLE.key, L_STABLE.key)
+        method = self.facts.linear if stable else self.facts.method
+        return {c.colour: c.V for c in method.components}
+
+    def _component(self, parts: Parts) -> Witnesses:
+        """Yield the component that comes next."""
+        yield {"which": list(self.blocks)[len(parts)]}
+
+    def _without(self, *, consistent: bool, why: str) -> Witnesses:
+        """Yield the first component that has no u as the judge finds, or no u and v."""
+        with consulted():
+            method = judged_parts(self.kernel.method)
+            for colour in method.parts:
+                with suppress(Refused):
+                    if method.vectors_to_one(colour, consistent)[0] is None:
+                        yield {"colour": colour}
+                        return
+        raise ExactnessError(why)
+
+    def _inconsistent(self, parts: Parts) -> Witnesses:
+        found = self._without(consistent=True, why="order 1 is not excluded by consistency")
+        (witness,) = found
+        self.identities.append("u and v of consistency do not exist")
+        yield witness
+
+    def _not_preconsistent(self, parts: Parts) -> Witnesses:
+        yield from self._without(consistent=False, why="no vector refutes preconsistency")
+
+    def _unbounded(self, parts: Parts) -> Witnesses:
+        """Yield every V, or block of V, that may have a root outside or defective on the circle."""
+        for c, V in self.blocks.items():
+            blocks = [{}] if linalg.is_exact(V) else [
+                {"block": i} for i, _ in enumerate(poly.blocks_of(V))]  # fmt: skip
+            yield from ({"which": c, **where} for where in blocks)
+
+    # forms
+
+    def _quadratic(self, parts: Parts) -> Witnesses:
+        if self.kernel.one_step:
+            yield {}
+
+    def _not_quadratic(self, parts: Parts) -> Witnesses:
+        yield {} if self.kernel.one_step else {"several-values": True}
+
+    @property
+    def _form_is_given(self) -> bool:
+        """Whether the form found is that of the file: else, where it has no D and no u, another."""
+        found = self.facts.g_symplecticity
+        return None not in (found.G, self.facts.method.G) and found.dimension is None
+
+    def _form(self, parts: Parts) -> Witnesses:
+        """Yield the form that was found, or one that no finder proposes."""
+        found = self.facts.g_symplecticity
+        G, diagonals = found.G, found.diagonals
+        if G is None:
+            other = None if found.holds is False else choose_form(find_forms(self.kernel.method))
+            if other is None:
+                raise ExactnessError("no form was found")
+            G, diagonals = other.G, other.D
+        names = ("D_P", "D_Q") if self.kernel.is_pair else ("D",)
+        yield {"G": _matrix(G)} | {n: _vector(d) for n, d in zip(names, diagonals, strict=True)}
+
+    def _given_form(self, parts: Parts) -> Witnesses:
+        if self._form_is_given:
+            yield {}
+
+    def _no_form(self, parts: Parts) -> Witnesses:
+        if self._form_is_given:
+            return
         if not self.kernel.method.is_real:
             raise ExactnessError("that a complex method has no form is not written out")
         first, last = self.kernel.method.components[0], self.kernel.method.components[-1]
         fits(len(first.V) * len(last.V), len(first.V) * len(last.V), "the form")
-        return [self._vectors(v=False), {"rule": "no-form", "witness": {}}]
+        yield {}
 
-    def _symmetric(self) -> list[Part]:
-        kernel = self.kernel
-        if self._truth():
-            Ls, exchanges = _involutions(self._witness())
-            if kernel.is_pair:
-                witness = {
-                    "L": _matrix(Ls[0]), "L_hat": _matrix(Ls[1]),
-                    "P_Q": list(exchanges["f"]), "P_P": list(exchanges["k"]),
-                }  # fmt: skip
-            else:
-                witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
-            return [{"rule": "symmetric", "witness": witness}]
-        return self._not_symmetric()
+    def _not_conjugate(self, parts: Parts) -> Witnesses:
+        upper = self.kernel.range(CONJUGATE_SYMPLECTIC_ORDER.key).upper
+        if upper is not None:
+            yield {"q": upper}
 
-    def _not_symmetric(self) -> list[Part]:
-        """Show that V is singular, or let the judge search the exchanges of stages."""
-        where: dict[str, Any] = {}
-        for c, (_, _, _, V) in self.kernel.blocks.items():
-            if linalg.is_exact(V) and linalg.nullspace(V):
-                where = {"singular": c}
-        return [{"rule": "not-symmetric", "witness": where}]
+    # symmetry
 
-    def _abscissae(self) -> list[Part]:
+    def _reversed(self) -> tuple[Any, Symmetry]:
+        """Return the method that is asked about, and its symmetry: that without idle values."""
+        if self.claim != SYMMETRIC_REDUCED.key:
+            return self.facts.method, self.facts.symmetry
+        if not self.facts.method.is_exact:
+            raise ExactnessError("the method without idle values was not found")
+        return self.facts.reduced, symmetry(self.facts.reduced)
+
+    def _equivalent(self, parts: Parts) -> Witnesses:
+        smaller, _ = self._reversed()
+        if len(smaller.A) != len(self.facts.method.A):
+            raise ExactnessError("a method with idle stages is not reduced")
+        yield {k: _matrix(getattr(smaller, k)) for k in "UBV"}
+
+    def _symmetric(self, parts: Parts) -> Witnesses:
+        """Yield the L, and the exchanges of stages by colour, that were found."""
+        _, found = self._reversed()
+        Ls = list(found.involutions.values())
+        if found.reduced or not found.exchanges or None in Ls:
+            raise ExactnessError("no exchange of stages was found")
+        exchanges = list(map(list, found.exchanges.values()))
+        names = ("L", "L_hat", "P_Q", "P_P") if self.kernel.is_pair else ("L", "P")
+        yield dict(zip(names, [*map(_matrix, Ls), *exchanges], strict=True))
+
+    def _not_symmetric(self, parts: Parts) -> Witnesses:
+        """Yield a V that is singular, or let the judge search the exchanges of stages."""
+        method, _ = self._reversed()
+        singular = [c.colour for c in method.components
+                    if linalg.is_exact(c.V) and linalg.nullspace(c.V)]  # fmt: skip
+        yield {"singular": singular[-1]} if singular else {}
+
+    # abscissae, linear stability
+
+    def _abscissae(self, parts: Parts) -> Witnesses:
         if not all(linalg.is_exact(*block[1:]) for block in self.kernel.blocks.values()):
             raise ExactnessError("the abscissae of decimals are enclosed, not proved")
-        return [{"rule": "abscissae", "witness": {}}]
+        yield {}
 
-    def _other_abscissae(self) -> Iterator[list[Part]]:
-        yield [{"rule": "other-abscissae", "witness": {}}]
-        yield [self._no_order()]
-
-    def _error_constant(self) -> list[Part]:
-        rule = "error-constant" if self.holds else "other-error-constant"
-        return [{"rule": rule, "witness": {}}]
-
-    def _a_stable(self) -> list[Part]:
-        self._exact_stability()
-        return [self._bounded("o"), {"rule": "a-stable", "witness": {}}]
-
-    def _exact_stability(self) -> None:
+    def _stable(self, parts: Parts) -> Witnesses:
         if not self.kernel.exact:
             raise ExactnessError("published decimals: stability is decided for exact methods only")
+        yield {}
 
-    def _not_a_stable(self) -> Iterator[list[Part]]:
+    def _not_a_stable(self, parts: Parts) -> Witnesses:
         """Yield the reasons for which a method may not be A-stable."""
-        self._exact_stability()
-        for parts in self._unbounded():  # of V alone: cheaper than what is tried of M(i y)
-            yield [*parts, _not_a_stable(start=True)]
-        yield [_not_a_stable(infinity=True)]
-        poles_first = self.facts.linear.is_diagonally_implicit
-        if poles_first:
-            yield [_not_a_stable(pole=True)]
-        yield from ([_not_a_stable(y=y)] for y in SAMPLES)
-        if not poles_first:
-            yield [_not_a_stable(pole=True)]
-        yield [_not_a_stable(axis=True)]
+        for start in self._stable(()):
+            yield from self._elsewhere() if not parts else [start | {"start": True}]
 
-    def _l_stable(self) -> list[Part]:
-        return [*self._a_stable(), {"rule": "l-limit", "witness": {}}]
+    def _elsewhere(self) -> Witnesses:
+        """Yield the reasons other than V, which is cheapest."""
+        poles, points = [{"pole": True}], [{"y": y} for y in SAMPLES]
+        first = self.facts.linear.is_diagonally_implicit
+        yield {"infinity": True}
+        yield from poles + points if first else points + poles
+        yield {"axis": True}
 
-    def _not_l_stable(self) -> Iterator[list[Part]]:
-        yield [{"rule": "not-l-limit", "witness": {}}]
-        yield from self._not_a_stable()
+    # growth
 
-    # -- growth
+    @cached_property
+    def _cosines(self) -> dict[str, list[str]]:
+        """The eigenvalues of the halves of a pair that shares stages and the eigenvalue 1."""
+        found = residues(self.kernel.method) or {}
+        return {c: [str(x.cosine) for x in half] for c, half in found.items()}
 
-    def _eigen(self) -> tuple[list[Part], dict[str, Any]]:
-        proposed = self._witness()
-        parts: list[Part] = []
-        for c in self.kernel.blocks:
-            if c not in proposed:
-                raise ExactnessError(proposed.get("why", "eigenvalues are not known"))
-            values = list(map(to_text, proposed[c]))
-            parts.append({"rule": "eigen", "witness": {"which": c, "zeta": values}})
-        return parts, dict(proposed)
-
-    def _real_growth(self, proposed: Mapping[str, Any]) -> None:
-        """Refuse decimals at an eigenvalue that is not real: the intervals of a checker are."""
-        decimals = not all(linalg.is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
-        if decimals and not all(z.is_real() for zeta in proposed.values() for z in zeta):
-            raise ExactnessError("growth of decimals at an eigenvalue that is not real")
-
-    def _unshared(self) -> list[Part]:
-        """Return parts of a separable pair sharing the eigenvalue 1 only, else nothing."""
+    @cached_property
+    def _shares_one(self) -> bool:
+        """Whether the method is a separable pair whose halves share the eigenvalue 1 only."""
         values = [b[3] for b in self.kernel.blocks.values()]
         if not self.kernel.is_pair or self.kernel.shared or not linalg.is_exact(*values):
-            return []
-        if not poly.share_only_one(*map(poly.characteristic, values)):
-            return []
-        bounded = [self._bounded(c) for c in self.kernel.blocks]
-        return [*bounded, {"rule": "unshared", "witness": {}}]
+            return False
+        return poly.share_only_one(*map(poly.characteristic, values))
 
-    def _halves(self) -> list[Part]:
-        """Return parts of a pair that shares stages and the eigenvalue 1, else nothing."""
-        if (found := residues(self.kernel.method)) is None:
-            return []
-        cosines = {c: [str(x.cosine) for x in half] for c, half in found.items()}
-        return [{"rule": "residues", "witness": {"cosines": cosines}}]
+    def _unshared(self, parts: Parts) -> Witnesses:
+        if self._shares_one:
+            yield {}
 
-    def _growth(self) -> list[Part]:
-        if found := self._halves() or self._unshared():
-            return found
-        parts, proposed = self._eigen()
-        self._real_growth(proposed)
-        return [*parts, {"rule": "growth", "witness": {}}]
+    def _residues(self, parts: Parts) -> Witnesses:
+        if self._cosines:
+            yield {"cosines": self._cosines}
 
-    def _parasitism_free(self) -> list[Part]:
-        return self._growth()
-
-    def _other_growth(self) -> Iterator[list[Part]]:
-        """Yield the eigenvalues at which something may grow; of an unstable V all does."""
-        yield from self._unbounded()
-        free = self.claim == PARASITISM_FREE.key
-        if found := self._halves() or ([] if free else self._unshared()):
-            yield found
+    def _eigen(self, parts: Parts) -> Witnesses:
+        """Yield the eigenvalues of the component that comes next, where no other rule does."""
+        by_list = self.claim == GROWTH.key or self._truth()
+        if self._cosines or (by_list and self._shares_one):
             return
-        parts, proposed = self._eigen()
-        for k in range(0 if free else -1, min(map(len, proposed.values()))):
-            if k >= 0:
-                self._real_growth(proposed)
-            yield [*parts, {"rule": "grows", "witness": {"part": k}}]
+        (witness,) = self._component(parts)
+        if witness["which"] not in self.facts.eigen:
+            raise ExactnessError(self.facts.eigen.get("why", "eigenvalues are not known"))
+        yield witness | {"zeta": list(map(to_text, self.facts.eigen[witness["which"]]))}
 
-    def _second_order_growth(self) -> list[Part]:
-        rule = "second-order" if self.holds else "other-second-order"
-        return [*self._eigen()[0], {"rule": rule, "witness": {}}]
+    def _growth(self, parts: Parts) -> Witnesses:
+        """Refuse decimals at an eigenvalue that is not real: the intervals of a checker are."""
+        decimals = not all(linalg.is_exact(U, B) for _, U, B, _ in self.kernel.blocks.values())
+        if decimals and not all(z.is_real() for zeta in self.facts.eigen.values() for z in zeta):
+            raise ExactnessError("growth of decimals at an eigenvalue that is not real")
+        yield {}
 
-    #: What may refute claims that are false, for the judge to search.
-    _several: ClassVar[Mapping[str, Callable[[Any], Iterator[list[Part]]]]] = {
-        ZERO_STABLE.key: _unbounded,
-        A_STABLE.key: _not_a_stable,
-        L_STABLE.key: _not_l_stable,
-        PARASITISM_FREE.key: _other_growth,
-        GROWTH.key: _other_growth,
-        ABSCISSAE.key: _other_abscissae,
-    }
+    def _grows(self, parts: Parts) -> Witnesses:
+        """Yield that another number of parameters is declared, and the places of each."""
+        if self.claim == GROWTH.key:
+            yield {"part": -1}
+        for k in range(min(map(len, self.facts.eigen.values()))):
+            yield from ({"part": k} for _ in self._growth(parts))
+
+    #: What is proposed to the judge as witness of a rule; the others need none.
+    _witnesses: ClassVar[Mapping[str, Callable[[Any, Parts], Witnesses]]] = {
+        "no-order-1": _inconsistent, "not-preconsistent": _not_preconsistent,
+        "bounded": _component, "unbounded": _unbounded,
+        "quadratic": _quadratic, "not-quadratic": _not_quadratic,
+        "form": _form, "given-form-fails": _given_form, "no-form": _no_form,
+        "conjugate-symplectic-at-most": _not_conjugate,
+        "equivalent": _equivalent, "symmetric": _symmetric, "not-symmetric": _not_symmetric,
+        "abscissae": _abscissae, "a-stable": _stable, "not-a-stable": _not_a_stable,
+        "eigen": _eigen, "growth": _growth, "grows": _grows,
+        "unshared": _unshared, "residues": _residues,
+    }  # fmt: skip
 
 
 class _EnclosedWriter(_Writer):
@@ -718,13 +663,6 @@ class _EnclosedWriter(_Writer):
             return self._range()
         if claim == EMBEDDED_ORDER.key:
             return self._rows()
-        if claim == REDUCIBLE.key and not self._truth():
-            return [{"rule": "irreducible", "witness": {}}]
-        if claim == SYMMETRIC.key and not self._truth():
-            return self._not_symmetric()
-        if self._follows():
-            self.identities.append("decided at the one root of the equations of the file")
-            return [{"rule": "implied", "witness": {}}]
         return super()._parts()
 
     def _follows(self) -> bool:
@@ -778,7 +716,8 @@ class _EnclosedWriter(_Writer):
             try:
                 return [self._no_order()]
             except ExactnessError:
-                return [self._no_vector()]
+                (witness,) = self._not_preconsistent(())
+                return [{"rule": "not-preconsistent", "witness": witness}]
         if claim == STAGE_ORDER.key:
             implied = self.kernel.implied is not None
             return self._implied_stages(free=free) if implied else self._stages(free=free)
@@ -897,7 +836,4 @@ class _EnclosedWriter(_Writer):
         ]
 
     def _symmetric_part(self) -> list[Part]:
-        proposed = proposal_for(self.facts, SYMMETRIC.key).witness()
-        Ls, exchanges = proposed["involutions"]
-        witness = {"L": _matrix(Ls[0]), "P": list(exchanges["o"])}
-        return [{"rule": "symmetric", "witness": witness}]
+        return [{"rule": "symmetric", "witness": next(self._symmetric(()))}]

@@ -20,6 +20,7 @@ from ..findings import Proof, Verdict
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency, zero_stability
+from ..theory.equivalence import reduce
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
 from ..theory.spectrum import unimodular_eigenvalues
@@ -243,6 +244,11 @@ class Facts:
         p = self.kernel.range(ORDER.key).value
         residual = self.local_error.get(tree([single()] * p))
         return None if residual is None else (residual * Fraction(-1, factorial(p)),)
+
+    @cached_property
+    def reduced(self) -> Any:
+        """The method without idle and equal stages, values unseen or out of reach."""
+        return reduce(self.method)
 
     @property
     def linear(self) -> Any:

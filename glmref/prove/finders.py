@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 from ..catalogue.claims import (
@@ -33,15 +34,36 @@ from ..errors import ExactnessError
 from ..exact import Exact
 from ..exact.expression import parse, shown_number
 from ..theory import polynomials as poly
-from ..theory.equivalence import reduce
 from ..theory.stability import seems_a_stable, why_not_a_stable
-from ..theory.symmetry import Symmetry, symmetry, symmetry_as_given
+from ..theory.symmetry import Symmetry, symmetry_as_given
 from .beside import BESIDE, known_beside
-from .kernel import Explain, Proposal
 from .ranges import Known
 
 #: :class:`glmref.prove.facts.Facts`, which imports the kernel.
 Facts = Any
+
+
+#: From a truth value and its certificate to a sentence and the size of what decides.
+Explain = Callable[[bool, Any], tuple[str, float]]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What is said of a claim: words and numbers to show.
+
+    Attributes
+    ----------
+    value : object
+        Of a list, what to show.
+    explain : Explain
+        What is said of a claim that is no order, when the judge has decided it.
+    likely : Callable[[], bool]
+        A guess whether the claim is true; what is likely is put to the judge first.
+    """
+
+    value: object = None
+    explain: Explain = lambda truth, certificate: ("", 0.0)
+    likely: Callable[[], bool] = lambda: True
 
 
 def proposal_for(facts: Facts, claim: str) -> Proposal:
@@ -119,15 +141,7 @@ def _symplectic(facts: Facts) -> Proposal:
 
 
 def _g_symplectic(facts: Facts) -> Proposal:
-    def witness() -> Mapping[str, Any]:
-        found = facts.g_symplecticity
-        if found.G is None:
-            return {"none": found.holds is False}
-        # where the form of the file has no D and no u gives one, another form was looked for
-        given = facts.method.G is not None and found.dimension is None
-        return {"form": (found.G, found.diagonals), "given": given}
-
-    return Proposal(witness, explain=_told(lambda: facts.g_symplecticity))
+    return Proposal(explain=_told(lambda: facts.g_symplecticity))
 
 
 def _conjugate_symplectic(facts: Facts) -> Proposal:
@@ -135,35 +149,18 @@ def _conjugate_symplectic(facts: Facts) -> Proposal:
         key = CONJUGATE_SYMPLECTIC_ORDER.key
         return ("" if truth else facts.kernel.range(key).sentence), 0.0
 
-    return Proposal(_g_symplectic(facts).witness, explain=explain)
+    return Proposal(explain=explain)
 
 
 def _symmetric(facts: Facts) -> Proposal:
-    def witness() -> Mapping[str, Any]:
-        found = facts.symmetry
-        Ls = tuple(found.involutions.values())
-        if found.reduced or not found.exchanges or None in Ls:
-            return {}
-        return {"involutions": (Ls, found.exchanges)}
-
     def found() -> Symmetry:
         return symmetry_as_given(facts.method) if facts.symmetry.reduced else facts.symmetry
 
-    return Proposal(witness, explain=_told(found))
+    return Proposal(explain=_told(found))
 
 
 def _symmetric_reduced(facts: Facts) -> Proposal:
-    def witness() -> Mapping[str, Any]:
-        if not facts.method.is_exact:
-            return {}
-        smaller = reduce(facts.method)
-        found = symmetry(smaller)
-        known: dict[str, Any] = {"reduced": smaller}
-        if found.L is not None and found.P is not None:
-            known["involutions"] = ((found.L,), {"o": found.P})
-        return known
-
-    return Proposal(witness, explain=_told(lambda: symmetry_as_given(reduce(facts.method))))
+    return Proposal(explain=_told(lambda: symmetry_as_given(facts.reduced)))
 
 
 def _parasitism(facts: Facts) -> Proposal:
@@ -174,7 +171,7 @@ def _parasitism(facts: Facts) -> Proposal:
             return "V is not power-bounded: parasitic components grow anyway", 0.0
         return told(truth, certificate)
 
-    return Proposal(lambda: facts.eigen, explain=explain)
+    return Proposal(explain=explain)
 
 
 def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None) -> Explain:
@@ -209,7 +206,7 @@ def _listed(what: str, values: Callable[[], Any], shown: list[str] | None = None
 def _growth(facts: Facts) -> Proposal:
     shown = _shown_growth(facts)
     explain = _listed("growth parameters", lambda: facts.growth_parameters, shown)
-    return Proposal(lambda: facts.eigen, shown, explain)
+    return Proposal(shown, explain)
 
 
 def _shown_growth(facts: Facts) -> list[str]:
@@ -230,7 +227,7 @@ def _second_order_growth(facts: Facts) -> Proposal:
     with suppress(ExactnessError):  # the kernel says why
         shown = [shown_number(x) for x in facts.kernel.invariants]
     explain = _listed("invariants of second order", lambda: facts.kernel.invariants)
-    return Proposal(lambda: facts.eigen, shown, explain)
+    return Proposal(shown, explain)
 
 
 def _abscissae(facts: Facts) -> Proposal:

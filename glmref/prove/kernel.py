@@ -103,32 +103,6 @@ class Found:
     reason: str
 
 
-#: From a truth value and its certificate to a sentence and the size of what decides.
-Explain = Callable[[bool, Any], tuple[str, float]]
-
-
-@dataclass(frozen=True)
-class Proposal:
-    """What a finder hands in: witnesses by name, and words and numbers to show.
-
-    Attributes
-    ----------
-    witness : Callable[[], Mapping[str, Any]]
-        What certificates are written of, by name; called when it is needed.
-    value : object
-        Of a list, what to show.
-    explain : Explain
-        What is said of a claim that is no order, when the judge has decided it.
-    likely : Callable[[], bool]
-        A guess whether the claim is true; what is likely is put to the judge first.
-    """
-
-    witness: Callable[[], Mapping[str, Any]] = dict
-    value: object = None
-    explain: Explain = lambda truth, certificate: ("", 0.0)
-    likely: Callable[[], bool] = lambda: True
-
-
 class Kernel(RowRules, DigitRules, ModifiedRules):
     """The rules, for one method.
 
@@ -193,11 +167,8 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         return Found(truth, proof, value, residual, reason)
 
     def _rule(self, claim: str) -> Any:
-        """Return the rule of a claim: ``_rule`` with the name in its :class:`ClaimSpec`.
-
-        Of an order it is a property, a :class:`Range`.
-        """
-        return getattr(self, f"_{CLAIMS[claim].rule}")
+        """Return the rule of a claim by its key; of an order it is a property, a :class:`Range`."""
+        return getattr(self, "_" + claim.replace("-", "_"))
 
     def _find_range(self, claim: str, declared: object) -> Found:
         found = self.range(claim)
