@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
@@ -28,8 +28,7 @@ from ..exact.judging import Interval, as_scalar, consulted, newton, over_scalars
 from ..exact.linalg import Matrix
 from ..judge.refusals import Refused, Undecided
 from ..method import as_matrix
-from ..theory.error_constants import commutator_row
-from ..theory.trees import parse_tree, trees
+from ..theory.trees import parse_tree
 from .equations import free_trees, one_of_each, representatives
 from .field import about, field_of_decimals, texts_of_decimals
 from .starting import Blocks, Target, prove_blocks, texts_of
@@ -118,15 +117,17 @@ class Enclosure:
 
     @cached_property
     def next_order(self) -> float:
-        """Lower bound of what no starting method can remove one order higher (one component).
+        """Lower bound of a condition one order higher, 0.0 where none is refuted.
 
-        Positive, it proves that the order is not higher: see :func:`obstruction`.
+        The starting series is the only one through the order (:mod:`..theory.starting_series`), so
+        that one condition which excludes zero excludes the order, whatever the start is.
         """
-        found, n = self.root.enclosed, self.order + 1
-        with consulted() as judge:
-            further = found.series(found.root, n, False)
-            wanted = [judge.trees.read_tree(str(t)) for t in trees(n)]
-            return obstruction([as_scalar(x) for t in wanted for x in further.condition(t)], n - 1)
+        record, n = self.root.record, self.order + 1
+        with consulted():
+            series = record.series(record.method.for_claim(ORDER.key), False, False)
+            series.advance(n)
+            gaps = [as_scalar(x) for t in series.pool(n) for x in series.condition(t)]
+            return max(ball(x).lower_magnitude() for x in gaps)
 
 
 def prove(document: Mapping[str, Any]) -> Enclosure:
@@ -389,57 +390,3 @@ def _check_satisfied(name: str, equations: Any) -> None:
             raise ExactnessError(
                 f"{name}: the equation {text!r} is not satisfied within the published digits"
             )
-
-
-def shift_matrix(order: int) -> Matrix:
-    """Return how residuals of ``order + 1`` change with zeta_1 of ``order``: (trees, trees).
-
-    A change delta of zeta_1 at the trees of one order adds ``delta(t)`` to R([t]) and takes
-    ``ways * delta(kept)`` from R(t') for each way to cut one leaf off t'.
-    """
-    place = {t: j for j, t in enumerate(trees(order))}
-    rows = (commutator_row(t, place) for t in trees(order + 1))
-    return tuple(tuple(Exact(row.get(j, 0)) for j in range(len(place))) for row in rows)
-
-
-def obstruction(residuals: Sequence[Any], order: int) -> float:
-    """Return a lower bound of what no starting method can remove at ``order + 1``.
-
-    The residuals are those of the trees of this order, as :func:`~glmref.theory.trees.trees` lists
-    them.
-
-    Let S' be any starting method with which the method has order ``order + 1``. It gives order
-    ``order`` too, and composing it with the flow over a multiple of h makes its principal part
-    agree with ours at the single node. The matrices of :func:`shift_matrix` for the orders 2 to
-    ``order - 1`` have full column rank, so it agrees there as well, order by order. At ``order``
-    they may differ, by delta; then R + (shift matrix) delta = 0. So n R = 0 for every row n with
-    n (shift matrix) = 0, and a ball n R that excludes zero refutes it.
-
-    Returns
-    -------
-    float
-        The largest lower bound of ``|n R|`` over a rational basis of such rows n, each scaled to
-        largest entry 1; 0.0 when nothing was refuted.
-    """
-    best = 0.0
-    for row, size in _annihilators(order):
-        best = max(best, ball(linalg.dot(row, residuals)).lower_magnitude() / size)
-    return best
-
-
-@cache
-def _annihilators(order: int) -> list[tuple[linalg.Vector, float]]:
-    """Return a rational basis of the n with n (shift matrix) = 0, each with its largest entry.
-
-    It is the same for every method of the order.
-
-    Raises
-    ------
-    ExactnessError
-        When a shift matrix below the order has not full column rank.
-    """
-    for n in range(2, order):
-        if linalg.rank(shift_matrix(n)) < len(trees(n)):  # pragma: no cover - a theorem
-            raise ExactnessError(f"the starting series is not unique at order {n}")
-    basis = linalg.nullspace(linalg.transpose(shift_matrix(order)))
-    return [(row, max(x.magnitude() for x in row)) for row in basis]

@@ -62,7 +62,7 @@ from ..theory.starting_series import (
     component,
     tableau,
 )
-from ..theory.trees import Tree, as_judged, counted
+from ..theory.trees import Tree, counted
 from .digits import DigitRules, Sized, rounded_up
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
@@ -635,9 +635,9 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         lower = first - 1 if proved else 0
         for q in range(first, top + 1):
             for t in series.through(q).level(q):
-                strict = loose = series.scalars(gap(as_judged(t), False))
+                strict = loose = series.scalars(gap(t.judged, False))
                 if series.free and q >= known.lower:
-                    loose = series.scalars(gap(as_judged(t), True))
+                    loose = series.scalars(gap(t.judged, True))
                 if is_zero(loose) is False:
                     return Range(lower, q - 1, exact=exact, value=q - 1,
                                  reason=fails(t, loose), failing=str(t))  # fmt: skip

@@ -79,7 +79,7 @@ from ..method.preconsistency import first_functional
 from ..method.stage_order import is_shared
 from ..system.budget import spend
 from .coefficients import is_zero
-from .trees import Tree, as_judged, paths, single, trees
+from .trees import Tree, paths, single, trees
 
 _ZERO, _ONE = Exact(0), Exact(1)
 
@@ -340,7 +340,7 @@ class StartingSeries:
 
     def value(self, t: Tree) -> Vector:
         """Return eta(t)."""
-        found = self.solved.eta.get(as_judged(t))
+        found = self.solved.eta.get(t.judged)
         return (_ZERO,) * len(self.components[t.colour].u) if found is None else self.scalars(found)
 
     @property
@@ -351,20 +351,20 @@ class StartingSeries:
 
     def plain(self, t: Tree) -> Vector:
         """Return eta(t) with its principal part zero; the conditions of its order are known."""
-        right = self.solved.right(as_judged(t))
+        right = self.solved.right(t.judged)
         return self.scalars(fast_judge().series.apply(self.solved.lift[t.colour], right))
 
     def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
         """Return xi(t) from its definition, with eta(t) = value."""
         solved, apply = self.solved, fast_judge().series.apply
         m = solved.part(t.colour)
-        slopes = apply(m.A, solved.derivative(as_judged(t)))
+        slopes = apply(m.A, solved.derivative(t.judged))
         more = apply(m.U, list(map(as_number, value)))
         return self.scalars([x + y for x, y in zip(slopes, more, strict=True)])
 
     def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
-        return self.scalars(self.solved.value(as_judged(t)))
+        return self.scalars(self.solved.value(t.judged))
 
     def abscissae(self, colour: str) -> Vector:
         """Return c = xi of the single node: a stage stands at ``t + c_i h``; of order 2 or more."""
@@ -373,7 +373,7 @@ class StartingSeries:
     def stage_defect(self, t: Tree) -> Vector:
         """Return ``xi(t) - c^|t| / gamma(t)``, stage by stage."""
         defect = fast_judge().rules_orders.stage_defect
-        return self.scalars(defect(self.solved, as_judged(t), False))
+        return self.scalars(defect(self.solved, t.judged, False))
 
     def through(self, order: int) -> Self:
         """Return the series itself, after as many orders at least."""
@@ -400,7 +400,7 @@ class StartingSeries:
         if t in self.determined:
             return (_ZERO,) * len(self.components[t.colour].N)
         spend()
-        return self.scalars(self.solved.condition(as_judged(t)))
+        return self.scalars(self.solved.condition(t.judged))
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
@@ -451,13 +451,13 @@ def _solver() -> Any:
             self.share_stages()
 
         def pool(self, order: int) -> list:
-            return list(map(as_judged, self.of.level(order)))
+            return [t.judged for t in self.of.level(order)]
 
         def cut_value(self, s: Any) -> list:
             return self.eta.get(s) or [Fraction(0)] * len(self.u[s[0]])
 
         def give(self, t: Tree, value: Sequence[Any]) -> None:
-            self.eta[as_judged(t)] = list(map(as_number, value))
+            self.eta[t.judged] = list(map(as_number, value))
 
         def settle_all(self) -> None:
             """Take the multiple eigenvalue 1 of one V; that of several is left open."""
@@ -545,7 +545,7 @@ def stage_slopes(A: Matrix) -> Callable[[Tree], Vector]:
     References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
     """
     series = tableau({"o": (A, ())})
-    return lambda t: _scalars(series.derivative(as_judged(t)))
+    return lambda t: _scalars(series.derivative(t.judged))
 
 
 def tableau_series(
@@ -565,5 +565,5 @@ def tableau_series(
     series = tableau(table)
     found: dict[Any, tuple[Any, ...]] = {c: tuple(u) for c, (_, _, u) in table.items()}
     for n in range(1, p + 1):
-        found |= {t: _scalars(series.value(as_judged(t))) for t in level(n)}
+        found |= {t: _scalars(series.value(t.judged)) for t in level(n)}
     return found

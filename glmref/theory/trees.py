@@ -16,18 +16,19 @@ Hairer, Lubich, Wanner, "Geometric Numerical Integration" (2006), sections III.1
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import comb, factorial
+from math import factorial
 from operator import attrgetter
 from string import ascii_letters
 from types import MappingProxyType
 from typing import Any, NoReturn
 
-from ..errors import UsageError
+from ..errors import ExactnessError, UsageError
 from ..judge import trees as judged
+from ..judge.refusals import Refused
 from ..method.component import ROOTED, Palette
 
 #: Largest order for which all trees are listed (32973 one-coloured trees have order 14).
@@ -36,8 +37,8 @@ MAX_ORDER = 14
 #: Colours that occur together: of one method, of a partitioned one, of the parts of a sum.
 _FAMILIES = ("o", "fk", "123456789")
 _READ = "".join(_FAMILIES)
-#: Every colour, in the order in which trees are sorted; those of a palette stand in this order.
-_COLOURS = ascii_letters + "123456789"
+#: The place of every colour in the order in which trees are sorted, and palettes stand.
+_PLACES = {colour: k for k, colour in enumerate(ascii_letters + "123456789")}
 _MAX_TEXT = 2000  # characters of a tree's text form
 
 
@@ -67,7 +68,7 @@ class Tree:
     '[oo[o]]'
     """
 
-    __slots__ = ("_repeat", "children", "colour", "density", "key", "order", "symmetry")
+    __slots__ = ("children", "colour", "density", "judged", "key", "order", "symmetry")
     colour: str  #: Colour of the root.
     children: tuple[Tree, ...]  #: Subtrees of the root, in ascending order (see :attr:`key`).
     order: int  #: Number of vertices, ``|t|``.
@@ -75,7 +76,7 @@ class Tree:
     symmetry: int  #: ``sigma(t)``, the order of the automorphism group.
     #: Sort key: by order, then colour, then the largest children first.
     key: tuple[Any, ...]
-    _repeat: int  # how many of the last children are equal
+    judged: judged.Tree  #: The tree as the judge has it: the colour, and the children in its order.
 
     def __new__(cls, text: str) -> Tree:
         """Return the one tree of a text form."""
@@ -120,67 +121,14 @@ class Tree:
         return self
 
 
-_set_colour = Tree.colour.__set__  # type: ignore[attr-defined]
-_set_children = Tree.children.__set__  # type: ignore[attr-defined]
-_set_order = Tree.order.__set__  # type: ignore[attr-defined]
-_set_density = Tree.density.__set__  # type: ignore[attr-defined]
-_set_symmetry = Tree.symmetry.__set__  # type: ignore[attr-defined]
-_set_key = Tree.key.__set__  # type: ignore[attr-defined]
-_set_repeat = Tree._repeat.__set__  # type: ignore[attr-defined]
-_blank = object.__new__
-
-#: All trees made so far: colour of the root -> children -> tree.
-_MADE: dict[str, dict[tuple[Tree, ...], Tree]] = {colour: {} for colour in _COLOURS}
-
-
-def _make_single(colour: str) -> Tree:
-    new = _blank(Tree)
-    _set_colour(new, colour)
-    _set_children(new, ())
-    _set_order(new, 1)
-    _set_density(new, 1)
-    _set_symmetry(new, 1)
-    _set_key(new, (1, _COLOURS.index(colour), ()))
-    _MADE[colour][()] = new
-    return new
-
-
-_SINGLE = {colour: _make_single(colour) for colour in _COLOURS}
-
-
-def _graft(rest: Tree, last: Tree) -> Tree:
-    """Return ``rest`` with ``last``, not smaller than its children, as one more child."""
-    return _graft_all((rest,), last)[0]
-
-
-def _graft_all(rests: Sequence[Tree], last: Tree) -> list[Tree]:
-    """Graft ``last`` on each of the trees, which have roots of one colour.
-
-    One loop for many trees, for speed: all 1205 trees of order 10 or less take about a millisecond.
-    """
-    made = _MADE[rests[0].colour] if rests else {}
-    result = []
-    for rest in rests:
-        children = (*rest.children, last)
-        new = made.get(children)
-        if new is None:
-            made[children] = new = _blank(Tree)
-            order = rest.order + last.order
-            repeat = rest._repeat + 1 if len(children) > 1 and children[-2] is last else 1
-            _set_colour(new, rest.colour)
-            _set_children(new, children)
-            _set_order(new, order)
-            _set_density(new, rest.density // rest.order * last.density * order)
-            _set_symmetry(new, rest.symmetry * last.symmetry * repeat)
-            _set_key(new, (order, rest.key[1], (last.key, *rest.key[2])))
-            _set_repeat(new, repeat)
-        result.append(new)
-    return result
+#: All trees made so far.
+_MADE: dict[judged.Tree, Tree] = {}
+_key = attrgetter("key")
 
 
 def single(colour: str = "o") -> Tree:
     """Return the tree of one node of the given colour."""
-    return _SINGLE[colour]
+    return tree((), colour)
 
 
 def tree(children: Iterable[Tree] = (), colour: str = "o") -> Tree:
@@ -191,19 +139,30 @@ def tree(children: Iterable[Tree] = (), colour: str = "o") -> Tree:
     UsageError
         For an unknown colour.
     """
-    if colour not in _SINGLE:
+    if colour not in _PLACES:
         raise UsageError(f"`colour` must be a letter or a digit from 1 to 9, got {colour!r}")
     below = tuple(sorted(children, key=_key))
-    known = _MADE[colour].get(below)
-    if known is not None:
-        return known
-    result = _SINGLE[colour]
-    for child in below:
-        result = _graft(result, child)
-    return result
+    form = colour, tuple(sorted(x.judged for x in below))
+    return _MADE.get(form) or _made(form, below)
 
 
-_key = attrgetter("key")
+def from_judged(t: judged.Tree) -> Tree:
+    """Return a tree of the judge as one of the package."""
+    return _MADE.get(t) or _made(t, tuple(sorted(map(from_judged, t[1]), key=_key)))
+
+
+def _made(form: judged.Tree, below: tuple[Tree, ...]) -> Tree:
+    new, order = object.__new__(Tree), 1 + sum(x.order for x in below)
+    density, symmetry, repeat = order, 1, 0
+    for x, before in zip(below, (None, *below), strict=False):
+        repeat = repeat + 1 if x is before else 1
+        density, symmetry = density * x.density, symmetry * x.symmetry * repeat
+    key = order, _PLACES[form[0]], tuple([x.key for x in reversed(below)])
+    values = below, form[0], density, form, key, order, symmetry
+    for name, value in zip(Tree.__slots__, values, strict=True):
+        object.__setattr__(new, name, value)
+    _MADE[form] = new
+    return new
 
 
 def parse_tree(text: str) -> Tree:
@@ -224,7 +183,7 @@ def parse_tree(text: str) -> Tree:
             open_roots.append(("o" if letter == "[" else letter, []))
             place += 1 if letter == "[" else 2
         elif letter in _READ:
-            open_roots[-1][1].append(_SINGLE[letter])
+            open_roots[-1][1].append(single(letter))
             place += 1
         elif letter == "]" and len(open_roots) > 1 and open_roots[-1][1]:
             colour, children = open_roots.pop()
@@ -252,48 +211,13 @@ def _vertices(t: Tree) -> Iterator[Tree]:
         waiting.extend(vertex.children)
 
 
-class _Listing:
-    """All trees of one palette, order by order; each tree is reached exactly once.
-
-    A tree with more than one vertex is ``rest`` with its largest child ``last`` grafted on, so the
-    trees of order n are the pairs (last, rest) with ``|last| + |rest| = n`` and no child of
-    ``rest`` larger than ``last``. Lists are sorted by largest child: these ``rest`` are a prefix.
-    """
-
-    def __init__(self, palette: Palette) -> None:
-        self.palette = dict(palette)
-        if sorted(palette, key=_COLOURS.index) != list(palette):
-            raise UsageError(f"the colours of a palette are in order, got {', '.join(palette)}")
-        self.levels: list[dict[str, list[Tree]]] = [{}, {c: [_SINGLE[c]] for c in palette}]
-        self.sorted: list[tuple[Tree, ...]] = [(), tuple(_SINGLE[c] for c in palette)]
-
-    def level(self, order: int) -> tuple[Tree, ...]:
-        while len(self.levels) <= order:
-            self._extend(len(self.levels))
-        return self.sorted[order]
-
-    def _extend(self, order: int) -> None:
-        level: dict[str, list[Tree]] = {}
-        for colour, allowed in self.palette.items():
-            level[colour] = found = []
-            for size in range(1, order):
-                rests = self.levels[order - size][colour]
-                end = 0
-                while end < len(rests) and (
-                    not rests[end].children or rests[end].children[-1].order < size
-                ):
-                    end += 1
-                for last in self.sorted[size]:
-                    if last.colour not in allowed:
-                        continue
-                    while end < len(rests) and rests[end].children[-1] is last:
-                        end += 1
-                    found += _graft_all(rests[:end], last)
-        self.levels.append(level)
-        self.sorted.append(tuple(t for colour in self.palette for t in level[colour]))
-
-
-_LISTINGS: dict[tuple[tuple[str, str], ...], _Listing] = {}
+@cache
+def _level(order: int, colours: judged.Palette) -> tuple[Tree, ...]:
+    """Return all trees of an order, sorted: those with the smallest largest branch first."""
+    try:
+        return tuple(sorted(map(from_judged, judged.trees(colours, order)), key=_key))
+    except Refused as error:
+        raise ExactnessError(f"trees of order {order}: {error}") from error
 
 
 def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
@@ -306,26 +230,14 @@ def trees(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
     """
     if not isinstance(order, int) or not 1 <= order <= MAX_ORDER:
         raise UsageError(f"`order` must be an integer from 1 to {MAX_ORDER}, got {order!r}")
-    name = tuple(palette.items())
-    if name not in _LISTINGS:
-        _LISTINGS[name] = _Listing(palette)
-    return _LISTINGS[name].level(order)
+    if sorted(palette, key=_PLACES.__getitem__) != list(palette):
+        raise UsageError(f"the colours of a palette are in order, got {', '.join(palette)}")
+    return _level(order, tuple(palette.items()))
 
 
 def trees_up_to(order: int, palette: Palette = ROOTED) -> tuple[Tree, ...]:
     """Return all trees of order 1 to ``order`` (which may be 0), in ascending order."""
     return tuple(t for n in range(1, order + 1) for t in trees(n, palette))
-
-
-@cache
-def as_judged(t: Tree) -> judged.Tree:
-    """Return a tree as the judge has it: the colour of the root, and the children in order."""
-    return t.colour, tuple(sorted(map(as_judged, t.children)))
-
-
-def from_judged(t: judged.Tree) -> Tree:
-    """Return a tree of the judge as one of the package."""
-    return tree(map(from_judged, t[1]), t[0])
 
 
 @cache
@@ -346,7 +258,7 @@ def paths(order: int, colours: tuple[tuple[str, str], ...]) -> tuple[Tree, ...]:
 
 def is_nystrom(t: Tree) -> bool:
     """Tell whether a tree counts on second-order systems: see :func:`counted`."""
-    return judged.is_nystrom(as_judged(t))
+    return judged.is_nystrom(t.judged)
 
 
 @cache
@@ -366,7 +278,7 @@ def counted(system: str) -> Callable[[Tree], bool]:
     """
     if system == "nystrom":
         return is_nystrom
-    return lambda t: judged.stands(as_judged(t), system) if system else True
+    return lambda t: judged.stands(t.judged, system) if system else True
 
 
 @cache
@@ -380,30 +292,9 @@ def pruned(t: Tree) -> Mapping[Tree, int]:
         N of pairs: a place of ``kept`` in ``t``, and an order of the removed vertices in which
         parents come first. With it the flow of duration c acts on a series by ``(E^c a)(t) =
         a(empty) c^|t| / gamma(t) + sum N(t, s) c^j / j! a(s)``, ``j = |t| - |s|``.
-
-    Integers only, so they are remembered for good.
     """
-    if not t.children:
-        return MappingProxyType({t: 1})
-    last = t.children[-1]
-    rest = _MADE[t.colour][t.children[:-1]]
-    ways: dict[Tree, int] = {}
-    whole = [(None, last.extensions), *pruned(last).items()]
-    for kept_rest, ways_rest in pruned(rest).items():
-        removed_rest = rest.order - kept_rest.order
-        for kept_last, ways_last in whole:
-            removed = removed_rest + last.order - (kept_last.order if kept_last else 0)
-            kept = _insert(kept_rest, kept_last) if kept_last else kept_rest
-            count = ways_rest * ways_last * comb(removed, removed_rest)
-            ways[kept] = ways.get(kept, 0) + count
-    return MappingProxyType(ways)
-
-
-def _insert(rest: Tree, child: Tree) -> Tree:
-    """Return ``rest`` with one more child, which may be smaller than the others."""
-    if not rest.children or rest.children[-1] is child:
-        return _graft(rest, child)
-    return tree((*rest.children, child), rest.colour)
+    ways = ((from_judged(s), weight) for s, weight in judged.cut(t.judged))
+    return MappingProxyType({s: int(x * factorial(t.order - s.order)) for s, x in ways})
 
 
 #: A way to contract a tree: what is left of it with each part as one vertex, the part with the
@@ -445,17 +336,12 @@ def edge_cuts(t: Tree) -> Mapping[tuple[Tree, Tree], int]:
 
     The Lie derivative of a series along a series of vector fields is a sum over these cuts.
     """
-    if not t.children:
-        return MappingProxyType({})
-    last = t.children[-1]
-    rest = _MADE[t.colour][t.children[:-1]]
-    found: dict[tuple[Tree, Tree], int] = {(last, rest): 1}
-    for (part, kept), ways in edge_cuts(rest).items():
-        key = part, _insert(kept, last)
-        found[key] = found.get(key, 0) + ways
-    for (part, kept), ways in edge_cuts(last).items():
-        key = part, _insert(rest, kept)
-        found[key] = found.get(key, 0) + ways
+    found: dict[tuple[Tree, Tree], int] = {}
+    for rest, child in halves(t):
+        count = t.children.count(child)
+        cuts = [((child, rest), 1), *(((x, rest * y), n) for (x, y), n in edge_cuts(child).items())]
+        for key, ways in cuts:
+            found[key] = found.get(key, 0) + count * ways
     return MappingProxyType(found)
 
 
@@ -497,16 +383,10 @@ class FreeTree:
 
 def free_tree(t: Tree) -> FreeTree:
     """Return the free tree to which a rooted tree belongs."""
-    signs, superfluous, waiting = {t: 1}, False, [t]
-    while waiting:
-        at = waiting.pop()
-        for u, v in halves(at):
-            superfluous |= u is v
-            if v * u not in signs:
-                signs[v * u] = -signs[at]
-                waiting.append(v * u)
+    signs = {from_judged(x): sign for x, sign in judged.signed_versions(t.judged).items()}
     root = min(signs, key=_key)
-    return FreeTree(root, {x: sign * signs[root] for x, sign in signs.items()}, superfluous)
+    signs = {x: sign * signs[root] for x, sign in signs.items()}
+    return FreeTree(root, signs, judged.is_superfluous(t.judged))
 
 
 @cache

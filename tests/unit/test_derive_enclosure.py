@@ -14,7 +14,7 @@ from glmref.catalogue import lookup as catalogue
 from glmref.catalogue.lookup import load
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
-from glmref.exact import linalg
+from glmref.exact import Exact, linalg
 from glmref.exact.expression import parse
 from glmref.exact.judging import Fraction as rational
 from glmref.exact.judging import consulted, newton
@@ -23,11 +23,12 @@ from glmref.judge.refusals import Refused
 from glmref.method import GLM
 from glmref.method.families import composition
 from glmref.prove import kernel
-from glmref.prove.enclosure import obstruction, prove, shift_matrix
+from glmref.prove.enclosure import prove
 from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
 from glmref.prove.starting import texts_of
 from glmref.prove.verifier import verify
+from glmref.theory.error_constants import commutator_row
 from glmref.theory.trees import parse_tree, trees
 from tests.bseries import order_residuals
 from tests.build import refused
@@ -143,9 +144,11 @@ def test_without_a_growth_equation_nothing_is_said_about_parasitism() -> None:
 
 def test_starting_series_is_unique_order_by_order() -> None:
     # Full column rank at orders 2..5; at order 1 the kernel is the flow itself.
-    assert linalg.rank(shift_matrix(1)) == 0
-    for n in (2, 3, 4, 5):
-        assert linalg.rank(shift_matrix(n)) == len(trees(n))
+    for n in (1, 2, 3, 4, 5):
+        place = {t: j for j, t in enumerate(trees(n))}
+        rows = [commutator_row(t, place) for t in trees(n + 1)]
+        matrix = tuple(tuple(Exact(row.get(j, 0)) for j in range(len(place))) for row in rows)
+        assert linalg.rank(matrix) == (len(place) if n > 1 else 0)
 
 
 def test_compositions_of_order_4_have_residuals_of_order_5_in_a_plane() -> None:
@@ -167,11 +170,11 @@ def test_compositions_of_order_4_have_residuals_of_order_5_in_a_plane() -> None:
     assert linalg.rank(tuple(tuple(row[k] for k in places) for row in rows)) == 2
 
 
-def test_obstruction_is_zero_for_a_method_of_the_higher_order() -> None:
-    # Gauss with three stages has order 6: nothing at order 5 is obstructed, order 7 is.
-    residuals = order_residuals(load("gauss-3"), 7)
-    assert obstruction([residuals[t] for t in trees(6)], 5) == 0.0
-    assert obstruction([residuals[t] for t in trees(7)], 6) > 1e-6
+def test_next_order_is_refuted_unless_it_holds() -> None:
+    doc = copy.deepcopy(document("yoshida-6-midpoint"))
+    assert prove(doc).next_order > 1e-3
+    doc["claims"]["order"] = doc["claims"]["order-identity"] = 4  # where the equations give 6
+    assert prove(doc).next_order == 0.0
 
 
 @pytest.mark.parametrize(("k", "fine"), [(3, True), (6, True), (62, False)])

@@ -30,7 +30,6 @@ from glmref.prove.starting import (
     proposed,
     prove_blocks,
 )
-from glmref.theory.starting_series import as_judged
 from glmref.theory.trees import trees
 from tests.bseries import elementary_weights
 from tests.build import refused
@@ -69,7 +68,7 @@ def test_a_series_with_parity_is_that_of_the_tableau() -> None:
     stages, dot_of = fast_judge().parity.stage_series(as_numbers(A), 1), fast_judge().linalg.dot
     for n in range(1, 7):
         for t in trees(n):
-            found = [dot_of(row, stages.derivative(as_judged(t))) for row in as_numbers(B)]
+            found = [dot_of(row, stages.derivative(t.judged)) for row in as_numbers(B)]
             assert [as_scalar(x) for x in found] == list(expected[t])
             # y_2 + y_3 is even and y_2 - y_3 odd for z = i; y_4 is odd
             assert not (found[1] - found[2] if n % 2 == 0 else found[1] + found[2])
