@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
-from typing import Any, NoReturn
+from dataclasses import InitVar, dataclass, replace
+from typing import Any
 
 from ..exact import Exact, Scalar
 from ..exact.judging import verdict as judges_verdict
@@ -24,52 +24,28 @@ from .kernel import Found, Reach
 _SEAL = object()
 
 
-class Judgement:
-    """A verdict with what is known; only this module can make one.
+@dataclass(frozen=True)
+class Judgement(Found):
+    """A verdict about what was found; only this module can make one.
 
     Attributes
     ----------
-    verdict, proof
-        What was decided, and how. ``open`` has the proof that a decision over these numbers would
-        have had.
-    value : object
-        The value that was found, or as much as is known of it.
-    residual : float
-        Size of the identity that decides, 0.0 when it holds exactly.
-    reason : str
-        One sentence.
+    verdict : Verdict
+        What was decided. ``open`` has the proof that a decision over these numbers would have had.
     certificate : Mapping[str, Any] or str
         What the judge accepted, or why there is none.
+    seal : object
+        That of this module.
     """
 
-    __slots__ = ("certificate", "proof", "reason", "residual", "value", "verdict")
     verdict: Verdict
-    proof: Proof
-    value: object
-    residual: float
-    reason: str
     certificate: Mapping[str, Any] | str
+    seal: InitVar[object]
 
-    def __init__(
-        self,
-        verdict: Verdict,
-        found: Found,
-        reason: str,
-        certificate: Mapping[str, Any] | str,
-        *,
-        seal: object,
-    ) -> None:
+    def __post_init__(self, seal: object) -> None:
+        """Refuse one that is made elsewhere."""
         if seal is not _SEAL:
             raise TypeError("only the judge's answers are judgements")
-        for name, x in zip(
-            ("verdict", "proof", "value", "residual", "reason", "certificate"),
-            (verdict, found.proof, found.value, found.residual, reason, certificate),
-            strict=True,
-        ):
-            object.__setattr__(self, name, x)
-
-    def __setattr__(self, name: str, value: object) -> NoReturn:
-        raise AttributeError(f"a judgement cannot be changed: `{name}`")
 
     def finding(self, method: str, claim: str, declared: object) -> Finding:
         """Return this verdict as the finding about one claim of a method."""
@@ -77,6 +53,10 @@ class Judgement:
             method=method, claim=claim, declared=declared, verdict=self.verdict, value=self.value,
             proof=self.proof, residual=self.residual, witness=self.reason,
         )  # fmt: skip
+
+
+def _answer(verdict: Verdict, found: Found, certificate: Mapping[str, Any] | str) -> Judgement:
+    return Judgement(**vars(found), verdict=verdict, certificate=certificate, seal=_SEAL)
 
 
 def judged(found: Found, certificates: Iterable[Mapping[str, Any] | str]) -> Judgement:
@@ -90,7 +70,7 @@ def judged(found: Found, certificates: Iterable[Mapping[str, Any] | str]) -> Jud
         Certificates of it, of which the first that is accepted decides, or why there is none.
     """
     if found.truth is None:
-        return Judgement(Verdict.OPEN, found, found.reason, "the claim is open", seal=_SEAL)
+        return _answer(Verdict.OPEN, found, "the claim is open")
     missing = refused = ""
     for certificate in certificates:
         if isinstance(certificate, str):
@@ -101,21 +81,20 @@ def judged(found: Found, certificates: Iterable[Mapping[str, Any] | str]) -> Jud
         if accepted:
             found = replace(found, proof=Proof(plain["statement"]["proof"]))
             verdict = Verdict.HOLDS if found.truth else Verdict.FAILS
-            return Judgement(verdict, found, found.reason, plain, seal=_SEAL)
+            return _answer(verdict, found, plain)
         refused = refused or f"the judge refuses the certificate: {sentence}"
     if isinstance(found.value, bool):  # a proposal that was not accepted
         found = replace(found, value=None)
     if not missing:
-        return Judgement(Verdict.OPEN, found, refused, refused, seal=_SEAL)
+        return _answer(Verdict.OPEN, replace(found, reason=refused), refused)
     why = f"no certificate is written: {missing}"
     reason = "; ".join(x for x in (found.reason, why) if x)
-    return Judgement(Verdict.OPEN, found, reason, missing, seal=_SEAL)
+    return _answer(Verdict.OPEN, replace(found, reason=reason), missing)
 
 
 def explained(judgement: Judgement, reason: str, residual: float) -> Judgement:
     """Return a judgement with the sentence that explains it, and the size of what decides."""
-    found = Found(None, judgement.proof, judgement.value, residual, reason)
-    return Judgement(judgement.verdict, found, reason, judgement.certificate, seal=_SEAL)
+    return replace(judgement, residual=residual, reason=reason, seal=_SEAL)
 
 
 def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True) -> Judgement:
@@ -134,10 +113,7 @@ def refuted(judgement: Judgement, *, reason: str = "", as_expected: bool = True)
     verdict = swap.get(judgement.verdict, Verdict.OPEN)
     if verdict is Verdict.HOLDS and not as_expected:
         verdict = Verdict.FAILS
-    found = Found(
-        None, judgement.proof, judgement.value, judgement.residual, reason or judgement.reason
-    )
-    return Judgement(verdict, found, found.reason, judgement.certificate, seal=_SEAL)
+    return replace(judgement, verdict=verdict, reason=reason or judgement.reason, seal=_SEAL)
 
 
 def reaches(found: Reach, order: int, reason: str) -> Judgement:
@@ -166,4 +142,4 @@ def _of_conditions(
     if truth is None and not reason:
         reason = "no rule decides it" if exact else "the published digits do not decide it"
     found = Found(truth, Proof.EXACT if exact else Proof.ENCLOSED, value, residual, reason)
-    return Judgement(verdict, found, reason, "the order of a plain document", seal=_SEAL)
+    return _answer(verdict, found, "the order of a plain document")

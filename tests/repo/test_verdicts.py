@@ -81,7 +81,7 @@ def test_findings_are_read_back_where_they_are_kept_or_sent_only() -> None:
 
 def test_the_constructors_are_sealed() -> None:
     with pytest.raises(TypeError, match="judge"):
-        Judgement(Verdict.HOLDS, FOUND, "", "", seal=object())
+        Judgement(**vars(FOUND), verdict=Verdict.HOLDS, certificate="", seal=object())
 
 
 def test_nothing_holds_without_a_certificate_that_the_judge_accepts() -> None:
