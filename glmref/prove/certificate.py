@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from ..catalogue.claims import (
     A_STABLE,
@@ -29,7 +29,6 @@ from ..catalogue.claims import (
     NYSTROM_STARTING_ORDER,
     ORDER,
     ORDER_IDENTITY,
-    STAGE_ORDER,
     STARTING_ORDER,
     SYMMETRIC_REDUCED,
     W_ORDER,
@@ -42,7 +41,7 @@ from ..exact.expression import to_text
 from ..exact.judging import consulted, proof_of
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
-from ..judge.claims import alternatives
+from ..judge.claims import MODIFIED, ORDERS, SECOND, alternatives
 from ..judge.refusals import Refused
 from ..system.budget import fits
 from ..system.shown import above
@@ -63,8 +62,6 @@ Part = dict[str, Any]
 #: The parts before one that is proposed, and what may be its witness.
 Parts = tuple[Part, ...]
 Witnesses = Iterator[dict[str, Any]]
-#: Orders of the method itself.
-_ORDERS = frozenset(x.key for x in (ORDER, ORDER_IDENTITY, EFFECTIVE_ORDER, NYSTROM_ORDER, W_ORDER))
 
 
 def certificates_of(
@@ -186,7 +183,7 @@ def _certificates(facts: Any, claim: str, declared: Any, judged: Found) -> Itera
     shared: Shared = facts.shared
     enclosed = judged.proof is not Proof.EXACT or not facts.kernel.exact
     document = shared.document
-    writer = (_EnclosedWriter if enclosed else _Writer)(facts, claim, declared, judged)
+    writer = _Writer(facts, claim, declared, judged, decimals=enclosed)
     for parts in writer.proposals():
         found = {
             "format": FORMAT,
@@ -234,13 +231,21 @@ def _none(writer: Any, parts: Parts) -> Witnesses:
 
 
 class _Writer:
-    """The parts of one statement."""
+    """The parts of one statement, of exact numbers or of decimals.
 
-    def __init__(self, facts: Any, claim: str, declared: Any, judged: Found) -> None:
+    A statement about decimals is about the one exact method in them that an enclosure proves, or
+    about all methods in them.
+    """
+
+    def __init__(
+        self, facts: Any, claim: str, declared: Any, judged: Found, *, decimals: bool
+    ) -> None:
         self.facts, self.claim, self.declared, self.judged = facts, claim, declared, judged
+        self.decimals = decimals
         self.kernel: Kernel = facts.kernel
         self.identities: list[str] = []
         self.holds = judged.truth is True
+        self.implied = self.kernel.implied if decimals else None
 
     def proposals(self) -> Iterator[list[Part]]:
         """Yield lists of parts that may prove the statement."""
@@ -275,7 +280,10 @@ class _Writer:
 
     def _follows(self) -> bool:
         """Return whether the statement is decided at the root of the equations of the file."""
-        return False
+        claim, implied = self.claim, self.implied
+        growing = claim == GROWTH.key and implied and implied.growth_zeros is not None
+        listed = claim == ABSCISSAE.key and self.holds
+        return bool(implied and (growing or listed or (claim in implied.true and self._truth())))
 
     def parts(self) -> list[Part]:
         """Return the parts that prove a statement about an order, or about what is absent."""
@@ -292,28 +300,29 @@ class _Writer:
         )  # fmt: skip
 
     def _parts(self) -> list[Part]:
-        special = getattr(self, "_" + self.claim.replace("-", "_"), None)
-        if special is not None:
-            return special()
-        if self.claim in (ORDER_IDENTITY.key, EFFECTIVE_ORDER.key, NYSTROM_ORDER.key):
-            free = self.claim == EFFECTIVE_ORDER.key
-            return self._order_parts(free=free, nystrom=self.claim == NYSTROM_ORDER.key)
-        raise ExactnessError(f"certificates of {self.claim!r} are not written yet")
-
-    def _of(self, kernel: Kernel, claim: str, declared: object = None) -> Self:
-        """Return the writer of the statement, or of another value, about another method."""
-        wanted = self.declared if declared is None else declared
-        return type(self)(_About(kernel), claim, wanted, self.judged)
+        if self.claim in SECOND:
+            name = SECOND[self.claim]
+            return self._reached(name) if self.claim in MODIFIED else self._after_order(name)
+        if self.claim in ORDERS:
+            return self._order_parts()
+        return getattr(self, "_" + self.claim.replace("-", "_"))()
 
     # -- what stands beside a tableau
 
     def _embedded_order(self) -> list[Part]:
-        found = []
+        """Return every row; of decimals, where the claim fails, one whose order is another."""
+        rows, claim = [], self.kernel.row_claim
+        one = self.decimals and not self.holds
         for name, kernel in self.kernel.row_kernels:
-            inner = self._of(kernel, self.kernel.row_claim, self.declared[name])
-            found.append({"rule": "row", "witness": {"row": name, "parts": inner.parts()}})
+            found, declared = kernel.range(claim), self.declared[name]
+            if one and found.lower <= declared and (found.upper is None or found.upper >= declared):
+                continue
+            inner = type(self)(_About(kernel), claim, declared, self.judged, decimals=self.decimals)
+            rows.append({"rule": "row", "witness": {"row": name, "parts": inner.parts()}})
             self.identities += inner.identities
-        return found
+        if not rows:
+            raise ExactnessError("no row has another order within the digits")
+        return rows[:1] if one else rows
 
     def _order_to_digits(self) -> list[Part]:
         found = self.kernel.to_digits(self.declared)
@@ -329,115 +338,113 @@ class _Writer:
         return [{"rule": "to-digits", "witness": {"rows": trees}}]
 
     def _dense_order(self) -> list[Part]:
-        found = self.kernel.range(DENSE_ORDER.key)
-        if found.upper is None or found.lower != found.upper:
+        found, fails = self.kernel.range(DENSE_ORDER.key), self.decimals and not self.holds
+        if not fails and (found.upper is None or found.lower != found.upper):
             raise ExactnessError("the order is not settled")
-        return [{"rule": "dense", "witness": {"order": found.upper, "tree": found.tree}}]
-
-    def _w_order(self) -> list[Part]:
-        return self._of(self.kernel.any_matrix, ORDER.key).parts()
+        witness = {"order": found.upper, "tree": found.tree}
+        return [{"rule": "not-dense" if fails else "dense", "witness": witness}]
 
     # -- orders
 
-    def _order(self) -> list[Part]:
-        return self._order_parts(free=not self.kernel.one_step)
+    def _asked(self) -> tuple[Kernel, bool, bool]:
+        """Return what knows the order that a claim is about, whether it is free, and nystrom."""
+        claim, kernel = self.claim, self.kernel
+        if claim == W_ORDER.key:
+            kernel = kernel.any_matrix
+        fixed = {ORDER_IDENTITY.key: False, EFFECTIVE_ORDER.key: True, NYSTROM_ORDER.key: False}
+        one = kernel.is_pair if "starting" in claim else kernel.one_step
+        return kernel.timed, fixed.get(claim, not one), claim.startswith("nystrom")
 
-    def _order_parts(self, *, free: bool, nystrom: bool = False) -> list[Part]:
-        if self.kernel.timed is not self.kernel:
-            timed = self._of(self.kernel.timed, self.claim)
-            return timed._order_parts(free=free, nystrom=nystrom)
-        if free and self.kernel.method.system:
+    def _order_parts(self, *, upper_only: bool = False) -> list[Part]:
+        """Return both bounds of the order, or of a claim about it that fails what refutes it.
+
+        The lower one follows from the equations of an enclosure, or from the trees.
+        """
+        kernel, free, nystrom = self._asked()
+        if free and kernel.method.system:
             raise ExactnessError("the effective order of a table with c apart")
-        found = self.kernel.order_range(free=free, nystrom=nystrom)
-        settled, below = found.lower == found.upper, self._is_below_declared(found.upper)
-        if not (settled or below or self._is_above_declared(found.lower)):
+        found, by_root = kernel.order_range(free=free, nystrom=nystrom), False
+        lower, upper = found.lower, found.upper
+        fails = not self.holds and self.claim in ORDERS
+        if self.implied and not kernel.exact and upper is not None:
+            by_root, lower = True, self.declared + 1 if fails and upper > self.declared else upper
+        below = upper_only or (fails and upper is not None and upper < self.declared)
+        above = fails and lower > self.declared
+        if upper is None if below else not (above or lower == upper):
             raise ExactnessError("the order is not settled")
-        p = found.upper if below and found.upper is not None else found.lower
-        if p == 0 and (self.kernel.exact or not found.tree):
+        p = upper if below else lower
+        if p == 0 and (kernel.exact or not found.tree):
             return [self._no_order()]
-        if (free, nystrom) in self.kernel.series:
-            series = self.kernel.series[free, nystrom]
-        else:  # along paths the series with the identity as principal part serves a free one too
-            self.kernel.order_range(free=False, nystrom=nystrom)
-            series = self.kernel.series[False, nystrom]
+        names = {"order": p, "principal": "free" if free else "identity"}
+        names["trees"] = "nystrom" if nystrom else "all"
+        alone = upper_only or (self.decimals and fails) or lower != upper
+        if not (by_root or (alone and below)):
+            series = self._series(kernel, free=free, nystrom=nystrom)
+            names["trees"] = _trees(series, nystrom)
+            count = sum(len(series.level(n)) for n in range(1, p + 1))
+            self.identities.append(f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
+        least = {"rule": "implied-order" if by_root else "order-at-least", "witness": names}
+        if alone and not below:
+            return [least]
+        self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
+        most = {"rule": "order-at-most", "witness": {**names, "tree": found.tree}}
+        return [most] if alone else [least, most]
+
+    @staticmethod
+    def _series(kernel: Kernel, *, free: bool, nystrom: bool) -> StartingSeries:
+        """Return the series of an order; along paths the one with the identity serves both."""
+        if (free, nystrom) not in kernel.series:
+            kernel.order_range(free=False, nystrom=nystrom)
+            free = False
+        series = kernel.series[free, nystrom]
         if not series.complete:
             raise ExactnessError("the eigenvalue 1 of V is multiple, and the series not unique")
-        names = {
-            "order": p,
-            "principal": "free" if free else "identity",
-            "trees": _trees(series, nystrom),
-        }
-        least = {"rule": "order-at-least", "witness": names}
-        most = {"rule": "order-at-most", "witness": {**names, "tree": found.tree}}
-        if settled or below:
-            self.identities.append(f"the condition of {found.tree} is not zero, order {p + 1}")
-        if below and not settled:
-            return [most]
-        count = sum(len(series.level(n)) for n in range(1, p + 1))
-        self.identities.insert(0, f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
-        return [least, most] if settled else [least]
-
-    def _is_above_declared(self, lower: int) -> bool:
-        """Return whether an order of at least this is not the one declared, which fails."""
-        return not self.holds and self.claim in _ORDERS and lower > self.declared
-
-    def _is_below_declared(self, upper: int | None) -> bool:
-        """Return whether an order of at most this is not the one declared, which fails."""
-        fails = not self.holds and self.claim in _ORDERS
-        return fails and upper is not None and upper < self.declared
+        return series
 
     def _no_order(self) -> Part:
-        """Return a component that is not consistent."""
-        (witness,) = self._inconsistent(())
-        return {"rule": "no-order-1", "witness": witness}
+        """Return a component that is not consistent; of decimals one that has no u may be known."""
+        try:
+            return {"rule": "no-order-1", "witness": next(self._inconsistent(()))}
+        except ExactnessError:
+            if not self.decimals:
+                raise
+            return {"rule": "not-preconsistent", "witness": next(self._not_preconsistent(()))}
 
-    def _after_order(self, name: str, parts: list[Part]) -> list[Part]:
+    def _after_order(self, name: str) -> list[Part]:
         """Return the bounds of stages, a start or a finish after those of the order."""
-        if parts[0]["rule"] == "no-order-1":
-            return parts
         found = self.kernel.range(self.claim)
-        q, least = found.upper, []
+        q, lower = found.upper, found.lower
+        refutes = self.decimals and not self.holds
+        if self.implied and q is not None:
+            lower = self.declared + 1 if refutes and q > self.declared else q
         below = not self.holds and q is not None and q < self.declared
-        if q is None or not (below or found.lower == q):
-            raise ExactnessError(f"the {self.claim} is not settled")
-        if found.lower == q:
-            least = [{"rule": f"{name}-at-least", "witness": {"q": q}}]
-            if name == "start":
-                self.identities.append(f"the start agrees with the series through order {q}")
         where = {} if found.failing is None else {"tree": found.failing}
-        return [*parts, *least, {"rule": f"{name}-at-most", "witness": {"q": q, **where}}]
-
-    def _stage_order(self) -> list[Part]:
-        return self._after_order("stage-order", self._order())
-
-    def _starting_order(self, *, nystrom: bool = False) -> list[Part]:
-        free, exact = not self.kernel.is_pair, self.kernel.exact
-        known = self.kernel.order_range(free=free, nystrom=nystrom)
-        self._written_out()
-        if not known.value and not (known.upper == 0 and exact):
-            raise ExactnessError("the order of the start is not settled")
-        return self._after_order("start", self._order_parts(free=free, nystrom=nystrom))
-
-    def _finishing_order(self) -> list[Part]:
-        self._written_out()
-        return self._after_order("finish", self._order())
-
-    def _written_out(self) -> None:
-        """Refuse a start in decimals, whose certificates are others."""
-        if not self.kernel._exact_start():
-            raise ExactnessError("certificates of enclosed starts are not written yet")
-
-    def _nystrom_starting_order(self) -> list[Part]:
-        return self._starting_order(nystrom=True)
-
-    def _conjugate_symplectic_order(self) -> list[Part]:
-        return self._reached("conjugate-symplectic")
-
-    def _hamiltonian_to_order(self) -> list[Part]:
-        return self._reached("hamiltonian")
-
-    def _energy_order(self) -> list[Part]:
-        return self._reached("energy")
+        most = {"rule": f"{name}-at-most", "witness": {"q": q, **where}}
+        if refutes and below:
+            return [most] if where else self._order_parts(upper_only=True)
+        one_bound = refutes and self.implied is not None and lower > self.declared
+        try:
+            if q is None or not (below or one_bound or lower == q):
+                raise ExactnessError(f"the {self.claim} is not settled")
+            parts = self._order_parts()
+        except ExactnessError:  # without it the series of a method that carries one value is known
+            stages = name == "stage-order" and self.implied is None and self.kernel.one_step
+            if not (self.decimals and stages and (self.holds or lower > self.declared)):
+                raise
+            one_bound = refutes
+            names = {"order": max(lower, 1), "principal": "identity", "trees": "all"}
+            parts = [{"rule": "order-at-least", "witness": names}]
+        if parts[0]["rule"] in ("no-order-1", "not-preconsistent"):
+            return parts
+        if self.implied and self.kernel.exact:  # a start in decimals of an exact method
+            parts.append({"rule": "symmetric", "witness": next(self._symmetric(()))})
+        rule = f"implied-{name}" if self.implied else f"{name}-at-least"
+        least = {"rule": rule, "witness": {"q": lower}}
+        if name == "start" and lower == q and not self.implied:
+            self.identities.append(f"the start agrees with the series through order {q}")
+        if one_bound:
+            return [parts[0], least]
+        return [*parts, *([least] if lower == q else []), most]
 
     def _reached(self, name: str) -> list[Part]:
         """Return both bounds of an order of the underlying one-step method, or the lower one."""
@@ -652,188 +659,3 @@ class _Writer:
         "eigen": _eigen, "growth": _growth, "grows": _grows,
         "unshared": _unshared, "residues": _residues,
     }  # fmt: skip
-
-
-class _EnclosedWriter(_Writer):
-    """The parts of a statement about decimals: the one exact method in them, or all of them."""
-
-    def _parts(self) -> list[Part]:
-        claim = self.claim
-        if CLAIMS[claim].type is int:
-            return self._range()
-        if claim == EMBEDDED_ORDER.key:
-            return self._rows()
-        return super()._parts()
-
-    def _follows(self) -> bool:
-        claim, implied = self.claim, self.kernel.implied
-        growing = claim == GROWTH.key and implied and implied.growth_zeros is not None
-        listed = claim == ABSCISSAE.key and self.holds
-        return bool(implied and (growing or listed or (claim in implied.true and self._truth())))
-
-    def _rows(self) -> list[Part]:
-        """Return every row; of a claim that fails, one whose order is another."""
-        kernel = self.kernel
-        implied = kernel.implied is not None
-        if self.holds:
-            rows = kernel.row_kernels
-            return [self._row(*x) for x in rows] if implied else super()._embedded_order()
-        nystrom = kernel.row_claim == NYSTROM_ORDER.key
-        for name, x in kernel.row_kernels:
-            found, declared = x.range(kernel.row_claim), self.declared[name]
-            if found.upper is not None and found.upper < declared:
-                parts = self._bounds(free=False, nystrom=nystrom, kernel=x)[1:]
-            elif found.lower > declared:
-                parts = (
-                    [self._implied_order(declared + 1, free=False, nystrom=nystrom)] if implied
-                    else self._of(x, kernel.row_claim, declared)._exact_order(
-                        free=False, nystrom=nystrom
-                    )[:1]
-                )  # fmt: skip
-            else:
-                continue
-            return [{"rule": "row", "witness": {"row": name, "parts": parts}}]
-        raise ExactnessError("no row has another order within the digits")
-
-    def _range(self) -> list[Part]:
-        claim = self.claim
-        if claim == DENSE_ORDER.key:
-            found = self.kernel.range(claim)
-            rule = "dense" if self.holds else "not-dense"
-            return [{"rule": rule, "witness": {"order": found.upper, "tree": found.tree}}]
-        if claim == FINISHING_ORDER.key or "starting-order" in claim:
-            try:
-                return super()._parts() if self.kernel.implied is None else self._of_start()
-            except ExactnessError:
-                return self._of_start()
-        free = claim == EFFECTIVE_ORDER.key
-        if claim in (ORDER.key, STAGE_ORDER.key):
-            free = not self.kernel.one_step
-        nystrom = claim == NYSTROM_ORDER.key
-        kernel = self.kernel.any_matrix if claim == W_ORDER.key else self.kernel
-        found = kernel.order_range(free=free, nystrom=nystrom)
-        if found.upper == 0 and not found.tree:
-            try:
-                return [self._no_order()]
-            except ExactnessError:
-                (witness,) = self._not_preconsistent(())
-                return [{"rule": "not-preconsistent", "witness": witness}]
-        if claim == STAGE_ORDER.key:
-            implied = self.kernel.implied is not None
-            return self._implied_stages(free=free) if implied else self._stages(free=free)
-        if (self.holds and self.kernel.implied is None) or found.lower > self.declared:
-            return self._exact_order(free=free, nystrom=nystrom)
-        parts = self._bounds(free=free, nystrom=nystrom, kernel=kernel)
-        if not self.holds and found.upper > self.declared:
-            return [self._implied_order(self.declared + 1, free=free, nystrom=nystrom)]
-        return parts if self.holds else parts[1:]
-
-    def _implied_stages(self, *, free: bool) -> list[Part]:
-        """Return the stage order of the one method that the equations of the file give."""
-        least, most = self._bounds(free=free, nystrom=False)
-        stages, p = self.kernel.range(STAGE_ORDER.key), least["witness"]["order"]
-        q = stages.upper
-        if q is None:
-            raise ExactnessError("the stage order is not settled")
-        if not self.holds and q > self.declared:
-            more = {"rule": "implied-stage-order", "witness": {"q": self.declared + 1}}
-            return [least, more]
-        where = {"tree": stages.failing} if q < p else {}
-        above = {"rule": "stage-order-at-most", "witness": {"q": q, **where}}
-        if not self.holds:
-            return [above] if q < p else [most]
-        return [least, most, {"rule": "implied-stage-order", "witness": {"q": q}}, above]
-
-    def _exact_order(self, *, free: bool, nystrom: bool) -> list[Part]:
-        """Return an order that no entry in decimals touches."""
-        kernel = self.kernel.timed
-        p = kernel.order_range(free=free, nystrom=nystrom)
-        series = kernel.series[free, nystrom]
-        parts = self._bounds(free=free, nystrom=nystrom, kernel=kernel)
-        if p.upper == 0:
-            return parts[1:]
-        names = {**parts[0]["witness"], "order": p.lower, "trees": _trees(series, nystrom)}
-        first = {"rule": "order-at-least", "witness": names}
-        return [first, parts[1]] if self.holds else [first]
-
-    def _stages(self, *, free: bool) -> list[Part]:
-        """Return the stage order of decimals, with the order where that is settled."""
-        stages, parts = self.kernel.range(STAGE_ORDER.key), []
-        if self.holds or stages.lower > self.declared:
-            try:
-                return super()._parts()
-            except ExactnessError:
-                if free:  # the series is unique where the order is known
-                    raise
-            order = {"order": max(stages.lower, 1), "principal": "identity", "trees": "all"}
-            parts = [
-                {"rule": "order-at-least", "witness": order},
-                {"rule": "stage-order-at-least", "witness": {"q": stages.lower}},
-            ]
-            if not self.holds:
-                return parts
-        elif stages.upper == self.kernel.order_range(free=free).upper:
-            return self._bounds(free=free, nystrom=False)[1:]
-        assert stages.upper is not None, "the verdict rests on it"
-        witness = {"q": stages.upper, "tree": stages.failing}
-        return [*parts, {"rule": "stage-order-at-most", "witness": witness}]
-
-    def _row(self, name: str, kernel: Kernel) -> Part:
-        parts = self._bounds(free=False, nystrom=False, kernel=kernel)
-        return {"rule": "row", "witness": {"row": name, "parts": parts}}
-
-    def _bounds(self, *, free: bool, nystrom: bool, kernel: Kernel | None = None) -> list[Part]:
-        found = (kernel or self.kernel).order_range(free=free, nystrom=nystrom)
-        if found.upper is None:
-            raise ExactnessError("the order is not settled")
-        self.identities.append(
-            f"the condition of {found.tree} is not zero, order {found.upper + 1}"
-        )
-        first = self._implied_order(found.upper, free=free, nystrom=nystrom)
-        above = {**first["witness"], "tree": found.tree}
-        return [first, {"rule": "order-at-most", "witness": above}]
-
-    @staticmethod
-    def _implied_order(order: int, *, free: bool, nystrom: bool) -> Part:
-        principal, trees = "free" if free else "identity", "nystrom" if nystrom else "all"
-        witness = {"order": order, "principal": principal, "trees": trees}
-        return {"rule": "implied-order", "witness": witness}
-
-    def _of_start(self) -> list[Part]:
-        claim, kernel = self.claim, self.kernel
-        finish, nystrom = claim == FINISHING_ORDER.key, claim == NYSTROM_STARTING_ORDER.key
-        free = not kernel.one_step and not kernel.is_pair
-        found = kernel.range(claim)
-        q = found.upper
-        own = kernel.order_range(free=not kernel.is_pair, nystrom=nystrom)
-        if own.upper == 0:
-            if not own.tree:
-                return [self._no_order()]
-            return self._bounds(free=not kernel.is_pair, nystrom=nystrom)[1:]
-        if not self.holds:
-            if found.lower > self.declared:
-                raise ExactnessError("a higher order of the start than declared is not written out")
-            free = not kernel.is_pair
-            if q is not None and q == own.upper:
-                return self._bounds(free=free, nystrom=nystrom)[1:]
-            if q and not kernel.is_pair:
-                raise ExactnessError("the order of the start is not written out")
-            more = {"tree": found.failing}
-            return [{"rule": "start-at-most", "witness": {"q": q, **more}}]
-        if kernel.exact:
-            parts = [*self._order_parts(free=True), *self._symmetric_part()]
-        else:
-            parts = self._bounds(free=free, nystrom=nystrom)
-        name, top = ("finish", "finish-at-most") if finish else ("start", "start-at-most")
-        lower = self.declared < parts[0]["witness"]["order"]
-        if lower and not kernel.is_pair:
-            raise ExactnessError("the order of the start is not written out")
-        more = {"tree": found.failing} if lower else {}
-        return [
-            *parts,
-            {"rule": f"implied-{name}", "witness": {"q": self.declared}},
-            {"rule": top, "witness": {"q": self.declared, **more}},
-        ]
-
-    def _symmetric_part(self) -> list[Part]:
-        return [{"rule": "symmetric", "witness": next(self._symmetric(()))}]
