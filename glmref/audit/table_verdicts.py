@@ -13,8 +13,7 @@ from typing import Any
 
 from ..errors import BudgetError, GlmrefError
 from ..exact import Exact
-from ..prove.kernel import Reach
-from ..prove.schemes import LARGEST, further, reach
+from ..prove.schemes import LARGEST, Reach, further
 from ..prove.wrong_entry import (
     Trial,
     abscissa,
@@ -260,7 +259,7 @@ def _share(table: Table, method: Trial) -> None:
 def _reached(table: Table, method: Trial) -> Reach:
     """Return how far the conditions hold, one order beyond the declared one."""
     most = (table.order or (5 if len(table.b[0]) < 8 else 8)) + 1
-    found = reach(method.scheme(), most, stop=0.5 * method.scale)
+    found = method.reached(most)
     if table.order is not None and found.to(method.coarse) == LARGEST[1]:
         found = further(found, method.scheme(), table.order)
     return found
@@ -437,7 +436,7 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
             remarks.append(f"the row {label} has another length than b")
             continue
         least = declared or max(1, (table.order or 2) - 1)
-        low = reach(method.scheme([row] * len(method.b)), least + 1, stop=0.5 * method.scale)
+        low = method.reached(least + 1, row)
         size, order = low.size(min(least, len(low.sizes))), low.to(coarse)
         if declared is not None and size > coarse:
             remarks.append(f"the row {label} is declared of order {declared} and has order {order}")

@@ -43,7 +43,6 @@ from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..judge.refusals import Refused
 from ..method import Method
-from ..method.component import Palette
 from ..method.preconsistency import (
     output,
     outputs,
@@ -63,7 +62,7 @@ from ..theory.starting_series import (
     tableau,
 )
 from ..theory.trees import Tree, counted
-from .digits import DigitRules, Sized, rounded_up
+from .digits import DigitRules, Sized
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
 from .implications import Implied
@@ -800,113 +799,3 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
 def _as_balls(matrix: Matrix) -> Matrix:
     """Return the matrix with every entry but exact zeros as a ball."""
     return tuple(tuple(x if x.vanishes() else ball(x) for x in row) for row in matrix)
-
-
-# -- schemes of coloured stages -------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Reach:
-    """How far the conditions of a scheme hold.
-
-    Attributes
-    ----------
-    proved : int
-        All conditions through this order hold exactly.
-    sizes : tuple[float, ...]
-        For each order the largest residual of its conditions, 0.0 where all are zero.
-    trees : tuple[str, ...]
-        For each order the tree with that residual, ``""`` where all are zero.
-    first : tuple[str, ...]
-        For each order the first tree whose residual certainly is not zero.
-    refuted : int or None
-        The first order with a residual that is certainly not zero, or ``None``.
-    exact : bool
-        Whether all numbers are exact.
-    residuals : tuple[Mapping[str, Scalar], ...]
-        For each order the residuals by tree.
-    """
-
-    proved: int
-    sizes: tuple[float, ...]
-    trees: tuple[str, ...]
-    refuted: int | None
-    exact: bool
-    first: tuple[str, ...] = ()
-    residuals: tuple[Mapping[str, Scalar], ...] = ()
-
-    def to(self, tolerance: float) -> int:
-        """Return the order that holds with residuals of at most a size."""
-        bad = (n for n, x in enumerate(self.sizes) if x > tolerance)
-        return next(bad, len(self.sizes))
-
-    def size(self, order: int) -> float:
-        """Return the largest residual through an order."""
-        return max(self.sizes[:order], default=0.0)
-
-    def staircase(self) -> str:
-        """Return such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
-        steps: list[str] = []
-        worst = [self.size(n) for n in range(1, len(self.sizes) + 1)]
-        for n in range(len(worst), self.proved, -1):
-            beyond = worst[n] if n < len(worst) else float("inf")
-            if 0 < worst[n - 1] < 1e-3 and beyond > 100 * worst[n - 1]:
-                steps.append(f"order {n} to {rounded_up(Fraction(repr(worst[n - 1])))}")
-        return ", ".join([*steps, f"order {self.proved} exactly"])
-
-
-def reach(
-    palette: Palette,
-    blocks: Mapping[str, tuple[Matrix, Vector]],
-    *,
-    roots: str,
-    counts: Callable[[Tree], bool],
-    most: int,
-    stop: float,
-) -> Reach:
-    """Evaluate the conditions of stages of several colours, order by order.
-
-    Parameters
-    ----------
-    palette : Palette
-        Colours with the colours their children may have.
-    blocks : mapping
-        (A, b) by colour: ``X = y + h A F``, ``y+ = y + h b F``.
-    roots : str
-        Colours whose trees are conditions.
-    counts : callable
-        Which trees there are; closed under subtrees.
-    most, stop : int, float
-        The last order; no order is looked at after one with a larger residual.
-
-    Returns
-    -------
-    Reach
-        How far they hold.
-    """
-    one = ((_ONE,),)
-    exact = all(linalg.is_exact(A, (b,)) for A, b in blocks.values())
-    components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in blocks.items()}
-    series = StartingSeries(components, palette, free=False, counts=counts)
-    sizes, worst, first, residuals = [], [], [], []
-    proved, refuted = 0, None
-    for n in range(1, most + 1):
-        level = {
-            t: first_nonzero(series.residual(t)) for t in series.advance() if t.colour in roots
-        }
-        answers = {t: x.is_zero() for t, x in level.items()}
-        if refuted is None and False in answers.values():
-            refuted = n
-        if proved == n - 1 and all(x is True for x in answers.values()):
-            proved = n
-        size = {t: x.magnitude() for t, x in level.items() if answers[t] is not True}
-        at = max(size, key=size.__getitem__, default=None)
-        no = next((t for t, x in answers.items() if x is False), None)
-        sizes.append(0.0 if at is None else size[at])
-        worst.append("" if at is None else str(at))
-        first.append("" if no is None else str(no))
-        residuals.append({str(t): x for t, x in level.items()})
-        if sizes[-1] > stop:
-            break
-    return Reach(proved, tuple(sizes), tuple(worst), refuted, exact, tuple(first),
-                 tuple(residuals))  # fmt: skip

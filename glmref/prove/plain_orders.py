@@ -32,9 +32,9 @@ from ..findings import Finding, Verdict
 from ..method.digits import digits_of, meant, within_digits
 from .digits import rounded_up
 from .facts import facts_of
-from .kernel import Reach
 from .schemes import (
     LARGEST,
+    Reach,
     Scheme,
     additive,
     dense_output,

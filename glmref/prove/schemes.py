@@ -39,10 +39,11 @@ from ..method import PartitionedGLM
 from ..method.component import Palette
 from ..method.nystrom import nystrom as as_pair
 from ..system.budget import limited, spend
-from ..theory.coefficients import is_zero
+from ..theory.coefficients import first_nonzero, is_zero
+from ..theory.starting_series import StartingSeries, component
 from ..theory.trees import Tree, is_nystrom
-from . import kernel
-from .kernel import Reach
+from .digits import rounded_up
+from .kernel import HIGHEST
 
 _ZERO, _ONE = Exact(0), Exact(1)
 #: Largest order that is looked at, by the number of colours.
@@ -89,8 +90,58 @@ class Scheme:
         return tree
 
 
+@dataclass(frozen=True)
+class Reach:
+    """How far the conditions of a scheme hold.
+
+    Attributes
+    ----------
+    proved : int
+        All conditions through this order hold exactly.
+    sizes : tuple[float, ...]
+        For each order the largest residual of its conditions, 0.0 where all are zero.
+    trees : tuple[str, ...]
+        For each order the tree with that residual, ``""`` where all are zero.
+    first : tuple[str, ...]
+        For each order the first tree whose residual certainly is not zero.
+    refuted : int or None
+        The first order with a residual that is certainly not zero, or ``None``.
+    exact : bool
+        Whether all numbers are exact.
+    residuals : tuple[Mapping[str, Scalar], ...]
+        For each order the residuals by tree.
+    """
+
+    proved: int
+    sizes: tuple[float, ...]
+    trees: tuple[str, ...]
+    refuted: int | None
+    exact: bool
+    first: tuple[str, ...] = ()
+    residuals: tuple[Mapping[str, Scalar], ...] = ()
+
+    def to(self, tolerance: float) -> int:
+        """Return the order that holds with residuals of at most a size."""
+        bad = (n for n, x in enumerate(self.sizes) if x > tolerance)
+        return next(bad, len(self.sizes))
+
+    def size(self, order: int) -> float:
+        """Return the largest residual through an order."""
+        return max(self.sizes[:order], default=0.0)
+
+    def staircase(self) -> str:
+        """Return such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
+        steps: list[str] = []
+        worst = [self.size(n) for n in range(1, len(self.sizes) + 1)]
+        for n in range(len(worst), self.proved, -1):
+            beyond = worst[n] if n < len(worst) else float("inf")
+            if 0 < worst[n - 1] < 1e-3 and beyond > 100 * worst[n - 1]:
+                steps.append(f"order {n} to {rounded_up(Fraction(repr(worst[n - 1])))}")
+        return ", ".join([*steps, f"order {self.proved} exactly"])
+
+
 def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool = False) -> Reach:
-    """Let the kernel evaluate the conditions of a scheme, order by order.
+    """Evaluate the conditions of a scheme, order by order.
 
     Parameters
     ----------
@@ -108,7 +159,7 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
     Reach
         How far they hold; trees in the notation of the documentation.
     """
-    largest = LARGEST.get(len(scheme.palette), 4)
+    largest, one = LARGEST.get(len(scheme.palette), 4), ((_ONE,),)
     high = high and len(scheme.palette) == 1
 
     def counts(t: Tree) -> bool:
@@ -116,21 +167,28 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
             spend()  # tens of thousands of trees
         return scheme.counts is None or scheme.counts(t)
 
-    found = kernel.reach(
-        scheme.palette,
-        scheme.blocks,
-        roots=scheme.roots,
-        counts=counts,
-        most=min(most, kernel.HIGHEST if high else largest),
-        stop=stop,
-    )
-    if not scheme.written:
-        return found
-    return replace(
-        found,
-        trees=tuple(map(scheme.text, found.trees)),
-        first=tuple(map(scheme.text, found.first)),
-    )
+    components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in scheme.blocks.items()}
+    series = StartingSeries(components, scheme.palette, free=False, counts=counts)
+    sizes, worst, first, residuals = [], [], [], []
+    proved, refuted = 0, None
+    for n in range(1, min(most, HIGHEST if high else largest) + 1):
+        level = {str(t): first_nonzero(series.residual(t)) for t in series.advance()
+                 if t.colour in scheme.roots}  # fmt: skip
+        answers = {t: x.is_zero() for t, x in level.items()}
+        if refuted is None and False in answers.values():
+            refuted = n
+        if proved == n - 1 and all(x is True for x in answers.values()):
+            proved = n
+        size = {t: x.magnitude() for t, x in level.items() if answers[t] is not True}
+        at = max(size, key=size.__getitem__, default="")
+        sizes.append(size.get(at, 0.0))
+        worst.append(scheme.text(at))
+        first.append(scheme.text(next((t for t, x in answers.items() if x is False), "")))
+        residuals.append(level)
+        if sizes[-1] > stop:
+            break
+    return Reach(proved, tuple(sizes), tuple(worst), refuted, scheme.is_exact, tuple(first),
+                 tuple(residuals))  # fmt: skip
 
 
 def further(found: Reach, scheme: Scheme, declared: int) -> Reach:

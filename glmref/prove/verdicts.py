@@ -19,7 +19,8 @@ from typing import Any
 from ..exact import Exact, Scalar
 from ..exact.judging import verdict as judges_verdict
 from ..findings import Finding, Proof, Verdict
-from .kernel import Found, Reach
+from .kernel import Found
+from .schemes import Reach
 
 _SEAL = object()
 

@@ -141,14 +141,13 @@ class Trial:
         self.quadratic = False
         self.kick_first = False  # codes differ in which of a_1 and b_1 is the first step
         if table.kind == "splitting":
-            drift = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            drift = self.reached(table.order or 4)
             self.kick_first = True
-            kick = reach(self.scheme(), table.order or 4, stop=0.5 * self.scale)
+            kick = self.reached(table.order or 4)
             self.kick_first = kick.to(COARSE) > drift.to(COARSE)
             if table.order and max(kick.to(COARSE), drift.to(COARSE)) < table.order:
                 self.quadratic = True
-                nystrom = reach(self.scheme(), table.order, stop=0.5 * self.scale)
-                self.quadratic = nystrom.to(COARSE) >= table.order
+                self.quadratic = self.reached(table.order).to(COARSE) >= table.order
         self.fine, self.coarse = FINE * self.scale, COARSE if rounded else EXACT
         places = _places(printed)
         if FEWEST <= places < SHORT:  # what the rounding of the last digit explains is no failure
@@ -178,6 +177,16 @@ class Trial:
                 b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
             )
         return schemes.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
+
+    def reached(self, order: int, weights: Sequence[Scalar] | None = None) -> Any:
+        """Return how far the conditions hold through an order, with other weights if given."""
+        rows = None if weights is None else [weights] * len(self.b)
+        return reach(self.scheme(rows), order, stop=0.5 * self.scale)
+
+    def has_order(self, order: int, weights: Sequence[Scalar] | None = None) -> bool:
+        """Return whether all conditions through an order hold, but for roundings."""
+        got = self.reached(order, weights)
+        return len(got.sizes) >= order and got.size(order) <= self.coarse
 
     def slots(self) -> Iterator[tuple[str, list[Any], int]]:
         """Yield entries that may be wrong: how they are called, where they are, and their index."""
@@ -329,14 +338,11 @@ def at_row(method: Trial, declared: int) -> list[dict[str, str]]:
     """Return the one entry of the row whose sum is not c that gives the declared order."""
     if method.gap < COARSE:
         return []
-    return _mended(
-        method, declared, _short,
-        lambda got: len(got.sizes) >= declared and got.size(declared) <= method.coarse,
-    )  # fmt: skip
+    return _mended(method, declared, _short, lambda: method.has_order(declared))
 
 
 def _mended(
-    method: Trial, declared: int, text: Callable[[Scalar], str], good: Callable[[Any], bool]
+    method: Trial, declared: int, text: Callable[[Scalar], str], good: Callable[[], bool]
 ) -> list[dict[str, str]]:
     """Return the one entry of the row whose sum is not c that gives a good order once it fits c."""
     k, part = method.gap_row, method.gap_part
@@ -348,7 +354,7 @@ def _mended(
         if complex(x) == 0:
             continue
         row[j] = x + given[k] - sum(row, Exact(0))
-        if good(reach(method.scheme(), declared, stop=0.5 * method.scale)):
+        if good():
             name = "a_implicit" if part else "a"
             found.append(
                 {"entry": f"{name}[{k + 1}][{j + 1}]", "is": text(x), "should be": text(row[j])}
@@ -422,8 +428,7 @@ def weight(method: Trial, declared: int) -> list[dict[str, str]]:
         kicks = [*w[:k], new, *w[k + 1 :], before[1][-1]]
         half = [v / 2 for v in kicks[:-1]]
         method.b = [[half[0], *(u + v for u, v in pairwise(half)), half[-1]], kicks]
-        got = reach(method.scheme(), declared, stop=0.5 * method.scale)
-        if got.size(declared) <= method.coarse:
+        if method.reached(declared).size(declared) <= method.coarse:
             found.append({"entry": f"w[{k + 1}]", "is": _long(x), "should be": _long(new)})
     method.b = before
     return found
@@ -439,7 +444,7 @@ def abscissa(method: Trial, declared: int) -> list[dict[str, str]]:
     if wrong != [k]:
         return []
     method.c[0] = None
-    got = reach(method.scheme(), declared, stop=0.5 * method.scale)
+    got = method.reached(declared)
     method.c[0] = given
     if got.size(min(declared, len(got.sizes))) > method.coarse:
         return []
@@ -454,7 +459,8 @@ def digit(method: Trial, declared: int, size: float) -> list[dict[str, str]]:
     """
     if len(method.b[0]) > 16:
         return []
-    return _mended(method, declared, _long, lambda got: got.size(declared) < 1e-6 * size)
+    small = 1e-6 * size
+    return _mended(method, declared, _long, lambda: method.reached(declared).size(declared) < small)
 
 
 def beside_weights(method: Trial, k: int) -> list[dict[str, str]]:
@@ -509,18 +515,13 @@ def embedded(method: Trial, row: Sequence[Scalar], order: int, least: int) -> li
     Nothing declares its order; only where one change gives the next order below that of b, it is
     asked about.
     """
-
-    def reached(weights: Sequence[Scalar]) -> bool:
-        got = reach(method.scheme([list(weights)] * len(method.b)), least, stop=0.5 * method.scale)
-        return len(got.sizes) >= least and got.size(least) <= method.coarse
-
     if method.kind != "rk" or least > 8 or len(row) > 16 or order < 1:
         return []
     said = f"the embedded row has order {order}, and order {least}"
     for i, j in combinations(range(len(row)), 2):
         other = list(row)
         other[i], other[j] = row[j], row[i]
-        if complex(row[i]) != complex(row[j]) and reached(other):
+        if complex(row[i]) != complex(row[j]) and method.has_order(least, other):
             return [f"{said} with its entries {i + 1} and {j + 1} exchanged"]
     for k, stage in enumerate(method.A[0]):
         if not enters_nothing(method, k):
@@ -529,7 +530,7 @@ def embedded(method: Trial, row: Sequence[Scalar], order: int, least: int) -> li
             if complex(stage[i]) == complex(stage[j]):
                 continue
             stage[i], stage[j] = stage[j], stage[i]
-            good = reached(row)
+            good = method.has_order(least, row)
             stage[i], stage[j] = stage[j], stage[i]
             if good:
                 return [f"{said} with a[{k + 1}][{i + 1}] and a[{k + 1}][{j + 1}] exchanged"]
@@ -556,8 +557,7 @@ def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str
         return []
     for word, sign in (("minus", -1), ("plus", 1)):
         row = [x + sign * y for x, y in zip(b, error, strict=True)]
-        got = reach(method.scheme([row] * len(method.b)), declared, stop=0.5 * method.scale)
-        if len(got.sizes) >= declared and got.size(declared) < method.coarse:
+        if method.has_order(declared, row):
             return [
                 f"b {word} the error weights has order {declared}: b holds the embedded weights"
             ]
@@ -567,8 +567,7 @@ def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str
 def mirrored(method: Trial, row: Sequence[Scalar], declared: int) -> list[str]:
     """Return whether 2 b minus a row has its order: the error was added where it is subtracted."""
     other = [2 * x - y for x, y in zip(method.b[0], row, strict=True)]
-    got = reach(method.scheme([other] * len(method.b)), declared, stop=0.5 * method.scale)
-    if len(got.sizes) < declared or got.size(declared) > method.coarse:
+    if not method.has_order(declared, other):
         return []
     return [f"2 b minus this row has order {declared}: its difference from b has the wrong sign"]
 
@@ -585,8 +584,7 @@ def estimate(method: Trial, error: list[Scalar]) -> list[str]:
         changed = [*error[:k], x - total, *error[k + 1 :]]
         for sign in (-1, 1):
             row = [p + sign * q for p, q in zip(b, changed, strict=True)]
-            got = reach(method.scheme([row] * len(method.b)), 5, stop=0.5 * method.scale)
-            found.append((got.to(method.coarse), k, x - total))
+            found.append((method.reached(5, row).to(method.coarse), k, x - total))
     order, k, value = max(found, key=lambda x: x[0])
     if order < 2 or len({i for n, i, _ in found if n == order}) > 1:
         return []

@@ -64,8 +64,8 @@ def test_keys_stand_in_canonical_order_and_once() -> None:
 def test_every_claim_is_decided_by_a_rule_of_its_own(key: str) -> None:
     spec = CLAIMS[key]
     if spec.type in (int, dict):  # of the others the judge decides what the writer proposes
-        assert callable(getattr(Kernel, f"_{spec.rule}")) == (spec.type is not int)
-    assert [x.key for x in CLAIMS.values() if x.rule == spec.rule] == [key]
+        rule = getattr(Kernel, "_" + key.replace("-", "_"))
+        assert callable(rule) == (spec.type is not int)
     values = {int: 0, bool: True, list: [Text("7", Exact(7))], dict: {"hat": 1}}
     declared = values.get(spec.type, Text("7", Exact(7)))
     names = {ANY: ("bdf-2", "stormer-verlet"), SINGLE: ("bdf-2",), PARTITIONED: ("stormer-verlet",)}

@@ -13,7 +13,8 @@ from glmref.findings import Proof, Verdict
 from glmref.judge.series import Series, path_orders
 from glmref.method import GLM, PartitionedGLM
 from glmref.prove.facts import facts_of
-from glmref.prove.kernel import Kernel, Reach
+from glmref.prove.kernel import Kernel
+from glmref.prove.schemes import Reach, Scheme, reach
 from tests.build import SOURCE, method_document, refused
 
 
@@ -105,11 +106,8 @@ def test_a_step_of_the_staircase_is_a_rounding_and_far_below_the_next():
 
 def _scheme(A, b, *, most, stop=10.0, below=9):
     """`reach` of a Runge-Kutta method, with the trees below an order."""
-    from glmref.prove.kernel import reach
-
-    return reach(
-        {"o": "o"}, {"o": (A, b)}, roots="o", counts=lambda t: t.order < below, most=most, stop=stop
-    )
+    scheme = Scheme({"o": "o"}, {"o": (A, b)}, "o", lambda t: t.order < below)
+    return reach(scheme, most, stop=stop)
 
 
 def test_the_first_order_that_fails_is_kept_and_an_order_is_proved_after_the_one_below_it():
@@ -137,7 +135,6 @@ def test_the_first_order_that_fails_is_kept_and_an_order_is_proved_after_the_one
 def test_an_order_is_reached_where_it_is_proved_and_not_where_one_below_is_refuted(
     refuted, order, verdict, value
 ):
-    from glmref.prove.kernel import Reach
     from glmref.prove.verdicts import reaches
 
     found = reaches(Reach(2, (0.0, 0.0, 0.1, 0.2), ("", "", "t", "s"), refuted, True), order, "")
@@ -146,7 +143,6 @@ def test_an_order_is_reached_where_it_is_proved_and_not_where_one_below_is_refut
 
 
 def test_what_is_open_stays_open_where_a_failure_was_announced():
-    from glmref.prove.kernel import Reach
     from glmref.prove.verdicts import reaches, refuted
 
     refutes = {True: None, False: 1, None: None}  # an order that is proved, refuted, or neither
@@ -217,19 +213,14 @@ def test_a_form_is_found_by_elimination_where_none_is_given():
 
 
 def test_a_scheme_of_two_colours_is_exact_where_both_are():
-    from glmref.prove.kernel import reach
-
     zero, one = Exact(0), Exact(1)
-    found = reach(
-        {"f": "fk", "k": "fk"}, {"f": (((zero,),), (one,)), "k": (((ball(0),),), (one,))},
-        roots="fk", counts=lambda t: True, most=1, stop=1.0,
-    )  # fmt: skip
+    palette = {"f": "fk", "k": "fk"}
+    blocks = {"f": (((zero,),), (one,)), "k": (((ball(0),),), (one,))}
+    found = reach(Scheme(palette, blocks, "fk"), 1)
     assert (found.proved, found.exact) == (1, False)
     half = Exact(Fraction(1, 2))
-    found = reach(
-        {"f": "fk", "k": "fk"}, {"f": (((zero,),), (one,)), "k": (((zero,),), (half,))},
-        roots="fk", counts=lambda t: True, most=1, stop=1.0,
-    )  # fmt: skip
+    blocks = {"f": (((zero,),), (one,)), "k": (((zero,),), (half,))}
+    found = reach(Scheme(palette, blocks, "fk"), 1)
     assert (found.proved, found.refuted, found.sizes) == (0, 1, (0.5,))
 
 
