@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from functools import cached_property
 
@@ -85,6 +85,15 @@ class Enclosed:
     root: list
     signs: dict[str, list[int]] | None = None
     members = "", ""  # of the proof and of the block, besides those of every class
+    prepare: Callable[[], None]  # reads matrices and equations, checks what the theorems suppose
+    residuals: Callable[
+        [list], list
+    ]  # left minus right of every equation at values of the unknowns
+    # of principal part and trees, and of the row: whether the theorem about orders is about them
+    is_of_the_theorem: Callable[[bool, bool | str, str | None], bool]
+    principal_is_zero: Callable[[int, bool, bool | str], bool]  # below an order, where it must be
+    gives_order: Callable[[int, bool | str, str | None, Method], bool]  # all conditions through it
+    implies: Callable[[str], bool]  # whether a claim that is true or false holds at the root
 
     def __init__(self, document: Document, numbers: Numbers, proof: object) -> None:
         values = self.members[1]
@@ -127,35 +136,12 @@ class Enclosed:
         )
         return other
 
-    def prepare(self) -> None:
-        """Read the matrices and equations and check what the theorems suppose."""
-
-    def residuals(self, values: list) -> list:
-        """Return left minus right of every equation."""
-        return []
-
-    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
-        """Tell whether the theorem about orders is about the method, these trees and this row."""
-        return False
-
-    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
-        """Tell whether the principal parts below p, where the theorem needs them, are 0."""
-        return False
-
-    def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
-        """Tell whether the equations give all conditions through order p with the row."""
-        return False
-
     def gives_stage_order(self, q: int) -> bool:
         """Tell whether the equations give the stage order q: of pairs they do not."""
         return False
 
     def zero_start_holds(self, q: int, nystrom: bool | str) -> bool:
         """Tell whether every value but the first is 0 on all trees through order q, of pairs."""
-        return False
-
-    def implies(self, claim: str) -> bool:
-        """Tell whether a claim that is true or false holds at the root."""
         return False
 
     def matrix(self, key: str) -> list:

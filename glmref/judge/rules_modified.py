@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TypeAlias
 
@@ -12,8 +11,8 @@ from .document import Method
 from .linalg import apply, dot, identity, kernel, less, minus, multiples, solve, transpose
 from .numbers import apart, total, vanishes
 from .refusals import require
-from .rule import Bound, Case, Fails, NoWitness, Order, Rule, Truth
-from .rules_orders import bound
+from .rule import Bound, Case, Fails, NoWitness, Rule, Truth
+from .rules_orders import AtLeast, bound
 from .rules_symplectic import method_is_real
 from .series import Solved
 from .trees import (
@@ -146,13 +145,6 @@ def straightened(a: Map, order: int) -> Map | None:
     return None if c is None else conjugated(a, dict(zip(unknowns, c, strict=True)))
 
 
-@dataclass(frozen=True)
-class Reached:
-    """An order."""
-
-    q: Order
-
-
 def underlying_of(case: Case) -> Underlying:
     """Return the series of the underlying one-step method, one for all parts about a method."""
     return case.proof.of_method(("underlying",), partial(Underlying, case.method))
@@ -161,7 +153,7 @@ def underlying_of(case: Case) -> Underlying:
 class UnderlyingCase(Case):
     """A part about the underlying one-step method."""
 
-    witness: Reached
+    witness: AtLeast
 
     def underlying(self, order: int) -> Underlying:
         """Return the series of the map, which is looked at through an order."""
@@ -224,9 +216,9 @@ def a_condition_fails_after_q(case: UnderlyingCase) -> bool:
 def _bounds(about: str, case: type[UnderlyingCase], theorem: str, source: str) -> tuple[Rule, Rule]:
     """Return the rules for both bounds of an order."""
     return (
-        Rule(f"{about}-at-least", about, "at least", theorem, source, Reached, case,
+        Rule(f"{about}-at-least", about, "at least", theorem, source, AtLeast, case,
              (map_is_that_of_a_step, conditions_hold_through_q)),
-        Rule(f"{about}-at-most", about, "at most", theorem, source, Reached, case,
+        Rule(f"{about}-at-most", about, "at most", theorem, source, AtLeast, case,
              (map_is_that_of_a_step, a_condition_fails_after_q)),
     )  # fmt: skip
 

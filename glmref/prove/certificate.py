@@ -12,12 +12,14 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from ..catalogue.claims import (
     A_STABLE,
     ABSCISSAE,
     CLAIMS,
+    CONJUGATE_SYMPLECTIC,
     CONJUGATE_SYMPLECTIC_ORDER,
     DENSE_ORDER,
     EFFECTIVE_ORDER,
@@ -75,13 +77,6 @@ def certificates_of(
         yield from _certificates(facts, claim, declared, found)
     except ExactnessError as error:
         yield str(error)
-
-
-def _trees(series: StartingSeries, nystrom: bool) -> str:
-    """Return which trees a series is about, in the words of a certificate."""
-    if series.along_paths:
-        return "nystrom-paths" if nystrom else "paths"
-    return "nystrom" if nystrom else "all"
 
 
 class Shared:
@@ -219,13 +214,6 @@ def _matrix(rows: Matrix) -> list[list[str]]:
     return [_vector(row) for row in rows]
 
 
-class _About:
-    """What a writer asks of facts, for a method without a file."""
-
-    def __init__(self, kernel: Kernel) -> None:
-        self.method, self.kernel = kernel.method, kernel
-
-
 def _none(writer: Any, parts: Parts) -> Witnesses:
     yield {}
 
@@ -317,7 +305,8 @@ class _Writer:
             found, declared = kernel.range(claim), self.declared[name]
             if one and found.lower <= declared and (found.upper is None or found.upper >= declared):
                 continue
-            inner = type(self)(_About(kernel), claim, declared, self.judged, decimals=self.decimals)
+            of_row = SimpleNamespace(method=kernel.method, kernel=kernel)
+            inner = _Writer(of_row, claim, declared, self.judged, decimals=self.decimals)
             rows.append({"rule": "row", "witness": {"row": name, "parts": inner.parts()}})
             self.identities += inner.identities
         if not rows:
@@ -372,7 +361,7 @@ class _Writer:
         above = fails and lower > self.declared
         if upper is None if below else not (above or lower == upper):
             raise ExactnessError("the order is not settled")
-        p = upper if below else lower
+        p = upper if below and upper is not None else lower
         if p == 0 and (kernel.exact or not found.tree):
             return [self._no_order()]
         names = {"order": p, "principal": "free" if free else "identity"}
@@ -380,7 +369,8 @@ class _Writer:
         alone = upper_only or (self.decimals and fails) or lower != upper
         if not (by_root or (alone and below)):
             series = self._series(kernel, free=free, nystrom=nystrom)
-            names["trees"] = _trees(series, nystrom)
+            if series.along_paths:
+                names["trees"] = "nystrom-paths" if nystrom else "paths"
             count = sum(len(series.level(n)) for n in range(1, p + 1))
             self.identities.append(f"B xiD(t) + V eta(t) = (E eta)(t), {count} trees")
         least = {"rule": "implied-order" if by_root else "order-at-least", "witness": names}
@@ -513,6 +503,8 @@ class _Writer:
 
     def _form(self, parts: Parts) -> Witnesses:
         """Yield the form that was found, or one that no finder proposes."""
+        if self.claim == CONJUGATE_SYMPLECTIC.key and self.kernel.one_step:
+            return  # it is 1, by `quadratic`
         found = self.facts.g_symplecticity
         G, diagonals = found.G, found.diagonals
         if G is None:
@@ -560,8 +552,8 @@ class _Writer:
     def _symmetric(self, parts: Parts) -> Witnesses:
         """Yield the L, and the exchanges of stages by colour, that were found."""
         _, found = self._reversed()
-        Ls = list(found.involutions.values())
-        if found.reduced or not found.exchanges or None in Ls:
+        Ls = [L for L in found.involutions.values() if L is not None]
+        if found.reduced or not found.exchanges or len(Ls) < len(found.involutions):
             raise ExactnessError("no exchange of stages was found")
         exchanges = list(map(list, found.exchanges.values()))
         names = ("L", "L_hat", "P_Q", "P_P") if self.kernel.is_pair else ("L", "P")
