@@ -529,9 +529,10 @@ class _Writer:
         yield {}
 
     def _not_conjugate(self, parts: Parts) -> Witnesses:
-        upper = self.kernel.range(CONJUGATE_SYMPLECTIC_ORDER.key).upper
-        if upper is not None:
-            yield {"q": upper}
+        found = self.kernel.range(CONJUGATE_SYMPLECTIC_ORDER.key)
+        if found.upper is None:
+            raise ExactnessError(found.sentence)
+        yield {"q": found.upper}
 
     # symmetry
 
