@@ -243,12 +243,17 @@ class DenseCase(Case):
         return Series.of_tables({"o": (m.A, m.B)})
 
     def gaps(self, tree: Tree) -> list:
-        """Return the coefficients of b(theta) Phi(t) - theta^|t| / gamma(t)."""
-        n = size(tree)
-        found = apply(self.columns, self.series.derivative(tree))
-        found += [Fraction(0)] * (n - len(found))
-        found[n - 1] = found[n - 1] - Fraction(1, gamma(tree))
-        return found
+        """Return what must be 0 at a tree, by powers of theta."""
+        return dense_gaps(self.columns, self.series, tree)
+
+
+def dense_gaps(columns: list, series: Series, tree: Tree) -> list:
+    """Return the coefficients of b(theta) Phi(t) - theta^|t| / gamma(t)."""
+    n = size(tree)
+    found = apply(columns, series.derivative(tree))
+    found += [Fraction(0)] * (n - len(found))
+    found[n - 1] = found[n - 1] - Fraction(1, gamma(tree))
+    return found
 
 
 def c_is_A_1(case: DenseCase) -> bool:

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from ..catalogue.claims import NYSTROM_ORDER, ORDER, ORDER_IDENTITY
 from ..errors import ExactnessError
-from ..exact import Exact, Scalar, linalg
+from ..exact import linalg
+from ..exact.judging import as_numbers, as_scalar, fast_judge
 from ..findings import Proof
-from ..theory.starting_series import stage_slopes
+from ..theory.starting_series import tableau
 from ..theory.trees import trees
 from .ranges import MAX_ORDER, Range
 
 if TYPE_CHECKING:
     from .kernel import Found, Kernel
-
-_ZERO = Exact(0)
 
 
 class RowRules:
@@ -85,19 +84,13 @@ class RowRules:
             return Range(0, 0, reason="the file gives no dense output")
         if m.in_time is not m or not m.is_one_step:
             raise ExactnessError("dense output is judged where c = A 1 and one value is carried")
-        columns = linalg.transpose(m.dense)
-        exact = self.exact and linalg.is_exact(m.dense)
-        slopes = stage_slopes(m.A)
+        columns, gaps = as_numbers(linalg.transpose(m.dense)), fast_judge().rules_rows.dense_gaps
+        exact, series = self.exact and linalg.is_exact(m.dense), tableau({"o": (m.A, ())})
         lower, proved, sizes = 0, True, [0.0]
         for n in range(1, MAX_ORDER[0] + 1):
             for t in trees(n):
-                weights = slopes(t)
-                for power in range(1, max(n, len(columns)) + 1):
-                    value: Scalar = _ZERO
-                    if power <= len(columns):
-                        value = linalg.dot(columns[power - 1], weights)
-                    if power == n:
-                        value = value - Exact(1) / t.density
+                for power, x in enumerate(gaps(columns, series, t.judged), 1):
+                    value = as_scalar(x)
                     if value.is_zero() is False:
                         reason = f"the power {power} of theta is off"
                         return Range(

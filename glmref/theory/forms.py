@@ -14,6 +14,7 @@ from itertools import product
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, linalg
 from ..exact.linalg import Matrix, Vector, solve_affine
+from ..judge.rules_symplectic import unit_matrices as judged_units
 from ..system.budget import fits, spend
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -63,27 +64,14 @@ def unit_matrices(rows: int, columns: int, *, hermitian: bool, is_real: bool) ->
         When they are more than are written down.
     """
     fits(rows * columns, rows * columns, "the form")
-    i = Exact(-1).sqrt()
-    factors = (_ONE,) if is_real else (_ONE, i)
-    for a, b in product(range(rows), range(columns)):
-        if hermitian and (b < a):
-            continue
-        for factor in factors:
+    for (a, b), (c, d) in judged_units(rows, columns, hermitian):
+        for factor in (_ONE,) if is_real or (hermitian and a == b) else (_ONE, Exact(-1).sqrt()):
             spend()
-            if hermitian and a == b and factor is i:
-                continue
-            other = factor.conjugate()
-            yield tuple(
-                tuple(
-                    factor
-                    if (k, m) == (a, b)
-                    else other
-                    if hermitian and (m, k) == (a, b)
-                    else _ZERO
-                    for m in range(columns)
-                )
-                for k in range(rows)
-            )
+            found = [[_ZERO] * columns for _ in range(rows)]
+            found[a][b] = factor
+            if hermitian:
+                found[c][d] = factor.conjugate()
+            yield tuple(map(tuple, found))
 
 
 def _real_rows(identities: list[Sequence[tuple[str, Matrix]]]) -> Iterator[tuple[str, Vector]]:

@@ -539,15 +539,6 @@ def tableau(table: Mapping[str, Any]) -> Any:
     return fast_judge().series.Series.of_tables(tables)
 
 
-def stage_slopes(A: Matrix) -> Callable[[Tree], Vector]:
-    """Return the function t -> xiD(t) of the stages ``Y = y + h A F``: the weights Phi of t.
-
-    References: Butcher, "Numerical Methods for Ordinary Differential Equations" (2016), 312.
-    """
-    series = tableau({"o": (A, ())})
-    return lambda t: _scalars(series.derivative(t.judged))
-
-
 def tableau_series(
     level: Callable[[int], Sequence[Tree]], table: Mapping[str, Any], p: int
 ) -> dict[Any, tuple[Any, ...]]:
