@@ -17,7 +17,8 @@ from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited
 from ..system.files import named_in
 from .entries import of_subject
-from .lexer import ENDINGS, FIXED, Language, language_of
+from .known import may_hold_known, records
+from .lexer import ENDINGS, FIXED, LANGUAGES, Language, language_of
 from .literals import mended
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
@@ -145,18 +146,25 @@ def audit(
         chosen = set(wanted)
         paths = [path for path in paths if path in chosen]
     inside = [path for path in paths if path not in outside]
-    rows = list(_rows(inside, form, declared, completed, source.is_file(), alone=alone))
+    rows = list(
+        _rows(inside, form, declared, completed, source.is_file(), alone=alone, compare=compare)
+    )
     remark = "a link that leads out of the checkout; it is not followed"
     rows += [(path, _unread(1, path.name, remark)) for path in paths if path in outside]
     tasks = [{**task, "search": search, "compare": compare} for _, task in rows if "number" in task]
     judged = in_order((on or Here()).run(judge_table, tasks), tasks)
+    said: set[tuple[str, int]] = set()  # paths and lines of corrections
     for path, row in rows:
         name = str(path.relative_to(root))
         if "number" not in row:
-            yield {"path": name, **row}
+            if not any((name, x["line"]) in said for x in row.get("correction", ())):
+                yield {"path": name, **row}
             continue
         _, done = next(judged)
         if not done.failure:
+            remarks = " ".join(done.value.get("remarks", ()))
+            said |= {(name, int(x)) for x in re.findall(r"\bline (\d+)\)", remarks)}
+            said |= {(name, x.get("line", 0)) for x in done.value.get("correction", ())}
             yield {"path": name, **done.value}
         else:
             remark = f"the table is not understood: {done.message}"
@@ -171,6 +179,7 @@ def _rows(
     given: bool,
     *,
     alone: bool,
+    compare: bool,
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Yield each file with the tasks of its tables, and with records of what cannot be read.
 
@@ -181,31 +190,44 @@ def _rows(
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
-        if not (marks(form, text) if form else alone or may_hold(text, path.name)):
-            continue
-        if path.suffix in _OTHERS and not (form or given):
-            if not of_subject(text):
-                continue
-            remark = f"there may be tables, and the language of a file {path.suffix} is not read"
-            yield path, _unread(1, path.name, remark)
-            continue
-        task = {"kind": "audit", "file": str(path.absolute()), "form": form, "declared": declared,
-                "given": given}  # fmt: skip
-        rows: list[dict[str, Any]] = []
-        try:
-            with limited(PROVING):
-                for number, table in enumerate(_read(path, text, form, declared, given)):
-                    if table.name in completed:
-                        rows.append(_unread(table.line, table.name, completed[table.name]))
-                        continue
-                    rows.append({**task, "number": number, "name": table.name, "line": table.line})
-        except (GlmrefError, Unread, ValueError, KeyError, IndexError, TypeError, AttributeError,
-                RecursionError) as error:  # fmt: skip
-            said = error if isinstance(error, GlmrefError | Unread) else accident(error)
-            remark = f"the rest of the file is not understood: {said}"
-            rows.append(_unread(1, path.name, remark))
-        for row in rows:
-            yield path, row
+        recognised: list[Table] = []
+        if marks(form, text) if form else alone or may_hold(text, path.name):
+            task = {"kind": "audit", "file": str(path.absolute()), "form": form,
+                    "declared": declared, "given": given}  # fmt: skip
+            for row in _of_file(path, text, task, completed, recognised):
+                yield path, row
+        if compare and not form and may_hold_known(text):
+            for row in records(text, language_of(path) or LANGUAGES["c"], recognised):
+                yield path, row
+
+
+def _of_file(
+    path: Path,
+    text: str,
+    task: Mapping[str, Any],
+    completed: Mapping[str, str],
+    recognised: list[Table],
+) -> list[dict[str, Any]]:
+    """Return the tasks of the tables of a file, which are added to those recognised."""
+    if path.suffix in _OTHERS and not (task["form"] or task["given"]):
+        remark = f"there may be tables, and the language of a file {path.suffix} is not read"
+        return [_unread(1, path.name, remark)] if of_subject(text) else []
+    rows: list[dict[str, Any]] = []
+    try:
+        with limited(PROVING):
+            for table in _read(path, text, task["form"], task["declared"], task["given"]):
+                if table.name in completed:
+                    rows.append(_unread(table.line, table.name, completed[table.name]))
+                else:
+                    rows.append({**task, "number": len(recognised), "name": table.name,
+                                 "line": table.line})  # fmt: skip
+                recognised.append(table)
+    except (GlmrefError, Unread, ValueError, KeyError, IndexError, TypeError, AttributeError,
+            RecursionError) as error:  # fmt: skip
+        said = error if isinstance(error, GlmrefError | Unread) else accident(error)
+        remark = f"the rest of the file is not understood: {said}"
+        rows.append(_unread(1, path.name, remark))
+    return rows
 
 
 def _unread(line: int, name: str, remark: str) -> dict[str, Any]:

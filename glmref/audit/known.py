@@ -1,0 +1,442 @@
+"""Numbers of known methods, wherever they stand in a source and in whatever form.
+
+Numbers like 845/4104 or 0.4358665215 stand in one method of the literature and hardly anywhere
+else. A source that holds most numbers of a method holds the method, even where its layout is not
+read: then it is said to be unread. A number that is one slip of the pen (:func:`_slip`) away from
+the only ones that are missing is asked about.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import islice, pairwise
+from typing import Any
+
+from ..catalogue.lookup import document, load, names
+from ..exact import Ball, Exact, linalg
+from .lexer import Language, Token, tokens
+from .table import Table
+
+#: Classes of methods whose numbers codes write down.
+_CLASSES = frozenset({"additive", "rk", "rosenbrock"})
+#: Digits of numerator and denominator together, and of a decimal, that say of which method it is:
+#: by chance a file of 10,000 numerals has a decimal of 8 digits once in 10,000.
+_SHORT, _LONG = 5, 8
+#: Numbers of a method that a source must hold, and the part of those of A and b.
+_FEW, _MOST = 4, 0.7
+#: Numbers of a method whose signs agree, where another is asked about because of its sign.
+_SIGNS = 6
+#: How near a decimal is to a number of a method that it may be.
+_NEAR = 1e-7
+#: Tokens between numerator and denominator, as in ``F::from(49.0) / F::from(176.0)``.
+_BETWEEN = 6
+_OVER = frozenset(("/", "//"))
+#: Lines before the first and after the last number of a method that may belong to it.
+_BESIDE = 6
+_NUMERAL = r"(\d+\.?\d*|\.\d+)\w{0,4}"
+#: Such a number in a text of any language, roughly.
+_TELLING = re.compile(
+    rf"(\d*\.\d(?:_?\d){{6,}})(?:[eEdDqQ]([-+]?\d+))?|\(-?(\d+), *(\d\d+)\)"
+    rf"|{_NUMERAL}\)?\s*(?:\*\s*\w+\s*)?//?\s*(?:[\w:.]+\()?{_NUMERAL}"
+)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number of a method, without its sign."""
+
+    value: Fraction
+    slack: Fraction  #: How far the true number may be from it.
+    method: str
+    part: str  #: ``""`` of A and b, or the name of further weights.
+    sign: int
+
+
+@dataclass(frozen=True)
+class Numeral:
+    """A number of a source, or the quotient of two that follow each other."""
+
+    tokens: tuple[Token, ...]  #: One, or numerator and denominator.
+    value: Fraction
+    sign: int
+
+    @property
+    def text(self) -> str:
+        """Return the number as it stands in the source."""
+        return "/".join(x.text for x in self.tokens)
+
+    @property
+    def line(self) -> int:
+        """Return the line on which it begins."""
+        return self.tokens[0].line
+
+    @property
+    def tells(self) -> bool:
+        """Return whether it has the digits to say of which method it is."""
+        digits = sum(len(_digits(x.text)) for x in self.tokens)
+        return digits >= (_LONG if len(self.tokens) == 1 else _SHORT)
+
+    @property
+    def unit(self) -> Fraction:
+        """Return a unit of its last digit, 0 of a quotient."""
+        if len(self.tokens) > 1:
+            return Fraction(0)
+        places, power = _places(self.text)
+        return Fraction(10) ** (power - places) if places else Fraction(0)
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a source holds of a known method.
+
+    Attributes
+    ----------
+    method : str
+    first, last : int
+        Lines of the numbers.
+    held, of : int
+        How many different numbers the source holds, and how many the method has: those of A and b,
+        and of further weights where most are held.
+    slips : tuple of (Numeral, str)
+        Numbers of the source that should be others.
+    values : frozenset of float
+        What it holds.
+    """
+
+    method: str
+    first: int
+    last: int
+    held: int
+    of: int
+    slips: tuple[tuple[Numeral, str], ...]
+    values: frozenset[float]
+
+
+def may_hold_known(text: str) -> bool:
+    """Return whether a text has a few numbers of known methods."""
+    found = list(islice(_TELLING.finditer(text), _FEW))
+    if len(found) < _FEW:
+        return False
+    near, seen = _sorted()[0], set()
+    for decimal, power, *quotient in _TELLING.findall(text):
+        top, bottom = quotient[:2] if quotient[0] else quotient[2:]
+        value = float(f"{decimal}e{power or 0}") if decimal else float(top) / (float(bottom) or 1)
+        k = bisect_left(near, value * (1 - _NEAR))
+        if k < len(near) and near[k] <= value * (1 + _NEAR):
+            seen.add(k)
+            if len(seen) == _FEW:
+                return True
+    return False
+
+
+def known(text: str, language: Language) -> list[Known]:
+    """Return the methods of the catalogue most of whose numbers a source holds.
+
+    Parameters
+    ----------
+    text : str
+        The source.
+    language : Language
+        That tells comments from numbers.
+    """
+    found = list(_numerals(tokens(text, language)[0]))
+    hits: dict[Constant, list[Numeral]] = defaultdict(list)
+    for x in found:
+        for constant in _equal(x):
+            hits[constant].append(x)
+    methods: dict[str, set[Constant]] = defaultdict(set)
+    for constant in hits:
+        methods[constant.method].add(constant)
+    explained: set[float] = set()
+    rows: list[Known] = []
+    for name in sorted(methods, key=lambda x: (-len(methods[x]), x)):
+        core, every = _core(methods[name]), _core(_constants()[name])
+        fresh = {float(x.value) for x in methods[name]} - explained
+        if len(core) < max(_FEW, _MOST * len(every)) or len(fresh) < _FEW:
+            continue
+        rows.append(_row(name, {x: hits[x] for x in methods[name]}, found, hits))
+        explained |= rows[-1].values
+    return rows
+
+
+def records(text: str, language: Language, tables: Sequence[Table]) -> Iterator[dict[str, Any]]:
+    """Yield records of known methods that no table of a source explains, and of their slips.
+
+    Parameters
+    ----------
+    text : str
+        The source.
+    language : Language
+    tables : Sequence of Table
+        What was recognised in it, read or not.
+
+    Yields
+    ------
+    dict
+        A record with the status ``unread``, or ``question`` where a number should be another, which
+        has the keys of :func:`~.table_verdicts.judge`.
+    """
+    read = {
+        round(abs(complex(x.value)), 9)
+        for table in tables if not table.unread
+        for M in (*table.A, table.b, table.errors, [row for _, row, _ in table.rows])
+        for row in M for x in row
+    }  # fmt: skip
+    lines = [(x.line, max(x.line, x.last)) for x in tables if x.unread]
+    for one in known(text, language):
+        held = f"{one.held} of {one.of} long numbers of {one.method}"
+        row = {"line": one.first, "name": one.method, "remarks": []}
+        if one.slips:
+            said = f"the source holds {held}, and in place of another this"
+            correction = [
+                {"entry": f"the number {x.text}", "is": x.text, "should be": new, "line": x.line,
+                 "text": x.tokens[0].text}
+                for x, new in one.slips[:3]
+            ]  # fmt: skip
+            yield row | {"status": "question", "remarks": [said], "correction": correction}
+        elif (
+            sum(round(x, 9) not in read for x in one.values) > len(one.values) / 2
+            and not any(a <= one.last and one.first <= b for a, b in lines)
+        ):  # fmt: skip
+            said = f"lines {one.first} to {one.last} hold {held}, in a form that is not read"
+            yield row | {"status": "unread", "remarks": [said]}
+
+
+# --- numbers of methods ---------------------------------------------------------------------------
+
+
+def _core(given: Iterable[Constant]) -> set[Constant]:
+    return {x for x in given if not x.part}
+
+
+@cache
+def _entered() -> frozenset[float]:
+    """Return all entries of known methods, rounded."""
+    return frozenset(
+        round(abs(float(_fraction(x)[0])), 12)
+        for name in names() if document(name)["class"] in _CLASSES
+        for _, _, x in _entries(load(name))
+    )  # fmt: skip
+
+
+@cache
+def _constants() -> dict[str, set[Constant]]:
+    """Return the numbers of each method that say of which method they are."""
+    made: dict[str, set[Constant]] = {}
+    for name in names():
+        if document(name)["class"] not in _CLASSES:
+            continue
+        signs: dict[tuple[str, str, Fraction], tuple[Fraction, int]] = {}
+        for form, part, x in _entries(load(name)):
+            value, slack = _fraction(x)
+            if _tells(value):
+                key, sign = (form, part, abs(value)), 1 if value > 0 else -1
+                before = signs.get(key, (slack, sign))[1]
+                signs[key] = slack, sign if sign == before else 0
+        for (form, part, value), (slack, sign) in signs.items():
+            constant = Constant(value, slack, name + form, part, sign)
+            made.setdefault(name + form, set()).add(constant)
+    return made
+
+
+def _entries(method: Any) -> Iterator[tuple[str, str, Exact | Ball]]:
+    """Yield the entries of each form in which a method is written, with the part they are of."""
+    many = len(method.components) > 1
+    for k, component in enumerate(method.components, 1):
+        form = f", part {k}" if many else ""
+        yield from ((form, "nodes", sum(row, Exact(0))) for row in component.A)
+        yield from ((form, "", x) for row in (*component.A, *component.B) for x in row)
+        for row in method.embedded:
+            own = row.weights[k - 1]
+            other = [x - y for x, y in zip(component.B[0], own, strict=True)]
+            yield from ((form, row.name, x) for x in own)
+            yield from ((form, f"error of {row.name}", x) for x in other)
+    for row in getattr(method, "dense", None) or ():
+        yield from (("", "dense", x) for x in row)
+    if method.rosenbrock:
+        form, back, s = ", transformed", linalg.inverse(method.gamma), len(method.b)
+        rows = [*linalg.matmul(method.alpha, back), *back, *linalg.matmul((method.b,), back)]
+        yield from ((form, "", x) for row in rows for x in row)
+        for row in method.embedded:
+            other = tuple(x - y for x, y in zip(method.b, row.weights[0][:s], strict=True))
+            yield from ((form, row.name, x) for x in linalg.matmul((other,), back)[0])
+
+
+def _fraction(x: Exact | Ball) -> tuple[Fraction, Fraction]:
+    """Return the real part of a number, and how far it may be off."""
+    exact = x.as_fraction() if isinstance(x, Exact) else None
+    if exact is not None:
+        return exact, Fraction(0)
+    ball = x.ball() if isinstance(x, Exact) else x
+    value = Fraction(ball.decimal_text(40))
+    return value, Fraction(ball.radius()) + abs(value) / 10**30
+
+
+def _tells(x: Fraction) -> bool:
+    """Return whether a number of a method is one that hardly any other has."""
+    long = len(f"{abs(x.numerator)}{x.denominator}") >= _SHORT and x.denominator > 10
+    simple = x.limit_denominator(1000)  # 0.3333333333333333148 is a third in double precision
+    return long and (x == simple or abs(x - simple) > 1e-12)
+
+
+@cache
+def _sorted() -> tuple[list[float], list[Constant]]:
+    every = sorted((x for rows in _constants().values() for x in rows), key=lambda x: x.value)
+    return [float(x.value) for x in every], every
+
+
+def _equal(x: Numeral) -> Iterator[Constant]:
+    """Yield the constants that a number of a source is, to its digits and theirs."""
+    value = x.value
+    if not x.tells:
+        return
+    near, every = _sorted()
+    for k in range(bisect_left(near, float(value - x.unit) * (1 - 1e-9)), len(every)):
+        constant = every[k]
+        if near[k] > float(value + x.unit) * (1 + 1e-9):
+            return
+        rounding = value / 10**15 if len(x.tokens) == 1 else 0
+        if abs(constant.value - value) <= x.unit + constant.slack + rounding:
+            yield constant
+
+
+# --- numbers of a source --------------------------------------------------------------------------
+
+
+_NUMBER = re.compile(r"(\d*)\.?(\d*)(?:[eEdDqQf]([-+]?\d+))?")
+
+
+def _places(text: str) -> tuple[int, int]:
+    """Return digits after the point, and the power of ten."""
+    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
+    return (0, 0) if parts is None else (len(parts[2]), int(parts[3] or 0))
+
+
+def _value(text: str) -> Fraction | None:
+    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
+    if parts is None or not (parts[1] or parts[2]) or abs(int(parts[3] or 0)) > 60:
+        return None
+    places = len(parts[2])
+    return Fraction(int(parts[1] + parts[2]), 10**places) * Fraction(10) ** int(parts[3] or 0)
+
+
+def _numerals(row: Sequence[Token]) -> Iterator[Numeral]:
+    """Yield the numbers of a source, and quotients of two that follow each other."""
+    places = [(k, y) for k, x in enumerate(row) if x.kind == "number"
+              and (y := _value(x.text)) is not None]  # fmt: skip
+    for (k, x), (other, y) in pairwise([*places, (len(row), Fraction(0))]):
+        sign = _sign(row, k)
+        yield Numeral((row[k],), x, sign)
+        between = [z.text for z in row[k + 1 : other]]
+        before = [z.text for z in row[max(0, k - 2) : k] if z.text != "-"]
+        called = before[-1:] == ["("] and between == [","] and row[other + 1].text == ")"
+        if y and len(between) <= _BETWEEN and (called or _OVER & {*between}):
+            yield Numeral((row[k], row[other]), x / y, sign)
+
+
+def _sign(row: Sequence[Token], k: int) -> int:
+    """Return the sign before a token, 0 where it is that of a call around it, as ``-R(5)``."""
+    if k and row[k - 1].text == "-":
+        return -1
+    while k and (row[k - 1].kind == "name" or row[k - 1].text in "(,."):
+        k -= 1
+    return 0 if k and row[k - 1].text == "-" else 1
+
+
+# --- slips ----------------------------------------------------------------------------------------
+
+
+def _row(
+    name: str,
+    held: dict[Constant, list[Numeral]],
+    found: Sequence[Numeral],
+    hits: Collection[Constant],
+) -> Known:
+    """Return what a source holds of one method, with what is one slip from what is missing."""
+    lines = sorted(x.line for rows in held.values() for x in rows)
+    first, last = lines[0], lines[-1]
+    parts = Counter(x.part for x in held)
+    every = _constants()[name]
+    sizes = Counter(x.part for x in every)
+    missing = [x for x in every - set(held) if parts[x.part] >= _MOST * sizes[x.part]
+               or (parts[x.part] >= 3 and sizes[x.part] - parts[x.part] == 1)]  # fmt: skip
+    own = {id(y) for x in held.values() for numeral in x for y in numeral.tokens}
+    free = [x for x in found if first - _BESIDE <= x.line <= last + _BESIDE
+            and not own & {id(y) for y in x.tokens}]  # fmt: skip
+    slips = []
+    for constant in missing:
+        for x in free:
+            said = _slip(x, constant)
+            if said and round(float(x.value), 12) not in _entered():
+                slips.append((x, said))
+    slips += _signs(held)
+    counted = {x.value for x in every if parts[x.part] >= _MOST * sizes[x.part]}
+    values = {x.value for x in held}
+    return Known(
+        name, first, last, len(values & counted), len(counted), tuple(slips),
+        frozenset(map(float, values)),
+    )  # fmt: skip
+
+
+def _signs(held: dict[Constant, list[Numeral]]) -> Iterator[tuple[Numeral, str]]:
+    """Yield the only number of A and b with another sign, where all the others agree."""
+    both = Counter(x.value for x in held)
+    rows = [(x, {y.sign for y in numerals}, numerals[0]) for x, numerals in held.items()
+            if not x.part and x.sign and both[x.value] == 1]  # fmt: skip
+    others = [(x, y) for x, signs, y in rows if signs == {-x.sign}]
+    if sum(signs == {x.sign} for x, signs, _ in rows) >= _SIGNS and len(others) == 1:
+        x, y = others[0]
+        yield y, f"-{y.text}" if x.sign < 0 else y.text
+
+
+def _slip(x: Numeral, constant: Constant) -> str:
+    """Return what a number should be that has one digit less, more or other, or two exchanged."""
+    if len(x.tokens) > 1:
+        top, bottom = (_value(y.text) for y in x.tokens)
+        if not top or not bottom:
+            return ""
+        for k, other in ((1, top / constant.value), (0, constant.value * bottom)):
+            whole = _digits(x.tokens[k].text)
+            if other.denominator == 1 and len(whole) > 1 and _near(whole, str(other)):
+                parts = [y.text for y in x.tokens]
+                parts[k] = parts[k].replace(whole, str(other))
+                return "/".join(parts)
+        return ""
+    places, power = _places(x.text)
+    off = abs(x.value - constant.value)
+    if not x.tells or off <= max(100 * x.unit, constant.value / 10**12):
+        return ""
+    scale, whole = Fraction(10) ** (places - power), _digits(x.text)
+    for k in (0, 1, -1):
+        said = str(int(constant.value * scale * Fraction(10) ** k))
+        if len(said) == len(whole) + k and _near(whole[:-1], said[: len(whole) - 1 + k]):
+            return f"{float(constant.value):.{len(whole)}g}"
+    return ""
+
+
+def _digits(text: str) -> str:
+    """Return the digits of a numeral without those that say nothing."""
+    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
+    if parts is None:
+        return ""
+    return (parts[1] + parts[2] if parts[2].strip("0") else parts[1]).lstrip("0")
+
+
+def _near(a: str, b: str) -> bool:
+    """Return whether two texts differ by one character, or by two neighbours exchanged."""
+    if a == b:
+        return False
+    if len(a) == len(b):
+        places = [k for k, (x, y) in enumerate(zip(a, b, strict=True)) if x != y]
+        i, j = places[0], places[-1]
+        return i == j or (len(places) == 2 and j == i + 1 and (a[i], a[j]) == (b[j], b[i]))
+    if abs(len(a) - len(b)) > 1:
+        return False
+    long, short = (a, b) if len(a) > len(b) else (b, a)
+    return any(long[:k] + long[k + 1 :] == short for k in range(len(long)))

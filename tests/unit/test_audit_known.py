@@ -1,0 +1,132 @@
+"""Numbers of known methods are found in any layout, and a slip in one of them is named."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from glmref.audit.known import known, may_hold_known, records
+from glmref.audit.lexer import LANGUAGES
+from glmref.audit.sources import audit
+from glmref.catalogue.lookup import document
+
+#: Methods of fractions, and how a fraction is written in each language.
+METHODS = ("cash-karp-5-4", "dormand-prince-5-4", "fehlberg-5-4", "prince-dormand-6-5")
+FORMS = {
+    "c": "y += {p}.0 * h / {q}.0 * k;\n",
+    "fortran": "      y = y + {p}._dp/{q}._dp*k\n",
+    "python": "    t = [0, sp.Rational({p}, {q})]\n",
+    "julia": "    y = y + {p} // {q} * k\n",
+    "rust": "    F::from({p}.0) / F::from({q}.0),\n",
+}
+
+
+def numbers(name: str) -> list[Fraction]:
+    """Return the entries of A and b that are not 0, with their signs."""
+    given = document(name)
+    return [Fraction(x) for row in (*given["A"], given["b"]) for x in row if x != "0"]
+
+
+def written(values: list[Fraction], language: str, decimals: bool) -> str:
+    """Return a source that holds the numbers in statements of no table."""
+    if decimals:
+        return "".join(f"    z({float(x):.16f})\n" for x in values)
+    signed = [(("-" if x < 0 else "+"), abs(x)) for x in values]
+    form = FORMS[language]
+    return "".join(
+        (form.replace("+ ", f"{s} ", 1) if language in ("fortran", "julia") else
+         form.replace("{p}", f"{s.strip('+')}{{p}}", 1)).format(p=x.numerator, q=x.denominator)
+        for s, x in signed
+    )  # fmt: skip
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from(METHODS), st.sampled_from(sorted(FORMS)), st.booleans(), st.randoms())
+def test_the_numbers_of_a_method_are_found_in_any_order(
+    name: str, language: str, decimals: bool, random: Random
+) -> None:
+    values = numbers(name)
+    random.shuffle(values)
+    text = written(values, language, decimals)
+    assert may_hold_known(text)
+    found = known(text, LANGUAGES[language])
+    family = name.partition("-")[0]
+    assert found[0].method.startswith(family) and not any(x.slips for x in found)
+    (record, *_) = records(text, LANGUAGES[language], [])
+    assert record["status"] == "unread" and "in a form that is not read" in record["remarks"][0]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from(METHODS), st.sampled_from(sorted(FORMS)), st.data())
+def test_two_digits_exchanged_are_named_with_line_and_number(
+    name: str, language: str, data: st.DataObject
+) -> None:
+    values = numbers(name)
+    lines = written(values, language, False).splitlines(keepends=True)
+    often = [abs(x) for x in values]
+    places = [
+        (i, k)
+        for i, x in enumerate(values)
+        for k, (a, b) in enumerate(pairwise(str(x.denominator)))
+        if often.count(abs(x)) == 1 and x.denominator > 1000 and a != b and b != "0"
+    ]
+    i, k = data.draw(st.sampled_from(places))
+    q = str(values[i].denominator)
+    wrong = q[:k] + q[k + 1] + q[k] + q[k + 2 :]
+    lines[i] = lines[i].replace(q, wrong)
+    found = records("".join(lines), LANGUAGES[language], [])
+    said = [x for record in found for x in record.get("correction", ())]
+    assert [(x["line"], x["should be"].replace(".0", "").replace(".", "").replace("_dp", ""))
+            for x in said] == [(i + 1, f"{abs(values[i].numerator)}/{q}")]  # fmt: skip
+
+
+def test_a_sign_that_no_other_number_has_is_named() -> None:
+    values = numbers("fehlberg-5-4")
+    k = values.index(Fraction(-845, 4104))
+    values[k] = -values[k]
+    (record,) = records(written(values, "c", False), LANGUAGES["c"], [])
+    (said,) = record["correction"]
+    assert (said["is"], said["should be"]) == ("845.0/4104.0", "-845.0/4104.0")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        pytest.param("x = [3, 40, 9, 40, 439, 216, 3680, 513, 845, 4104]\n", id="list of counts"),
+        pytest.param("".join(f"d({k / 7919:.12f})\n" for k in range(500)), id="other decimals"),
+        pytest.param("a = 439/216 + 3680/513 - 845/4104\n", id="three numbers of a method"),
+        pytest.param("# " + written(numbers("fehlberg-5-4"), "python", False).replace("\n", " "),
+                     id="a comment"),
+    ],
+)  # fmt: skip
+def test_what_is_no_known_method_is_passed(text: str) -> None:
+    assert list(records(text, LANGUAGES["python"], [])) == []
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.integers(1, 10**8 - 1), min_size=50, max_size=400))
+def test_decimals_at_random_are_no_method(values: list[int]) -> None:
+    text = "".join(f"y({x / 10**8:.8f})\n" for x in values)
+    assert known(text, LANGUAGES["python"]) == []
+
+
+def test_digits_that_are_rounded_are_no_slip() -> None:
+    text = "".join(f"y({float(x):.9f})\n" for x in numbers("cash-karp-5-4"))
+    assert all(not x.slips for x in known(text, LANGUAGES["python"]))
+
+
+def test_the_audit_asks_about_a_step_whose_layout_it_does_not_read(tmp_path: Path) -> None:
+    text = written(numbers("cash-karp-5-4"), "c", False).replace("575.0 ", "557.0 ")
+    (tmp_path / "step.cs").write_text(text, encoding="utf-8")
+    (tmp_path / "right.c").write_text(written(numbers("cash-karp-5-4"), "c", False))
+    rows = {x["path"]: x for x in audit(tmp_path)}
+    assert rows["step.cs"]["status"] == "question"
+    assert rows["step.cs"]["correction"][0]["should be"] == "575.0/13824.0"
+    assert rows["right.c"]["status"] == "unread"
+    assert "step.cs" not in {x["path"] for x in audit(tmp_path, compare=False)}
