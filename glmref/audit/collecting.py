@@ -41,6 +41,8 @@ _ALIAS = re.compile(
 _SPELT = {x: Exact(k) for k, x in enumerate(
     "zero one two three four five six seven eight nine ten".split())}  # fmt: skip
 _SPELT["half"] = Exact(1) / 2
+#: Brackets that are not paired, or one pair in another, and ends of statements.
+_UNPAIRED = re.compile(r"^[^()\[\]{};]*(?:\([^()\[\]{};]*\)[^()\[\]{};]*)*[()\[\]{};]")
 _CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
 
 
@@ -194,8 +196,11 @@ class Collector:
                         start = end
                         k = end
                         continue
-                    toks[k:end] = []
-                    partner, holding = self._matched()
+                    said = "".join(t.text for t in toks[k:end])
+                    toks[k:end] = [t._replace(kind="line", text="\n") for t in toks[k:end]]
+                    if _UNPAIRED.search(said):
+                        partner, holding = self._matched()
+                    k = end
                     continue
                 head = [t for t in toks[start:k] if t.kind != "line"] if x.text == "(" else []
                 if [t.text for t in head] in (["const"], ["var"]) and self.language.name == "go":

@@ -17,18 +17,13 @@ from itertools import combinations, groupby
 from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner
 from .compositions import of_weights
+from .entries import OF_FLOWS
 from .lexer import Token
 from .nearest_method import Library
 from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form
 from .table import ZERO, Table
 from .values import Number, Unread
 
-#: Words of a file in which flows are looked for.
-WORDS = re.compile(
-    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|hamilton|omelyan|strang|"
-    r"min(?:imum)?.?norm|mclachlan|molecular.?dynamics|verlet|suzuki|integrator",
-    re.IGNORECASE,
-)
 #: Names of a step.
 _STEP = re.compile(
     r"(?:.*[._])?(?:\w{0,9}_?d_?(?:t|tau|s|l)\w{0,4}|h|hh|h0|dh|eps(?:ilon)?|\w*step\w*|tau|length|"
@@ -303,6 +298,6 @@ def known_numbers(text: str, tokens: Sequence[Token], found: Sequence[Table]) ->
         same = {y: line for x, line in given for y in numbers if abs(abs(x) - y) < _NEAR}
         best = max(best, (len(same), name, min(same.values(), default=0)), key=lambda x: x[0])
     near = text.splitlines()[max(0, best[2] - _ABOUT) : best[2] + _ABOUT]
-    if best[1] and WORDS.search("\n".join(near)):
+    if best[1] and OF_FLOWS.search("\n".join(near)):
         why = f"numbers of {best[1]} stand here; how they are used is not read"
         yield Table(best[1], best[2], "splitting", unread=why, general=True, last=best[2])

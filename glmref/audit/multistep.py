@@ -14,16 +14,22 @@ from typing import Any
 
 from ..exact import Exact
 from .collecting import Block, Collector, _partner
-from .entries import LOOSE, Array, Found, last_letter
+from .entries import LOOSE, Array, Found, Words, last_letter
 from .lexer import Language, Token
 from .steps import Atoms, Form, Names, form
 from .table import Table
 from .values import Number, Unread, size
 
-MULTISTEP = re.compile(
-    r"multi.?step|adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d|nordsieck|(?<![a-z])bdf|\blmm\b|"
-    r"backward.?diff",
-    re.IGNORECASE,
+MULTISTEP = Words(
+    "adams bashforth moulton nordsieck",
+    {
+        "step": r"multi.?step",
+        "ab": r"ab(?<![a-z]ab)_?\d",
+        "am": r"am(?<![a-z]am)_?\d",
+        "bdf": r"bdf(?<![a-z]bdf)",
+        "lmm": r"\blmm\b",
+        "backward": r"backward.?diff",
+    },
 )
 _ADAMS = re.compile(r"adams|bashforth|moulton|(?<![a-z])(?:ab|am)_?\d", re.IGNORECASE)
 
@@ -346,7 +352,7 @@ def sums_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterato
     """
     step = _Sums(block, collector, "", 0, -1, set())
     step.follow(row)
-    said = MULTISTEP.search(" ".join([*block.path(), block.own])) is not None
+    said = MULTISTEP.search(" ".join([*block.path(), block.own]))
     for x in step.sums:
         terms = form(x).terms
         products = [v for key, v in terms.items() if len(key) > 1]

@@ -286,6 +286,10 @@ def _ros4(run: _Run, call: ast.Call, line: int) -> Table:
 _ORDER_FUNCTION = re.compile(
     r"\b(\w+)_order\s*\([^(){}]*\)[^(){};]{0,40}\{\s*return\s+(\d{1,2})\s*;"
 )
+#: What it has behind its name; few texts have it, and it is found fast.
+_RETURNS = re.compile(r"_order\s*\([^(){}]*\)[^(){};]{0,40}\{\s*return\s")
+#: A type of Julia and the text above it.
+_DOCUMENTED = re.compile(r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', re.DOTALL)
 
 
 def declared_orders(text: str) -> dict[str, int]:
@@ -305,18 +309,16 @@ def declared_orders(text: str) -> dict[str, int]:
     if places:
         return {name: int(n) for name, n in places}
     documented = {}
-    for doc, name in re.findall(
-        r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', text, re.DOTALL
-    ):
+    for doc, name in _DOCUMENTED.findall(text) if "struct " in text else ():
         said = re.search(r"\b(\d+)(?:st|nd|rd|th)[- ]order|\b([a-z]+)-order", doc, re.IGNORECASE)
         order = said and (int(said[1]) if said[1] else ORDINALS.get(said[2].lower()))
         if order:
             documented[name] = order
-    found = _ORDER_FUNCTION.findall(text) if "_order" in text else []
+    found = _ORDER_FUNCTION.findall(text) if _RETURNS.search(text) else []
     for inner in re.findall(r"\b[Oo](?:rder|RDER)s?\w*\s*(?::[^=\n]{1,60})?=\s*\{([^{}]*)\}", text):
         found += re.findall(r"[\"']([\w .-]+)[\"']\s*[:=,]\s*(\d{1,2})\b", inner)
     documented |= {name: int(n) for name, n in found}
-    found = _ORDER_OF_TYPE.findall(text) if "::" in text else []
+    found = _ORDER_OF_TYPE.findall(text) if "order(" in text and "::" in text else []
     return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
 
 

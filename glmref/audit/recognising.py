@@ -19,8 +19,8 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
-from .entries import LOOSE, Array, arrays, of_subject, role_of
-from .flows import WORDS, flows_of, known_numbers
+from .entries import LOOSE, NAMES, OF_FLOWS, Array, arrays, of_subject, role_of
+from .flows import flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums
 from .kinds import only_numbers, others
@@ -43,24 +43,65 @@ _PRODUCTS = re.compile(
     r"[\[{(] ?-?\d+(?:\.0)?(?:, ?-?\d+(?:\.0)?){2}"
     r"|\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]"
 )
-#: A matrix or an argument of this name, not an article.
-_MATRIX = re.compile(r"\b[Aa]\b[\"']?\s*(?:\[|\(|\{|=(?!=)|:|,\s*[Bb]\b)")
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
+#: What follows a name that gets a list or an entry: ``[1][0] =``, ``= (``, ``: {``, ``<<``, ``{{``.
+_GETS = (
+    r"[\"']?(?:(?:\s*[\[(][^\n=;]{0,40}[\])])+\s*:?=(?!=)"
+    r"|\s*(?::=|=(?!=)|:|<<)\s*[\w.:<>&\s]{0,60}[\[({]|\s*<<|\s*[({\[]\s*[\[({\-\d.])"
+)
+_FRACTION = r"(?:\d\.\d*[1-9]|\d\.?0?\s*//?\s*[\w.(]*\d|(?<!\d)\.\d*[1-9])"
+#: A matrix or an argument of this name with a fraction in it, not an article.
+_MATRIX = re.compile(rf"(?<![\w.\\])[Aa]\b{_GETS}[^;]{{0,300}}?{_FRACTION}")
+#: Weights and nodes, by any of their names, with a number.
+_VECTORS = [
+    re.compile(
+        rf"(?<![^\W_])(?i:k?(?:{'|'.join(NAMES[role])}))(?:_?\d+|_\w+)?\b{_GETS}[^;]{{0,40}}?\d"
+    )
+    for role in "bc"
+]
+#: So far from its matrix weights and nodes may begin, before and after it.
+_BEFORE, _AFTER = 3000, 4500
 
 
-def may_hold(text: str, where: str = "") -> bool:
-    """Return whether a text has the numerals and the words of a file with tables."""
-    if any(x in text for x in _PLAIN):
-        return True
+def _names(text: str) -> bool:
+    """Return whether a matrix A has weights and nodes beside it, by their names.
+
+    In a file without a word of the subject nothing else says what a matrix is (:func:`_says`).
+    """
+    last = 0
+    for matrix in _MATRIX.finditer(text):
+        at = matrix.start()
+        if at >= last:
+            last = at + _AFTER // 3  # what stands beside the next one stands mostly beside this one
+            near = text[max(0, at - _BEFORE) : at + _AFTER]
+            if all(vector.search(near) for vector in _VECTORS):
+                return True
+    return False
+
+
+def _numerals(text: str) -> bool:
+    """Return whether numerals stand so near one another as in a table."""
     last: deque[int] = deque(maxlen=_NUMERALS)
     for numeral in _NUMERAL.finditer(text):
         last.append(numeral.start())
         if len(last) == _NUMERALS and last[-1] - last[0] < _WITHIN:
-            break
-    else:
-        long, sums = _LONG.search(text), _PRODUCTS.search(text)
-        return bool((long and WORDS.search(text)) or (sums and MULTISTEP.search(text)))
-    return of_subject(text) or of_subject(where) or _MATRIX.search(text) is not None
+            return True
+    return False
+
+
+def may_hold(text: str, where: str = "") -> bool:
+    """Return whether a text has the numerals and the words of a file with tables.
+
+    What is cheap to look for, and most files lack, is looked for first: no text is split into
+    tokens that could hold no table.
+    """
+    if any(x in text for x in _PLAIN):
+        return True
+    if _numerals(text) and (of_subject(text) or of_subject(where) or _names(text)):
+        return True
+    if MULTISTEP.search(text) and _PRODUCTS.search(text) and of_subject(text):
+        return True
+    return OF_FLOWS.search(text) and _LONG.search(text) is not None
 
 
 # --- readings -------------------------------------------------------------------------------------
@@ -476,7 +517,7 @@ def tables(
         found += _of_arithmetic(found, everything, collector)
     if about and not found:
         found += _by_function(collector.top)
-    if WORDS.search(text):
+    if OF_FLOWS.search(text):
         found += known_numbers(text, collector.tokens, found)
     for table in found:
         if table.kind == "composition" and (table.order or 0) % 2:
@@ -491,8 +532,8 @@ _PLAIN_BLOCKS = CHOICES | {"", "do", "try", "unsafe"}
 def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -> list[Table]:
     """Add the steps that functions make; what is computed says more than names do."""
     lines = [x.line for x in collector.tokens]
-    flows = WORDS.search(collector.text) is not None
-    steps = MULTISTEP.search(collector.text) is not None
+    flows = OF_FLOWS.search(collector.text)
+    steps = MULTISTEP.search(collector.text)
     known = functions(blocks, collector)
     for block in blocks:
         if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
