@@ -14,7 +14,7 @@ from .collecting import Block, Item
 from .folding import Entries, flattened
 from .lexer import Language
 from .table import ZERO, Table
-from .values import Number, Unread, size
+from .values import Number, Unread, size, whole_number
 
 #: How near a sum must be to 1 for a list to be taken for weights.
 LOOSE = 4e-3
@@ -49,7 +49,7 @@ class Words:
 #: Words of the subject; a file without any of them holds tables only under plain names.
 SUBJECT = Words(
     "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
-    "moulton nordsieck suzuki embedded dopri dormand fehlberg bogacki omelyan",
+    "moulton nordsieck suzuki embedded dopri dop853 dormand fehlberg bogacki omelyan",
     {
     "rk": r"rk(?:(?<![a-z]rk)(?:(?:f|ck|dp)?\d|[abc]\b)|(?<=ssprk)|(?<=ssp_rk)"
           r"|(?<=lsrk)(?<![a-z]lsrk)|(?<=lserk)(?<![a-z]lserk))",
@@ -147,6 +147,7 @@ class Array:
     stem: str = ""
     role: str = ""
     guessed: bool = False  #: Whether no name says that these are weights.
+    order: int | None = None  #: The order that stands beside it in one list.
 
     def __post_init__(self) -> None:
         self.stem, self.role = role_of(self.name)
@@ -221,7 +222,9 @@ def arrays(block: Block, language: Language) -> list[Array]:
                 and not any(isinstance(x, list) for x in value)
             ):
                 lists.setdefault(match[1], []).append((int(match[2]), item))
-            if _deep(value) == {True, False}:
+            if tableau := _with_corner(item, value):
+                found.append(tableau)
+            elif _deep(value) == {True, False}:
                 told = of_subject(" ".join([*block.path(), item.name]))
                 found += _by_place(item, value, told=told)
             elif value and _numeric(value):
@@ -313,6 +316,20 @@ def _width(x: Any) -> int:
 def _unit(column: list[Any]) -> bool:
     """Return whether one entry at most is not 0: inputs of a system of states, and no weights."""
     return sum(bool(size(x)) for x in column) < 2
+
+
+def _with_corner(item: Item, value: list[Any]) -> Array | None:
+    """Return c, A over b whose lower left corner is an empty text, maybe with its order behind."""
+    order = whole_number(value[1]) if len(value) == 2 else None
+    rows = value[0] if order in range(1, 15) and isinstance(value[0], list) else value
+    if len(rows) < 2 or not all(isinstance(x, list) and x for x in rows):
+        return None
+    head, last = rows[:-1], rows[-1]
+    if not isinstance(last[0], str) or last[0].strip("\"'") or not _numeric([*head, last[1:]]):
+        return None
+    found = Array(item.name, [*head, last[1:]], item.line, item.last or item.line, item.at)
+    found.order, found.stem, found.role = order, item.name.lower(), "A"
+    return found
 
 
 def _by_place(item: Item, value: list[Any], *, told: bool) -> list[Array]:

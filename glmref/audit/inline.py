@@ -30,11 +30,24 @@ def inline_sums(tokens: Sequence[Token]) -> Iterator[int]:
         used = {name for k in range(len(row)) if (name := _name_at(row, k)) in slopes}
         stems = sorted({_stem(x) for x in used})
         sums = any(x.text in ("+", "-", ".+", ".-") for x in row)
-        if len(used) < 2 or len(stems) > 1 or not sums or not _SLOPE.fullmatch(stems[0]):
+        if len(used) < 2 or len(stems) > 1 or not sums or not _SLOPE.fullmatch(stems[0].strip("_")):
             continue
         names = {x.text for x in row if x.kind == "name"} - {x.partition("[")[0] for x in used}
         if len(names) <= _MOST_NAMES and any(_is_factor(row, k) for k in range(len(row))):
             yield row[0].line
+
+
+#: Products of the step and a quotient: ``-845 * h / 4104.``, ``17./36. * stepsize``.
+_MULTIPLE = re.compile(
+    r"(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\s*/\s*(\d+)"
+    r"|(\d+)\.?0*\s*/\s*(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\b"
+)
+
+
+def multiples(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines of products of the step and a quotient, each with its quotient."""
+    for found in _MULTIPLE.finditer(text):
+        yield text.count("\n", 0, found.start()) + 1, "/".join(x for x in found.groups() if x)
 
 
 def _stem(name: str) -> str:

@@ -373,7 +373,8 @@ def sums_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterato
             found = _of_differences(array, Number(products[0]))
         else:
             continue
-        if not found.table.unread.endswith(" of order 0"):
+        # a name says that the others are, too; where their weights do not sum to 1, one is wrong
+        if (said and len(values) > 2) or not found.table.unread.endswith(" of order 0"):
             yield found.table
 
 

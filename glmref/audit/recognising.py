@@ -22,7 +22,7 @@ from .collecting import CHOICES, Block, Collector
 from .entries import LOOSE, NAMES, OF_FLOWS, Array, arrays, of_subject, role_of
 from .flows import flows_of, known_numbers
 from .folding import flattened
-from .inline import inline_sums
+from .inline import inline_sums, multiples
 from .kinds import only_numbers, others
 from .lexer import Language, Remark, Token
 from .multistep import MULTISTEP, sums_of
@@ -517,6 +517,8 @@ def tables(
         found += _of_arithmetic(found, everything, collector)
     if about and not found:
         found += _by_function(collector.top)
+    if strong or _STORED.search(text):
+        found += _left_over(found, everything, language)
     if OF_FLOWS.search(text):
         found += known_numbers(text, collector.tokens, found)
     for table in found:
@@ -605,15 +607,29 @@ def _holds_step(table: Table, step: Table) -> bool:
     return key_of(table.b) == key_of(step.b) and not entries and not more
 
 
+#: So many quotients times a step stand in no formula but that of a method.
+_FEW = 4
+
+
 def _of_arithmetic(
     found: list[Table], blocks: list[Block], collector: Collector
 ) -> Iterator[Table]:
     """Yield as unread each function without a table whose step has its numbers in it."""
     seen: set[int] = set()
-    for line in inline_sums(collector.tokens):
-        around = [x for x in blocks if x.line <= line <= x.last and x.kind == "code"
-                  and x.name not in CHOICES]  # fmt: skip
-        block = max(around, key=lambda x: x.line, default=None)
+    code = [x for x in blocks if x.kind == "code" and x.name not in CHOICES]
+
+    def innermost(line: int) -> Block | None:
+        around = [x for x in code if x.line <= line <= x.last]
+        return max(around, key=lambda x: x.line, default=None)
+
+    quotients: dict[int, set[str]] = {}  # of a function; a few are those of many formulas
+    lines = list(inline_sums(collector.tokens))
+    for line, quotient in multiples(collector.text):
+        own = quotients.setdefault(id(innermost(line)), set())
+        own.add(quotient)
+        lines += [line] if len(own) == _FEW else []
+    for line in lines:
+        block = innermost(line)
         if block is None or id(block) in seen:
             continue
         if any(block.line <= x.line <= block.last for x in found):
@@ -622,6 +638,41 @@ def _of_arithmetic(
         name = (block.own or block.name) if block.parent is not None else "step"
         yield Table(name, line, unread="the numbers of a step stand in its arithmetic",
                     general=True, last=line, block=block)  # fmt: skip
+
+
+#: Words of a text in which lists under the names of coefficients are those of a method.
+_STORED = re.compile(r"williamson|carpenter|(?:low|2n).?storage|ssp.?rk", re.IGNORECASE)
+
+
+def _left_over(found: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
+    """Yield as unread two lists or more, as long as one another, that no table of a block has.
+
+    Both are called as coefficients are, alpha and beta or a and c, and have fractions.
+    """
+    seen: set[tuple[float, ...]] = set()
+    for block in blocks:
+        lists = [x for x in arrays(block, language) if x.flat and x.role in _COEFFICIENTS
+                 and 1 < len(x.value) <= MAX_SIZE
+                 and sum(size(y) % 1 > 0 for y in x.value) > 1]  # fmt: skip
+        for x in lists:
+            near = [y for y in lists if y.name != x.name and abs(y.line - x.last) < 6
+                    and abs(len(y.value) - len(x.value)) < 2]  # fmt: skip
+            low, high = (f(y.line for y in (x, *near)) for f in (min, max))
+            taken = any(y.line <= high + 1 and low <= max(y.line, y.last) for y in found)
+            key = key_of([y.value for y in (x, *near)])
+            if near and not taken and key not in seen:
+                seen.add(key)
+                names = " and ".join(dict.fromkeys(y.name for y in (x, *near)))
+                table = Table(_title(block, x), x.line, general=True, last=high, block=block)
+                table.unread = (
+                    f"{names} are called as coefficients are; no method that has them is read"
+                )
+                found = [*found, table]
+                yield table
+
+
+#: Roles of lists that are coefficients of a method where another one stands beside.
+_COEFFICIENTS = frozenset(("A", "b", "c", "beta", "gamma"))
 
 
 def _by_function(top: Block) -> Iterator[Table]:
@@ -893,7 +944,7 @@ def _of_block(
         if (
             id(array) not in used
             and strong
-            and array.role == "A"
+            and (array.role == "A" or _STRONG.search(array.name))
             and not _GUESSES.search(array.name)
         ):
             why = _looks_like(array, made)
@@ -953,6 +1004,8 @@ def _is_table(x: Candidate, *, about: bool, call: str) -> bool:
         return False  # weights of an estimate, or of noise
     if told and named and x.b is not None and x.order > 0 and s > 1:
         return about
+    if x.array.order is not None and x.reading.b is not None and s > 1:
+        return about  # an empty corner and an order say so
     if s == 1:  # tables() requires a declared order or abscissae, too
         given = node or x.reading.c is not None or (x.b is not None and x.b.role == "b")
         return about and x.array.role in ("A", "beta") and given and x.order > 0 and not other
@@ -994,9 +1047,10 @@ def _looks_like(array: Array, made: list[Array]) -> str:
         return ""
     lengths = [len(x) for x in array.value if isinstance(x, list)]
     n = len(array.value)
-    square = len(lengths) == n and n - 1 <= max(lengths) <= n
+    left = max(0, max(lengths, default=0) - n)  # rows before the first, of an explicit stage
+    square = len(lengths) == n and n - 1 <= max(lengths) <= n + 1
     lower = square and all(size(x) in (0.0,) or x is ZERO for i, row in enumerate(array.value)
-                           for x in row[i + 1 :])  # fmt: skip
+                           for x in row[i + 1 + left :])  # fmt: skip
     broken = sum(0 < abs(size(x)) and size(x) != round(size(x)) for x in flattened(array.value))
     if not lower or broken < 2 or n < 3:
         return ""
@@ -1100,7 +1154,8 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
         return table
     table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
     table.named = x.array.named
-    table.order, table.sure, table.pair = _own_order(block), True, _two_orders(block)
+    order = x.array.order if x.array.order is not None else _own_order(block)
+    table.order, table.sure, table.pair = order, True, _two_orders(block)
     table.guessed = x.reading.b is None
     if x.b is not None:
         table.guessed = x.b.guessed or role_of(x.b.name)[1] == "embedded"
