@@ -52,13 +52,14 @@ _GETS = (
 _FRACTION = r"(?:\d\.\d*[1-9]|\d\.?0?\s*//?\s*[\w.(]*\d|(?<!\d)\.\d*[1-9])"
 #: A matrix or an argument of this name with a fraction in it, not an article.
 _MATRIX = re.compile(rf"(?<![\w.\\])[Aa]\b{_GETS}[^;]{{0,300}}?{_FRACTION}")
-#: Weights and nodes, by any of their names, with a number.
-_VECTORS = [
-    re.compile(
-        rf"(?<![^\W_])(?i:k?(?:{'|'.join(NAMES[role])}))(?:_?\d+|_\w+)?\b{_GETS}[^;]{{0,40}}?\d"
-    )
-    for role in "bc"
-]
+#: Weights and nodes, by any of their names, with a number; one of both has a fraction.
+_VECTORS, _BROKEN = (
+    [
+        re.compile(rf"(?<![^\W_])(?i:k?(?:{'|'.join(NAMES[x])}))(?:_?\d+|_\w+)?\b{_GETS}{number}")
+        for x in "bc"
+    ]
+    for number in (r"[^;]{0,40}?\d", rf"[^;]{{0,60}}?{_FRACTION}")
+)
 #: So far from its matrix weights and nodes may begin, before and after it.
 _BEFORE, _AFTER = 3000, 4500
 
@@ -74,7 +75,8 @@ def _names(text: str) -> bool:
         if at >= last:
             last = at + _AFTER // 3  # what stands beside the next one stands mostly beside this one
             near = text[max(0, at - _BEFORE) : at + _AFTER]
-            if all(vector.search(near) for vector in _VECTORS):
+            named = all(vector.search(near) for vector in _VECTORS)
+            if named and any(vector.search(near) for vector in _BROKEN):
                 return True
     return False
 
