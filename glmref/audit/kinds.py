@@ -34,7 +34,7 @@ _STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNO
 #: Names of the first and second steps of a splitting.
 _FLOWS = (("a", "b"), ("c", "d"), ("a", "ahat"), ("drift", "kick"), ("drifts", "kicks"))
 #: A call of this name has a matrix of one row, which is no list of steps.
-_TABLEAU = re.compile(r"tableau|butcher", re.IGNORECASE)
+_BUTCHER = re.compile(r"butcher", re.IGNORECASE)
 #: Names of states: steps only where both sum to 1, or the name says that these are coefficients.
 _STATES = (("x", "v"), ("x", "p"), ("q", "p"), ("r", "v"), ("pos", "vel"), ("t", "v"))
 #: Steps under a letter and a number, ``A4`` or ``ruth_c3``.
@@ -95,7 +95,7 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     if len(matrices) == len(steps):
         found += _two_registers(vectors)
         found += [x for x in _low_storage(vectors) if x.table.loose > 1 or _says(_STORAGE, text)]
-        steps = [] if found or _TABLEAU.search(block.called) else list(_splitting(vectors))
+        steps = [] if found or _BUTCHER.search(block.called) else list(_splitting(vectors))
         for x in steps:
             good = x.table.loose > 1 or _says(_SPLITTING, text)
             x.table.sure = good

@@ -651,7 +651,8 @@ def _left_over(found: list[Table], blocks: list[Block], language: Language) -> I
 
     Both are called as coefficients are, alpha and beta or a and c, and have fractions.
     """
-    seen: set[tuple[float, ...]] = set()
+    read = [y for y in found if not y.unread]
+    seen = {key_of(z) for y in read for z in (*y.b, *y.c, *(w for _, w, _ in y.rows)) if z}
     for block in blocks:
         lists = [x for x in arrays(block, language) if x.flat and x.role in _COEFFICIENTS
                  and 1 < len(x.value) <= MAX_SIZE
@@ -662,7 +663,7 @@ def _left_over(found: list[Table], blocks: list[Block], language: Language) -> I
             low, high = (f(y.line for y in (x, *near)) for f in (min, max))
             taken = any(y.line <= high + 1 and low <= max(y.line, y.last) for y in found)
             key = key_of([y.value for y in (x, *near)])
-            if near and not taken and key not in seen:
+            if near and not taken and not {key, key_of(x.value)} & seen:
                 seen.add(key)
                 names = " and ".join(dict.fromkeys(y.name for y in (x, *near)))
                 table = Table(_title(block, x), x.line, general=True, last=high, block=block)
