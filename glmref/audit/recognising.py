@@ -520,7 +520,7 @@ def tables(
     if about and not found:
         found += _by_function(collector.top)
     if strong or _STORED.search(text):
-        found += _left_over(found, everything, language)
+        found += _left_over(list(found), everything, language)
     if OF_FLOWS.search(text):
         found += known_numbers(text, collector.tokens, found)
     for table in found:
@@ -646,14 +646,16 @@ def _of_arithmetic(
 _STORED = re.compile(r"williamson|carpenter|(?:low|2n).?storage|ssp.?rk", re.IGNORECASE)
 
 
-def _left_over(found: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
+def _left_over(given: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
     """Yield as unread two lists or more, as long as one another, that no table of a block has.
 
     Both are called as coefficients are, alpha and beta or a and c, and have fractions.
     """
-    read = [y for y in found if not y.unread]
+    found, read = given, [y for y in given if not y.unread]
     seen = {key_of(z) for y in read for z in (*y.b, *y.c, *(w for _, w, _ in y.rows)) if z}
     for block in blocks:
+        if block.parent is not None and any(block.line <= y.line <= block.last for y in given):
+            continue
         lists = [x for x in arrays(block, language) if x.flat and x.role in _COEFFICIENTS
                  and 1 < len(x.value) <= MAX_SIZE
                  and sum(size(y) % 1 > 0 for y in x.value) > 1]  # fmt: skip
@@ -947,7 +949,7 @@ def _of_block(
         if (
             id(array) not in used
             and strong
-            and (array.role == "A" or _STRONG.search(array.name))
+            and (array.role == "A" or (_STRONG.search(array.name) and _HALF.search(array.name)))
             and not _GUESSES.search(array.name)
         ):
             why = _looks_like(array, made)
