@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import islice, pairwise
+from itertools import pairwise
 from typing import Any
 
 from ..catalogue.lookup import document, load, names
@@ -32,19 +32,13 @@ _SHORT, _LONG = 5, 8
 _FEW, _MOST = 4, 0.7
 #: Numbers of a method whose signs agree, where another is asked about because of its sign.
 _SIGNS = 6
-#: How near a decimal is to a number of a method that it may be.
-_NEAR = 1e-7
 #: Tokens between numerator and denominator, as in ``F::from(49.0) / F::from(176.0)``.
 _BETWEEN = 6
 _OVER = frozenset(("/", "//"))
 #: Lines before the first and after the last number of a method that may belong to it.
 _BESIDE = 6
-_NUMERAL = r"(\d+\.?\d*|\.\d+)\w{0,4}"
-#: Such a number in a text of any language, roughly.
-_TELLING = re.compile(
-    rf"(\d*\.\d(?:_?\d){{6,}})(?:[eEdDqQ]([-+]?\d+))?|\(-?(\d+), *(\d\d+)\)"
-    rf"|{_NUMERAL}\)?\s*(?:\*\s*\w+\s*)?//?\s*(?:[\w:.]+\()?{_NUMERAL}"
-)
+#: Numerals of a text in any language, and the digits of a decimal that are compared.
+_WHOLE, _DECIMAL, _PREFIX = re.compile(r"\d+"), re.compile(r"\d*\.\d(?:_?\d){6,}"), 7
 
 
 @dataclass(frozen=True)
@@ -56,6 +50,7 @@ class Constant:
     method: str
     part: str  #: ``""`` of A and b, or the name of further weights.
     sign: int
+    times: int  #: How many entries of the part it is.
 
 
 @dataclass(frozen=True)
@@ -65,6 +60,7 @@ class Numeral:
     tokens: tuple[Token, ...]  #: One, or numerator and denominator.
     value: Fraction
     sign: int
+    listed: bool  #: Whether it is an entry of a list, so that a minus before it is its own.
 
     @property
     def text(self) -> str:
@@ -119,20 +115,17 @@ class Known:
 
 
 def may_hold_known(text: str) -> bool:
-    """Return whether a text has a few numbers of known methods."""
-    found = list(islice(_TELLING.finditer(text), _FEW))
-    if len(found) < _FEW:
+    """Return whether a text has the digits of a few numbers of known methods."""
+    fractions, long, prefixes = _written()
+    decimals = {re.sub(r"[._]", "", x).lstrip("0")[:_PREFIX] for x in _DECIMAL.findall(text)}
+    found = len(prefixes & decimals)
+    if found >= _FEW:
+        return True
+    whole = _WHOLE.findall(text)
+    if found + len(long.intersection(whole)) < _FEW:
         return False
-    near, seen = _sorted()[0], set()
-    for decimal, power, *quotient in _TELLING.findall(text):
-        top, bottom = quotient[:2] if quotient[0] else quotient[2:]
-        value = float(f"{decimal}e{power or 0}") if decimal else float(top) / (float(bottom) or 1)
-        k = bisect_left(near, value * (1 - _NEAR))
-        if k < len(near) and near[k] <= value * (1 + _NEAR):
-            seen.add(k)
-            if len(seen) == _FEW:
-                return True
-    return False
+    near = {pair for k in (1, 2, 3) for pair in zip(whole, whole[k:], strict=False)}
+    return found + len(fractions & near) >= _FEW
 
 
 def known(text: str, language: Language) -> list[Known]:
@@ -232,15 +225,15 @@ def _constants() -> dict[str, set[Constant]]:
     for name in names():
         if document(name)["class"] not in _CLASSES:
             continue
-        signs: dict[tuple[str, str, Fraction], tuple[Fraction, int]] = {}
+        signs: dict[tuple[str, str, Fraction], tuple[Fraction, int, int]] = {}
         for form, part, x in _entries(load(name)):
             value, slack = _fraction(x)
             if _tells(value):
                 key, sign = (form, part, abs(value)), 1 if value > 0 else -1
-                before = signs.get(key, (slack, sign))[1]
-                signs[key] = slack, sign if sign == before else 0
-        for (form, part, value), (slack, sign) in signs.items():
-            constant = Constant(value, slack, name + form, part, sign)
+                _, before, times = signs.get(key, (slack, sign, 0))
+                signs[key] = slack, sign if sign == before else 0, times + 1
+        for (form, part, value), (slack, sign, times) in signs.items():
+            constant = Constant(value, slack, name + form, part, sign, times)
             made.setdefault(name + form, set()).add(constant)
     return made
 
@@ -291,6 +284,16 @@ def _sorted() -> tuple[list[float], list[Constant]]:
     return [float(x.value) for x in every], every
 
 
+@cache
+def _written() -> tuple[frozenset[tuple[str, str]], frozenset[str], frozenset[str]]:
+    """Return numerators and denominators, the longer of both, and first digits of decimals."""
+    values = {x.value for x in _sorted()[1]}
+    fractions = {(str(x.numerator), str(x.denominator)) for x in values}
+    decimals = (f"{float(x):.{_PREFIX + 3}e}".replace(".", "") for x in values)
+    long = frozenset(max(x, key=len) for x in fractions)
+    return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals)
+
+
 def _equal(x: Numeral) -> Iterator[Constant]:
     """Yield the constants that a number of a source is, to its digits and theirs."""
     value = x.value
@@ -320,7 +323,7 @@ def _places(text: str) -> tuple[int, int]:
 
 def _value(text: str) -> Fraction | None:
     parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
-    if parts is None or not (parts[1] or parts[2]) or abs(int(parts[3] or 0)) > 60:
+    if parts is None or not 0 < len(parts[1] + parts[2]) < 80 or len(parts[3] or "") > 3:
         return None
     places = len(parts[2])
     return Fraction(int(parts[1] + parts[2]), 10**places) * Fraction(10) ** int(parts[3] or 0)
@@ -332,12 +335,13 @@ def _numerals(row: Sequence[Token]) -> Iterator[Numeral]:
               and (y := _value(x.text)) is not None]  # fmt: skip
     for (k, x), (other, y) in pairwise([*places, (len(row), Fraction(0))]):
         sign = _sign(row, k)
-        yield Numeral((row[k],), x, sign)
+        before = [z.text for z in row[max(0, k - 2) : k] if z.text != "-"][-1:]
+        listed = before[:1] in ([","], ["("], ["["], ["{"])
+        yield Numeral((row[k],), x, sign, listed)
         between = [z.text for z in row[k + 1 : other]]
-        before = [z.text for z in row[max(0, k - 2) : k] if z.text != "-"]
-        called = before[-1:] == ["("] and between == [","] and row[other + 1].text == ")"
+        called = before == ["("] and between == [","] and row[other + 1].text == ")"
         if y and len(between) <= _BETWEEN and (called or _OVER & {*between}):
-            yield Numeral((row[k], row[other]), x / y, sign)
+            yield Numeral((row[k], row[other]), x / y, sign, listed)
 
 
 def _sign(row: Sequence[Token], k: int) -> int:
@@ -366,6 +370,7 @@ def _row(
     sizes = Counter(x.part for x in every)
     missing = [x for x in every - set(held) if parts[x.part] >= _MOST * sizes[x.part]
                or (parts[x.part] >= 3 and sizes[x.part] - parts[x.part] == 1)]  # fmt: skip
+    missing += _once_less(held)
     own = {id(y) for x in held.values() for numeral in x for y in numeral.tokens}
     free = [x for x in found if first - _BESIDE <= x.line <= last + _BESIDE
             and not own & {id(y) for y in x.tokens}]  # fmt: skip
@@ -387,12 +392,26 @@ def _row(
 def _signs(held: dict[Constant, list[Numeral]]) -> Iterator[tuple[Numeral, str]]:
     """Yield the only number of A and b with another sign, where all the others agree."""
     both = Counter(x.value for x in held)
-    rows = [(x, {y.sign for y in numerals}, numerals[0]) for x, numerals in held.items()
-            if not x.part and x.sign and both[x.value] == 1]  # fmt: skip
-    others = [(x, y) for x, signs, y in rows if signs == {-x.sign}]
-    if sum(signs == {x.sign} for x, signs, _ in rows) >= _SIGNS and len(others) == 1:
-        x, y = others[0]
-        yield y, f"-{y.text}" if x.sign < 0 else y.text
+    rows = [
+        (x, [y for y in numerals if y.sign == -x.sign], len(numerals))
+        for x, numerals in held.items()
+        if not x.part and x.sign and both[x.value] == 1
+    ]
+    wrong = [(x, others, count) for x, others, count in rows if others]
+    right = sum(any(y.sign == x.sign for y in held[x]) for x, others, _ in rows if not others)
+    if right >= _SIGNS and len(wrong) == 1:
+        x, others, count = wrong[0]
+        if len(others) == count or (len(others) == 1 and others[0].listed):
+            yield others[0], f"-{others[0].text}" if x.sign < 0 else others[0].text
+
+
+def _once_less(held: dict[Constant, list[Numeral]]) -> list[Constant]:
+    """Return the number of A and b that a source with copies of the method has once less."""
+    counts = {x: len(y) for x, y in held.items() if not x.part and x.times == 1}
+    usual, times = Counter(counts.values()).most_common(1)[0] if counts else (0, 0)
+    less = [x for x, count in counts.items() if count < usual]
+    alone = usual > 1 and times > _FEW and len(less) == 1 and counts[less[0]] == usual - 1
+    return less if alone else []
 
 
 def _slip(x: Numeral, constant: Constant) -> str:
@@ -410,7 +429,8 @@ def _slip(x: Numeral, constant: Constant) -> str:
         return ""
     places, power = _places(x.text)
     off = abs(x.value - constant.value)
-    if not x.tells or off <= max(100 * x.unit, constant.value / 10**12):
+    whole_gap = abs(off - round(off)) <= x.unit + constant.slack  # as in 1 + a
+    if not x.tells or whole_gap or off <= max(100 * x.unit, constant.value / 10**12):
         return ""
     scale, whole = Fraction(10) ** (places - power), _digits(x.text)
     for k in (0, 1, -1):

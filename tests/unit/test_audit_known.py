@@ -96,6 +96,23 @@ def test_a_sign_that_no_other_number_has_is_named() -> None:
 
 
 @pytest.mark.parametrize(
+    ("number", "wrong"),
+    [
+        pytest.param("575, 13824", "575, 13842", id="digits"),
+        pytest.param("253, 4096", "-253, 4096", id="sign"),
+    ],
+)
+def test_one_of_two_copies_is_named(number: str, wrong: str) -> None:
+    copy = written(numbers("cash-karp-5-4"), "python", False)
+    text = copy + copy.replace(number, wrong)
+    (record,) = records(text, LANGUAGES["python"], [])
+    (said,) = record["correction"]
+    assert said["line"] == text[: text.index(wrong)].count("\n") + 1
+    assert said["should be"].removeprefix("-") == number.replace(", ", "/")
+    assert "correction" not in next(records(copy + copy, LANGUAGES["python"], []))
+
+
+@pytest.mark.parametrize(
     "text",
     [
         pytest.param("x = [3, 40, 9, 40, 439, 216, 3680, 513, 845, 4104]\n", id="list of counts"),
