@@ -289,10 +289,11 @@ class Watch:
             return bool((self.parasitic(halves) > FACTOR * self.scale).any())
         if step <= _EARLY:
             early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
-            self.energy_error = max(self.energy_error, float(early.max()))
+            self.energy_error = float(np.fmax.reduce(early, initial=self.energy_error))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        error = median(self._errors_of_energy(solutions[:: WINDOW // _SAMPLES]).tolist())
+        errors = self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])
+        error = math.nan if np.isnan(errors).any() else median(errors.tolist())
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)

@@ -32,7 +32,7 @@ def read(values, weights, d, size, y):
         c += 1
 
 def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
-           plan, seen, weights, made, again, work, table, spent, steps, start):
+           plan, seen, weights, made, again, good, work, table, spent, steps, start):
     d = plan[2]
     size = plan[6]
     n = first
@@ -54,6 +54,7 @@ def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
             c = 0
             while c < size:
                 x[c] = made[c]
+                good[c] = made[c]
                 c += 1
             while c < plan[7]:
                 x[c] = 0.0
@@ -82,8 +83,8 @@ def kernel(x, par, t0, h, first, last, mark, every, out, row, tally,
             mark = n - n % every + every
     return 0
 """
-_OWN = {"plan": "i*", "seen": "d*", "weights": "d*", "made": "d*", "again": "d*", "work": "d*",
-        "table": "d*", "spent": "i*", "steps": "i", "start": "i"}  # fmt: skip
+_OWN = {"plan": "i*", "seen": "d*", "weights": "d*", "made": "d*", "again": "d*", "good": "d*",
+        "work": "d*", "table": "d*", "spent": "i*", "steps": "i", "start": "i"}  # fmt: skip
 
 
 class RenewalFailed(Exception):
@@ -113,14 +114,14 @@ class Renewing:
         slope = start.slope_place if kernel.form.memory else 0
         numbers = (renew, 0, d, 0, 0, 0, values, head, memory, slope)
         self.plan, self.weights = np.array(numbers, dtype=np.int64), reference.weights
-        self.made, self.again = np.zeros(values), np.zeros(values)
+        self.made, self.again, self.good = (np.zeros(values) for _ in range(3))
         self.work = native.aligned_zeros(start.work_size)
         self.spent, self.seen = np.zeros(6, dtype=np.int64), np.zeros((0, d))
 
     @property
     def values(self) -> np.ndarray:
         """The values (r, d) after the last renewal."""
-        return self.made.reshape(self.weights.shape).copy()
+        return self.good.reshape(self.weights.shape).copy()
 
     def keep(self, most: int) -> None:
         """Make room for the solutions before so many renewals."""
@@ -136,24 +137,24 @@ class Renewing:
             Where the start has no finite values; the steps before are done.
         """
         code = self.driver(
-            *given, self.plan, self.seen, self.weights, self.made, self.again, self.work,
+            *given, self.plan, self.seen, self.weights, self.made, self.again, self.good, self.work,
             self.start.par, self.spent, self.steps.address, self.start.built.kernel.address,  # type: ignore[attr-defined]
         )  # fmt: skip
         if self.plan[5]:
-            self.plan[5] = 0
             raise RenewalFailed(ArithmeticError("the values are not finite"))
         return code
 
-    def taken(self) -> tuple[range, np.ndarray, int]:
-        """Return the steps of the renewals since the last call.
+    def taken(self) -> tuple[range, np.ndarray, int, int]:
+        """Return the steps of the renewals since the last call, the last one tried included.
 
-        Also the solutions (n, d) before them, of as many as there was room for, and their
-        evaluations.
+        Also the solutions (n, d) before them, of as many as there was room for, how many renewals
+        there were, and their evaluations.
         """
-        renew, last, _, count = (int(x) for x in self.plan[:4])
-        found = range(last - (count - 1) * renew, last + 1, renew), self.seen[:count].copy()
-        spent, self.plan[3], self.spent[0] = int(self.spent[0]), 0, 0
-        return *found, spent
+        renew, last, _, count, most, failed = (int(x) for x in self.plan[:6])
+        tried = range(last - (count - 1) * renew, last + failed * renew + 1, renew)
+        found, spent = self.seen[: min(count + failed, most)].copy(), int(self.spent[0])
+        self.plan[3], self.plan[5], self.spent[0] = 0, 0, 0
+        return tried, found, count, spent
 
 
 def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) -> Kernel | None:

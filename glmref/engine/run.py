@@ -76,6 +76,8 @@ class Run:
         """Renew the values by ``start`` after every ``renew`` steps; 0 for never."""
         if self.reference.shape[0] > 1:  # one value has no parasitic part
             self.renew, self.again = renew, start
+        if 0 < self.renew < WINDOW:  # no window lies between two renewals
+            self.watch = None
 
     def _renewal(self, n: int, y: np.ndarray) -> np.ndarray:
         """Return values S(F(y)) after step n: the solution y, finished and started again.
@@ -333,10 +335,10 @@ class Run:
 
     def _follow(self, kernel: Kernel, state: State, t0: float) -> None:
         """Count the renewals that a kernel did by itself, and look where the energy says so."""
-        if self.within is None or not self.within.plan[3]:
+        if self.within is None or not (self.within.plan[3] or self.within.plan[5]):
             return
-        steps, solutions, spent = self.within.taken()
-        self.renewals += len(steps)
+        steps, solutions, count, spent = self.within.taken()
+        self.renewals += count
         self.start_evaluations += spent
         for k in self._alarming(solutions, steps):
             if k:
@@ -345,7 +347,8 @@ class Run:
                 assert values is not None  # as when it was made
                 self.base = n, values
             self._locate(kernel, state, t0, steps[k])
-        self.base, self.sound = (steps[-1], self.within.values), None
+        if count:
+            self.base, self.sound = (steps[count - 1], self.within.values), None
 
     def _warn(self, found: bool, step: int) -> None:
         if not found or self.watch is None:
@@ -468,7 +471,7 @@ class Run:
     ) -> Outcome:  # fmt: skip
         every = self.plan.every if every is None else every
         if self.within is not None:
-            watching = self.watch is not None and self.suspect is None and self.renew >= WINDOW
+            watching = self.watch is not None and self.suspect is None
             self.within.keep((mark - state.step) // self.renew + 1 if watching else 0)
         try:
             outcome, seconds = kernel.advance(
