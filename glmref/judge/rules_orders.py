@@ -362,10 +362,11 @@ def a_stage_is_wrong(case: BoundCase) -> bool:
     """A stage is not the solution at the tree, whatever the principal part is, or has two times."""
     if case.is_the_order:
         return True
+    tree = case.tree
     if case.q == 0:
         return any(map(apart, abscissae_apart(case)))
     series = case.proof.series(*case.kind, case.q + 1, filled=True)
-    return any(map(apart, stage_defect(series, case.tree, case.q + 1 == case.most)))
+    return any(map(apart, stage_defect(series, tree, case.q + 1 == case.most)))
 
 
 def equations_give_the_stage_order(case: BoundCase) -> bool:

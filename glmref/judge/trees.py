@@ -36,15 +36,15 @@ def gamma(tree: Tree) -> int:
 
 
 @cache
-def trees(palette: Palette, order: int) -> list[Tree]:
+def trees(palette: Palette, order: int, most: int = TREES) -> list[Tree]:
     """Return all trees of an order: each colour of root with all multisets of children."""
-    smaller = [t for n in range(1, order) for t in trees(palette, n)]
+    smaller = [t for n in range(1, order) for t in trees(palette, n, most)]
     found = []
     for colour, children in palette:
         pool = [t for t in smaller if t[0] in children]
         for forest in forests(pool, order - 1, 0):
             found.append((colour, tuple(sorted(forest))))
-            require(len(found) <= TREES, "beyond the limits of this checker")
+            require(len(found) <= most, "beyond the limits of this checker")
     return found
 
 

@@ -249,11 +249,10 @@ class _Writer:
         """Yield the parts with which the judge proves such a statement, with what is known."""
         why: ExactnessError | None = None
         for rules in alternatives(self.claim, self._truth(), {"*": len(self.blocks)}):
-            why = None
             try:
                 yield from self._filled(rules)
             except ExactnessError as error:
-                why = error
+                why = why or error
         if why is not None:
             raise why
 

@@ -211,11 +211,15 @@ def _vertices(t: Tree) -> Iterator[Tree]:
         waiting.extend(vertex.children)
 
 
+#: Trees of one order that are listed: more than the judge takes, who needs one where one fails.
+_MOST = 1_000_000
+
+
 @cache
 def _level(order: int, colours: judged.Palette) -> tuple[Tree, ...]:
     """Return all trees of an order, sorted: those with the smallest largest branch first."""
     try:
-        return tuple(sorted(map(from_judged, judged.trees(colours, order)), key=_key))
+        return tuple(sorted(map(from_judged, judged.trees(colours, order, _MOST)), key=_key))
     except Refused as error:
         raise ExactnessError(f"trees of order {order}: {error}") from error
 
