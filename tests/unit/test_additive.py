@@ -179,3 +179,11 @@ def test_stages_with_two_times_have_the_order_0(two: bool, order: int) -> None:
             expected = Verdict.HOLDS if q == order else Verdict.FAILS
             found = facts_for(method).judge("stage-order", q)
             assert found.verdict is expected and checked(found.certificate)[0]
+
+
+@pytest.mark.parametrize("parts", [6, 9])
+def test_many_parts_have_more_trees_than_the_judge_lists(parts: int) -> None:
+    A = [[0, 0, 0, 0], ["1/2", 0, 0, 0], [0, "1/2", 0, 0], [0, 0, 1, 0]]
+    both = [{"A": A, "b": ["1/6", "1/3", "1/3", "1/6"]}] * parts
+    (found,) = glmref.check({"parts": both, "order": 4})
+    assert found.verdict is Verdict.HOLDS

@@ -334,3 +334,38 @@ def test_a_renewed_run_is_looked_at_where_its_energy_has_grown(
     monkeypatch.setattr(Watch, "alarming", lambda *_: [])
     late = solve(given, method, **options).suspect
     assert late is None or late > found.suspect + 200 * h
+
+
+def test_a_renewal_that_fails_is_looked_at_as_others_are() -> None:
+    atwood = problem("swinging-atwood")
+    (name, common), *more = atwood.f.common
+    assert not more
+    *f, last = (x.replace(name, f"({common})") for x in atwood.f.outputs)
+    ended = Problem(
+        canonical=True, f=(*f, f"({last}) + 0*sqrt({1350.3 * 0.02!r} - t)"), y0=atwood.y0,
+        hamiltonian=atwood.hamiltonian.outputs[0], parameters=dict(atwood.parameters),
+        t_span=atwood.t_span,
+    )  # fmt: skip
+    runs = [
+        solve(ended, "multistep-general-8b", h=0.02, steps=4500, renew=150, engine=engine)
+        for engine in ("compiled", "interpreted")
+    ]
+    assert [x.suspect for x in runs] == [21.0, 21.0]
+    assert all(x.steps == 1350 and "in renewing the values" in x.message for x in runs)
+
+
+@pytest.mark.parametrize("engine", ["compiled", "interpreted"])
+def test_renewals_within_a_window_are_not_watched(engine: str) -> None:
+    run = solve("swinging-atwood", "multistep-general-8b", h=0.02, steps=4750, renew=95,
+                engine=engine)  # fmt: skip
+    assert run.suspect is None and not run.notices
+
+
+def test_an_energy_that_is_no_number_hides_no_other() -> None:
+    watch = Watch(method_of("multistep-general-8"), problem("shear"))
+    solutions = np.tile(watch.y0, (WINDOW, 1)) * np.linspace(1, 1.1, WINDOW)[:, None]
+    watch.large(solutions, WINDOW)
+    seen = watch.energy_error
+    watch.hamiltonian = lambda y: float("nan")
+    watch.large(solutions, 2 * WINDOW)
+    assert watch.energy_error == seen > 0
