@@ -35,6 +35,9 @@ _SIGNS = 6
 #: Tokens between numerator and denominator, as in ``F::from(49.0) / F::from(176.0)``.
 _BETWEEN = 6
 _OVER = frozenset(("/", "//"))
+_OPEN, _CLOSE = frozenset(",[{"), frozenset(",]}")
+#: Powers of ten of numbers that are looked at.
+_POWER = 60
 #: Lines before the first and after the last number of a method that may belong to it.
 _BESIDE = 6
 #: Numerals of a text in any language, and the digits of a decimal that are compared.
@@ -60,7 +63,7 @@ class Numeral:
     tokens: tuple[Token, ...]  #: One, or numerator and denominator.
     value: Fraction
     sign: int
-    listed: bool  #: Whether it is an entry of a list, so that a minus before it is its own.
+    listed: bool  #: Whether it is an entry of a list: no factor nor call has its sign.
 
     @property
     def text(self) -> str:
@@ -124,11 +127,11 @@ def may_hold_known(text: str) -> bool:
     whole = _WHOLE.findall(text)
     if found + len(long.intersection(whole)) < _FEW:
         return False
-    near = {pair for k in (1, 2, 3) for pair in zip(whole, whole[k:], strict=False)}
+    near = {pair for k in range(1, 6) for pair in zip(whole, whole[k:], strict=False)}
     return found + len(fractions & near) >= _FEW
 
 
-def known(text: str, language: Language) -> list[Known]:
+def known(text: str, language: Language, *, fixed: bool = False) -> list[Known]:
     """Return the methods of the catalogue most of whose numbers a source holds.
 
     Parameters
@@ -137,8 +140,10 @@ def known(text: str, language: Language) -> list[Known]:
         The source.
     language : Language
         That tells comments from numbers.
+    fixed : bool
+        Whether it is Fortran in fixed form.
     """
-    found = list(_numerals(tokens(text, language)[0]))
+    found = list(_numerals(tokens(text, language, fixed=fixed)[0]))
     hits: dict[Constant, list[Numeral]] = defaultdict(list)
     for x in found:
         for constant in _equal(x):
@@ -158,7 +163,9 @@ def known(text: str, language: Language) -> list[Known]:
     return rows
 
 
-def records(text: str, language: Language, tables: Sequence[Table]) -> Iterator[dict[str, Any]]:
+def records(
+    text: str, language: Language, tables: Sequence[Table], *, fixed: bool = False
+) -> Iterator[dict[str, Any]]:
     """Yield records of known methods that no table of a source explains, and of their slips.
 
     Parameters
@@ -168,6 +175,8 @@ def records(text: str, language: Language, tables: Sequence[Table]) -> Iterator[
     language : Language
     tables : Sequence of Table
         What was recognised in it, read or not.
+    fixed : bool
+        Whether it is Fortran in fixed form.
 
     Yields
     ------
@@ -182,7 +191,7 @@ def records(text: str, language: Language, tables: Sequence[Table]) -> Iterator[
         for row in M for x in row
     }  # fmt: skip
     lines = [(x.line, max(x.line, x.last)) for x in tables if x.unread]
-    for one in known(text, language):
+    for one in known(text, language, fixed=fixed):
         held = f"{one.held} of {one.of} long numbers of {one.method}"
         row = {"line": one.first, "name": one.method, "remarks": []}
         if one.slips:
@@ -190,7 +199,7 @@ def records(text: str, language: Language, tables: Sequence[Table]) -> Iterator[
             correction = [
                 {"entry": f"the number {x.text}", "is": x.text, "should be": new, "line": x.line,
                  "text": x.tokens[0].text}
-                for x, new in one.slips[:3]
+                for x, new in one.slips
             ]  # fmt: skip
             yield row | {"status": "question", "remarks": [said], "correction": correction}
         elif (
@@ -323,7 +332,8 @@ def _places(text: str) -> tuple[int, int]:
 
 def _value(text: str) -> Fraction | None:
     parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
-    if parts is None or not 0 < len(parts[1] + parts[2]) < 80 or len(parts[3] or "") > 3:
+    short = parts is not None and 0 < len(parts[1] + parts[2]) < 80 and len(parts[3] or "") < 4
+    if parts is None or not short or abs(int(parts[3] or 0)) > _POWER:
         return None
     places = len(parts[2])
     return Fraction(int(parts[1] + parts[2]), 10**places) * Fraction(10) ** int(parts[3] or 0)
@@ -335,13 +345,22 @@ def _numerals(row: Sequence[Token]) -> Iterator[Numeral]:
               and (y := _value(x.text)) is not None]  # fmt: skip
     for (k, x), (other, y) in pairwise([*places, (len(row), Fraction(0))]):
         sign = _sign(row, k)
-        before = [z.text for z in row[max(0, k - 2) : k] if z.text != "-"][-1:]
-        listed = before[:1] in ([","], ["("], ["["], ["{"])
-        yield Numeral((row[k],), x, sign, listed)
+        before, after = _beside(row, k, -1), _beside(row, k, 1)
+        yield Numeral((row[k],), x, sign, before in _OPEN and after in _CLOSE)
         between = [z.text for z in row[k + 1 : other]]
-        called = before == ["("] and between == [","] and row[other + 1].text == ")"
+        last = _beside(row, other, 1)
+        called = before == "(" and between == [","] and last == ")"
         if y and len(between) <= _BETWEEN and (called or _OVER & {*between}):
-            yield Numeral((row[k], row[other]), x / y, sign, listed)
+            listed = before in _OPEN and last in _CLOSE and len(between) == 1
+            yield Numeral((row[k], row[other]), x / y, sign, listed and not called)
+
+
+def _beside(row: Sequence[Token], k: int, step: int) -> str:
+    """Return the token before or after one, without a sign and ends of lines."""
+    k += step
+    while 0 <= k < len(row) and (row[k].kind == "line" or (step < 0 and row[k].text == "-")):
+        k += step
+    return row[k].text if 0 <= k < len(row) else ""
 
 
 def _sign(row: Sequence[Token], k: int) -> int:
@@ -380,7 +399,7 @@ def _row(
             said = _slip(x, constant)
             if said and round(float(x.value), 12) not in _entered():
                 slips.append((x, said))
-    slips += _signs(held)
+    slips += _signs(held, found)
     counted = {x.value for x in every if parts[x.part] >= _MOST * sizes[x.part]}
     values = {x.value for x in held}
     return Known(
@@ -389,20 +408,28 @@ def _row(
     )  # fmt: skip
 
 
-def _signs(held: dict[Constant, list[Numeral]]) -> Iterator[tuple[Numeral, str]]:
-    """Yield the only number of A and b with another sign, where all the others agree."""
+def _signs(
+    held: dict[Constant, list[Numeral]], found: Sequence[Numeral]
+) -> Iterator[tuple[Numeral, str]]:
+    """Yield the only number of A and b in lists with another sign, where all the others agree.
+
+    Beside it stands another number of the method.
+    """
     both = Counter(x.value for x in held)
     rows = [
-        (x, [y for y in numerals if y.sign == -x.sign], len(numerals))
+        (x, [y for y in numerals if y.listed])
         for x, numerals in held.items()
         if not x.part and x.sign and both[x.value] == 1
     ]
-    wrong = [(x, others, count) for x, others, count in rows if others]
-    right = sum(any(y.sign == x.sign for y in held[x]) for x, others, _ in rows if not others)
+    wrong = [(x, y) for x, numerals in rows for y in numerals if y.sign == -x.sign]
+    right = sum({y.sign for y in numerals} == {x.sign} for x, numerals in rows)
     if right >= _SIGNS and len(wrong) == 1:
-        x, others, count = wrong[0]
-        if len(others) == count or (len(others) == 1 and others[0].listed):
-            yield others[0], f"-{others[0].text}" if x.sign < 0 else others[0].text
+        x, y = wrong[0]
+        places = sorted({z.start for numeral in found for z in numeral.tokens})
+        own = {z.start for rows in held.values() for numeral in rows for z in numeral.tokens}
+        first, last = (places.index(z.start) for z in (y.tokens[0], y.tokens[-1]))
+        if own & {*places[max(0, first - 1) : first], *places[last + 1 : last + 2]}:
+            yield y, f"-{y.text}" if x.sign < 0 else y.text
 
 
 def _once_less(held: dict[Constant, list[Numeral]]) -> list[Constant]:
@@ -426,6 +453,8 @@ def _slip(x: Numeral, constant: Constant) -> str:
                 parts = [y.text for y in x.tokens]
                 parts[k] = parts[k].replace(whole, str(other))
                 return "/".join(parts)
+        return ""
+    if len(_digits(x.text)) <= _LONG:  # as many are near each other by chance
         return ""
     places, power = _places(x.text)
     off = abs(x.value - constant.value)

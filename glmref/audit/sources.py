@@ -157,8 +157,9 @@ def audit(
     for path, row in rows:
         name = str(path.relative_to(root))
         if "number" not in row:
-            if not any((name, x["line"]) in said for x in row.get("correction", ())):
-                yield {"path": name, **row}
+            left = [x for x in row.get("correction", ()) if (name, x["line"]) not in said]
+            if left or "correction" not in row:
+                yield {"path": name, **row, **({"correction": left} if left else {})}
             continue
         _, done = next(judged)
         if not done.failure:
@@ -197,8 +198,18 @@ def _rows(
             for row in _of_file(path, text, task, completed, recognised):
                 yield path, row
         if compare and not form and may_hold_known(text):
-            for row in records(text, language_of(path) or LANGUAGES["c"], recognised):
-                yield path, row
+            yield from ((path, row) for row in _known(path, text, recognised))
+
+
+def _known(path: Path, text: str, recognised: Sequence[Table]) -> Iterator[dict[str, Any]]:
+    """Yield records of the known methods of a file, see :func:`~.known.records`."""
+    language = language_of(path) or LANGUAGES["c"]
+    try:
+        with limited(PROVING):
+            yield from list(records(text, language, recognised, fixed=path.suffix in FIXED))
+    except (GlmrefError, ArithmeticError, LookupError, ValueError) as error:
+        said = error if isinstance(error, GlmrefError) else accident(error)
+        yield _unread(1, path.name, f"numbers of known methods were not looked for: {said}")
 
 
 def _of_file(

@@ -86,29 +86,56 @@ def test_two_digits_exchanged_are_named_with_line_and_number(
             for x in said] == [(i + 1, f"{abs(values[i].numerator)}/{q}")]  # fmt: skip
 
 
-def test_a_sign_that_no_other_number_has_is_named() -> None:
+def listed(values: list[Fraction]) -> str:
+    """Return the numbers as a list."""
+    return "a = {" + ", ".join(f"{x.numerator}.0/{x.denominator}.0" for x in values) + "};\n"
+
+
+def test_a_sign_that_no_other_number_of_a_list_has_is_named() -> None:
     values = numbers("fehlberg-5-4")
     k = values.index(Fraction(-845, 4104))
     values[k] = -values[k]
-    (record,) = records(written(values, "c", False), LANGUAGES["c"], [])
+    (record,) = records(listed(values), LANGUAGES["c"], [])
     (said,) = record["correction"]
     assert (said["is"], said["should be"]) == ("845.0/4104.0", "-845.0/4104.0")
+
+
+@pytest.mark.parametrize(
+    "term",
+    [
+        pytest.param("+ 3680.0/513.0*k3 -\n 845.0/4104.0*k4", id="line"),
+        pytest.param("- k4*845.0/4104.0", id="factor"),
+        pytest.param("- (double)845/4104*k4", id="cast"),
+        pytest.param("- h*(845.0/4104.0*k4)", id="brackets"),
+        pytest.param("; a54 = 845.0/4104.0; y = - a54*k4", id="name"),
+        pytest.param("; w = {1.0/3, 845.0/4104.0, 45.0/108}", id="other list"),
+    ],
+)
+def test_a_sign_outside_of_its_list_is_not_asked_about(term: str) -> None:
+    values = numbers("fehlberg-5-4")
+    others = [x for x in values if x != Fraction(-845, 4104)]
+    for text in (written(others, "c", False), listed(others), listed(values)):
+        found = records(f"{text}y = z {term};\n", LANGUAGES["c"], [])
+        assert not any("correction" in x for x in found)
 
 
 @pytest.mark.parametrize(
     ("number", "wrong"),
     [
         pytest.param("575, 13824", "575, 13842", id="digits"),
-        pytest.param("253, 4096", "-253, 4096", id="sign"),
+        pytest.param(" 253.0/4096", " -253.0/4096", id="sign"),
     ],
 )
 def test_one_of_two_copies_is_named(number: str, wrong: str) -> None:
-    copy = written(numbers("cash-karp-5-4"), "python", False)
+    values = numbers("cash-karp-5-4")
+    copy = written(values, "python", False) if "," in number else listed(values)
     text = copy + copy.replace(number, wrong)
     (record,) = records(text, LANGUAGES["python"], [])
     (said,) = record["correction"]
     assert said["line"] == text[: text.index(wrong)].count("\n") + 1
-    assert said["should be"].removeprefix("-") == number.replace(", ", "/")
+    assert said["should be"].replace(".0", "") == number.strip().replace(", ", "/").replace(
+        ".0", ""
+    )
     assert "correction" not in next(records(copy + copy, LANGUAGES["python"], []))
 
 
@@ -131,6 +158,19 @@ def test_what_is_no_known_method_is_passed(text: str) -> None:
 def test_decimals_at_random_are_no_method(values: list[int]) -> None:
     text = "".join(f"y({x / 10**8:.8f})\n" for x in values)
     assert known(text, LANGUAGES["python"]) == []
+
+
+@pytest.mark.parametrize("end", ["f(5, 7", "f(5,", "1.7976931348623158e308", "12345678e999", "5/"])
+def test_odd_ends_of_a_source_are_passed(end: str) -> None:
+    assert known(written(numbers("cash-karp-5-4"), "c", False) + end, LANGUAGES["c"])
+
+
+def test_comments_of_fixed_form_are_not_read(tmp_path: Path) -> None:
+    text = written(numbers("cash-karp-5-4"), "fortran", False).replace("_dp", "D0")
+    lines = [x for x in text.splitlines() if "575" not in x]
+    path = tmp_path / "step.f"
+    path.write_text("\n".join([*lines, "C     Y + 557.D0/13824.D0 is a misprint", ""]))
+    assert "question" not in {x["status"] for x in audit(tmp_path)}
 
 
 def test_digits_that_are_rounded_are_no_slip() -> None:
