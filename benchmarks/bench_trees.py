@@ -1,16 +1,15 @@
 """Trees: listing, growth counts. Each timing starts from nothing remembered."""
 
+from glmref.judge import trees as judged
 from glmref.method.component import GENERAL
 from glmref.theory import trees as module
 from glmref.theory.trees import pruned, trees_up_to
 
 
 def forget():
-    pruned.cache_clear()
-    module._LISTINGS.clear()
-    for made in module._MADE.values():
-        for children in [key for key in made if key]:
-            del made[children]
+    for kept in (pruned, module._level, judged.trees):
+        kept.cache_clear()
+    module._MADE.clear()
 
 
 class FromNothing:
