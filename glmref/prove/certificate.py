@@ -248,12 +248,15 @@ class _Writer:
     def _proved(self) -> Iterator[list[Part]]:
         """Yield the parts with which the judge proves such a statement, with what is known."""
         why: ExactnessError | None = None
+        proposed = False
         for rules in alternatives(self.claim, self._truth(), {"*": len(self.blocks)}):
             try:
-                yield from self._filled(rules)
+                for parts in self._filled(rules):
+                    proposed = True
+                    yield parts
             except ExactnessError as error:
                 why = why or error
-        if why is not None:
+        if why is not None and not proposed:  # else the judge has said why it refuses
             raise why
 
     def _filled(self, rules: list[str], parts: tuple[Part, ...] = ()) -> Iterator[list[Part]]:
