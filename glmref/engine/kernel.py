@@ -98,8 +98,8 @@ class Kernel:
         y = work[: rows * d].reshape(rows, d)
         memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
         y[:] = self.form.into(values)
-        for row, (_, weight) in zip(memory, self.form.memory, strict=False):
-            row[:] = remembered(slope, weight, h)
+        for k, (_, weight) in enumerate(self.form.memory):
+            memory[k] = remembered(slope, weight, h)
         if self.form.ahead:
             memory[-1] = self.form.point(y)
         state = State(work, y, memory, h)

@@ -25,7 +25,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -256,6 +255,13 @@ class Watch:
             found.append(max(float(sizes.min(axis=0).max()), float(rest.min())))
         return np.array(found)
 
+    def _above(self, halves: Sequence[np.ndarray], least: np.ndarray) -> np.ndarray | None:
+        """Return the parasitic part, ``None`` where none of it is above ``least``."""
+        if not (self.parasitic(halves, least=False) > least).any():  # a bound decides for less
+            return None
+        found = self.parasitic(halves)
+        return found if (found > least).any() else None
+
     def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
         """Return the errors (n,) of the energy at solutions (n, d), relative."""
         given, energy = np.concatenate([self.y0[None], solutions]), self.hamiltonian
@@ -286,14 +292,14 @@ class Watch:
             now = np.maximum(now, self.first)
         self.scale = np.maximum(self.scale, now)
         if self.hamiltonian is None:
-            return bool((self.parasitic(halves) > FACTOR * self.scale).any())
+            return self._above(halves, FACTOR * self.scale) is not None
         if step <= _EARLY:
             early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
             self.energy_error = float(np.fmax.reduce(early, initial=self.energy_error))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
         errors = self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])
-        error = math.nan if np.isnan(errors).any() else median(errors.tolist())
+        error = float(np.median(errors))
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
         enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
@@ -301,11 +307,9 @@ class Watch:
         whatever = np.maximum(enough, _OF_SOLUTION * size)
         known = max(self.energy_error, unit)
         least = enough if error > _ENERGY_TOO * known else whatever
-        if not (self.parasitic(halves, least=False) > least).any():  # a bound decides for less
-            return False
-        found = self.parasitic(halves)
-        if (found > whatever).any() or not (found > enough).any():
-            return bool((found > whatever).any())
+        found = self._above(halves, least)
+        if found is None or (found > whatever).any():
+            return found is not None
         factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
         return error > factor * known
 

@@ -165,8 +165,8 @@ def renewing(kernel: Kernel, start: Map | None, reference: Stepper, renew: int) 
         return None
     if not plain or not start.by_table or (form.memory and start.slope_place is None):
         return None
-    points = (x.U[0] for x in form.components if form.ahead)
-    if any(tuple(x.weights) != u for x, u in zip(reference.readers, points, strict=False)):
+    read = [tuple(x.weights) for x in reference.readers]
+    if form.ahead and read != [x.U[0] for x in form.components]:
         return None
     own = Renewing(kernel, start, reference, renew)
     return replace(kernel, built=replace(kernel.built, kernel=own))

@@ -242,9 +242,10 @@ class Lanes(Runner):
         if self.form.kick:
             m, rows = self.shape.half, len(self.form.components[1].V)
             found = self.form.kicked(inner[:, :rows, m:], slopes[:, m:], self.h)
-            for name, moved in zip("ye"[: 1 + self.options.compensated], found, strict=False):
-                for k in range(rows):
-                    self._put(f"{name}{k}", moved[:, k], m)
+            for k in range(rows):
+                self._put(f"y{k}", found[0][:, k], m)
+                if self.options.compensated:
+                    self._put(f"e{k}", found[1][:, k], m)
             if self.form.leaps and self.shape.parts[0].identity:
                 self._put("G", self.h * found[0][:, 0])
         self.head_size = head

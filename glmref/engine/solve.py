@@ -21,7 +21,7 @@ from .gauge import Gauge, gauge_of
 from .kept import expressed, stepper_of
 from .kernel import SOLVERS
 from .outcome import Interrupted, Solution, StartFailed, all_finite
-from .parasites import too_large
+from .parasites import too_large, watched
 from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
 from .reference import Stepper, stepper
 from .run import Run
@@ -203,7 +203,7 @@ def solve(
         run.notices += notices_of(chosen)
         if digits is None:
             run.notices += _growth(reference)
-        if run.watch is not None:
+        if digits is None and watched(chosen, problem):  # whatever the renewals
             run.notices += too_large(chosen, expressed(problem), h)
         if chosen.additive and engine != "reference":  # kernels are not generated for sums
             run.notices.append("an additive method runs in the reference engine, step by step")

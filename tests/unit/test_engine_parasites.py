@@ -361,6 +361,15 @@ def test_renewals_within_a_window_are_not_watched(engine: str) -> None:
     assert run.suspect is None and not run.notices
 
 
+@pytest.mark.parametrize("engine", ["compiled", "interpreted", "reference"])
+@pytest.mark.parametrize("renew", [0, 50])
+def test_a_step_that_is_too_large_is_reported_whatever_the_renewals(engine, renew) -> None:
+    options = {"steps": 60, "renew": renew, "engine": engine}
+    found = solve("uneven-plane", "multistep-general-8b", h=0.6, **options)
+    assert found.notices[0].startswith("h = 0.6 is beyond ")
+    assert not solve("uneven-plane", "multistep-general-8b", h=0.02, **options).notices
+
+
 def test_an_energy_that_is_no_number_hides_no_other() -> None:
     watch = Watch(method_of("multistep-general-8"), problem("shear"))
     solutions = np.tile(watch.y0, (WINDOW, 1)) * np.linspace(1, 1.1, WINDOW)[:, None]
