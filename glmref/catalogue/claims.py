@@ -157,7 +157,8 @@ STAGE_ORDER = ClaimSpec(
     _ORDER,
     (
         "largest q such that every stage is the solution at its abscissa to O(h^{q+1}), and q "
-        "is not above the order"
+        "is not above the order. It is 0 where a stage has two abscissae: c differs from A 1, or "
+        "the parts of an additive method disagree"
     ),
 )
 STARTING_ORDER = ClaimSpec(

@@ -97,11 +97,6 @@ class Tree:
         """``alpha(t) = |t|! / (sigma gamma)``: number of monotone labellings."""
         return factorial(self.order) // (self.symmetry * self.density)
 
-    @property
-    def extensions(self) -> int:
-        """``|t|! / gamma(t)``: orders in which the vertices can appear, parents first."""
-        return factorial(self.order) // self.density
-
     def __str__(self) -> str:
         if not self.children:
             return self.colour

@@ -421,6 +421,20 @@ def _drawn(draw: random.Random, doc: Any) -> Any:
     return {**_kept(doc), **made, "claims": claims_of(made, draw)}
 
 
+def _parts(draw: random.Random, doc: Any) -> Any:
+    """An additive method of one part or many, all of one tableau, or of the parts of the file."""
+    parts = doc.get("parts")
+    if not isinstance(parts, list) or not parts:
+        whole = json.loads(draw.choice(by_class()["rk"]))
+        parts = [{x: whole[x] for x in ("A", "b")}]
+        constants = {x: whole[x] for x in ("constants", "digits") if x in whole}
+        doc = {**_kept(doc), **constants, "class": "additive"}
+    n = draw.choice((1, 2, 3, 5, 6, 7, 8, 9, 10))
+    doc["parts"] = [copy.deepcopy(parts[k % len(parts)]) for k in range(n)]
+    doc["claims"] = {"order": draw.choice((1, 2, 3, 4)), "stage-order": draw.choice((0, 1, 2))}
+    return doc
+
+
 def _letters(draw: random.Random, doc: Any) -> Any:
     """A splitting with its coefficients, or the stages of a pair, in another number or order."""
     if isinstance(doc.get("stages"), str):
@@ -475,7 +489,7 @@ MUTATIONS: dict[str, tuple[int, Mutation]] = {
     "class": (1, _class), "constants": (2, _constants), "enclosure": (3, _enclosure),
     "start": (2, _start), "huge": (1, _huge), "multistep": (1, _multistep),
     "composition": (1, _composition), "rows": (3, _rows), "drawn": (4, _drawn),
-    "letters": (1, _letters), "words": (3, _words),
+    "letters": (1, _letters), "words": (3, _words), "parts": (1, _parts),
 }  # fmt: skip
 
 

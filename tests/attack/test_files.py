@@ -40,6 +40,12 @@ def test_cases_follow_from_number_and_seed():
     assert any(files.case(n, 1).data != files.case(n, 2).data for n in range(1, 5))
 
 
+def test_additive_methods_of_many_parts_are_drawn():
+    drawn = (files.case(n, 1) for n in range(1, 400))
+    parts = {len(json.loads(x.data)["parts"]) for x in drawn if x.kinds == ("parts",)}
+    assert len(parts) > 3 and max(parts) > 5
+
+
 @pytest.mark.parametrize(
     ("claim", "declared", "name", "changes", "seen"),
     [
