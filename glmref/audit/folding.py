@@ -19,6 +19,7 @@ from ..errors import ExactnessError
 from ..exact import Exact
 from .lexer import LANGUAGES, Language, Token, tokens
 from .values import (
+    PARTED,
     Number,
     Unread,
     accident,
@@ -302,13 +303,8 @@ class Folder:
         return x
 
     def _literal(self, text: str) -> Number:
-        said = text.replace("_", "").replace("'", "").lower()
-        if said.startswith(("0x", "0b")):
-            raise Unread(f"{text} is not read")
-        for letter in "dqf":
-            said = said.replace(letter, "e")
-        x = literal(said.rstrip("e") if said.endswith("e") else said)
-        if self.language.truncates and said.isdigit():
+        x = literal(text)
+        if self.language.truncates and text.translate(PARTED).isdigit():
             return Integer(x.value, None, x.size)
         return x
 

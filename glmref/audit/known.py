@@ -12,16 +12,17 @@ import re
 from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 from ..catalogue.lookup import document, load, names
 from ..exact import Ball, Exact, linalg
 from .lexer import Language, Token, tokens
 from .table import Table
+from .values import Numeral, spelled
 
 #: Classes of methods whose numbers codes write down.
 _CLASSES = frozenset({"additive", "rk", "rosenbrock"})
@@ -36,8 +37,8 @@ _SIGNS = 6
 _BETWEEN = 6
 _OVER = frozenset(("/", "//"))
 _OPEN, _CLOSE = frozenset(",[{"), frozenset(",]}")
-#: Powers of ten of numbers that are looked at.
-_POWER = 60
+#: Powers of ten and digits of numbers that are looked at; digits of those that do not end.
+_POWER, _MOST_DIGITS, _KNOWN = 60, 80, 100
 #: Lines before the first and after the last number of a method that may belong to it.
 _BESIDE = 6
 #: Numerals of a text in any language, and the digits of a decimal that are compared.
@@ -57,13 +58,21 @@ class Constant:
 
 
 @dataclass(frozen=True)
-class Numeral:
+class Figure:
     """A number of a source, or the quotient of two that follow each other."""
 
     tokens: tuple[Token, ...]  #: One, or numerator and denominator.
-    value: Fraction
+    parts: tuple[Numeral, ...]  #: As they are written.
     sign: int
     listed: bool  #: Whether it is an entry of a list: no factor nor call has its sign.
+    value: Fraction = field(init=False)
+    unit: Fraction = field(init=False)  #: Of its last digit, 0 of a quotient.
+
+    def __post_init__(self) -> None:
+        top, *bottom = self.parts
+        value = top.value / bottom[0].value if bottom else top.value
+        object.__setattr__(self, "value", value)
+        object.__setattr__(self, "unit", top.unit if top.after and not bottom else Fraction(0))
 
     @property
     def text(self) -> str:
@@ -78,16 +87,8 @@ class Numeral:
     @property
     def tells(self) -> bool:
         """Return whether it has the digits to say of which method it is."""
-        digits = sum(len(_digits(x.text)) for x in self.tokens)
-        return digits >= (_LONG if len(self.tokens) == 1 else _SHORT)
-
-    @property
-    def unit(self) -> Fraction:
-        """Return a unit of its last digit, 0 of a quotient."""
-        if len(self.tokens) > 1:
-            return Fraction(0)
-        places, power = _places(self.text)
-        return Fraction(10) ** (power - places) if places else Fraction(0)
+        digits = sum(len(x.digits) for x in self.parts)
+        return digits >= (_LONG if len(self.parts) == 1 else _SHORT)
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class Known:
     held, of : int
         How many different numbers the source holds, and how many the method has: those of A and b,
         and of further weights where most are held.
-    slips : tuple of (Numeral, str)
+    slips : tuple of (Figure, str)
         Numbers of the source that should be others.
     values : frozenset of float
         What it holds.
@@ -113,7 +114,7 @@ class Known:
     last: int
     held: int
     of: int
-    slips: tuple[tuple[Numeral, str], ...]
+    slips: tuple[tuple[Figure, str], ...]
     values: frozenset[float]
 
 
@@ -144,7 +145,7 @@ def known(text: str, language: Language, *, fixed: bool = False) -> list[Known]:
         Whether it is Fortran in fixed form.
     """
     found = list(_numerals(tokens(text, language, fixed=fixed)[0]))
-    hits: dict[Constant, list[Numeral]] = defaultdict(list)
+    hits: dict[Constant, list[Figure]] = defaultdict(list)
     for x in found:
         for constant in _equal(x):
             hits[constant].append(x)
@@ -218,32 +219,38 @@ def _core(given: Iterable[Constant]) -> set[Constant]:
 
 
 @cache
+def _numbers() -> dict[str, list[tuple[str, Fraction, Fraction]]]:
+    """Return the entries of each form of a method: part, value, how far it may be off."""
+    made: dict[str, list[tuple[str, Fraction, Fraction]]] = defaultdict(list)
+    for name in names():
+        if document(name)["class"] in _CLASSES:
+            for form, part, x in _entries(load(name)):
+                made[name + form].append((part, *_fraction(x)))
+    return made
+
+
+@cache
 def _entered() -> frozenset[float]:
     """Return all entries of known methods, rounded."""
-    return frozenset(
-        round(abs(float(_fraction(x)[0])), 12)
-        for name in names() if document(name)["class"] in _CLASSES
-        for _, _, x in _entries(load(name))
-    )  # fmt: skip
+    return frozenset(round(abs(float(x)), 12) for rows in _numbers().values() for _, x, _ in rows)
 
 
 @cache
 def _constants() -> dict[str, set[Constant]]:
     """Return the numbers of each method that say of which method they are."""
     made: dict[str, set[Constant]] = {}
-    for name in names():
-        if document(name)["class"] not in _CLASSES:
-            continue
-        signs: dict[tuple[str, str, Fraction], tuple[Fraction, int, int]] = {}
-        for form, part, x in _entries(load(name)):
-            value, slack = _fraction(x)
+    for name, rows in _numbers().items():
+        signs: dict[tuple[str, Fraction], tuple[Fraction, int, int]] = {}
+        for part, value, slack in rows:
             if _tells(value):
-                key, sign = (form, part, abs(value)), 1 if value > 0 else -1
+                key, sign = (part, abs(value)), 1 if value > 0 else -1
                 _, before, times = signs.get(key, (slack, sign, 0))
                 signs[key] = slack, sign if sign == before else 0, times + 1
-        for (form, part, value), (slack, sign, times) in signs.items():
-            constant = Constant(value, slack, name + form, part, sign, times)
-            made.setdefault(name + form, set()).add(constant)
+        if signs:
+            made[name] = {
+                Constant(value, slack, name, part, sign, times)
+                for (part, value), (slack, sign, times) in signs.items()
+            }
     return made
 
 
@@ -276,8 +283,8 @@ def _fraction(x: Exact | Ball) -> tuple[Fraction, Fraction]:
     if exact is not None:
         return exact, Fraction(0)
     ball = x.ball() if isinstance(x, Exact) else x
-    value = Fraction(ball.decimal_text(40))
-    return value, Fraction(ball.radius()) + abs(value) / 10**30
+    value = Fraction(ball.decimal_text(_KNOWN))
+    return value, Fraction(ball.radius()) + abs(value) / Fraction(10) ** (_KNOWN - 1)
 
 
 def _tells(x: Fraction) -> bool:
@@ -303,7 +310,7 @@ def _written() -> tuple[frozenset[tuple[str, str]], frozenset[str], frozenset[st
     return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals)
 
 
-def _equal(x: Numeral) -> Iterator[Constant]:
+def _equal(x: Figure) -> Iterator[Constant]:
     """Yield the constants that a number of a source is, to its digits and theirs."""
     value = x.value
     if not x.tells:
@@ -321,38 +328,28 @@ def _equal(x: Numeral) -> Iterator[Constant]:
 # --- numbers of a source --------------------------------------------------------------------------
 
 
-_NUMBER = re.compile(r"(\d*)\.?(\d*)(?:[eEdDqQf]([-+]?\d+))?")
+def _short(text: str) -> Numeral | None:
+    """Return a number as it is written, ``None`` where no method has one so long or so large."""
+    x = Numeral.of(text)
+    return x if x and len(x.before + x.after) < _MOST_DIGITS and abs(x.power) <= _POWER else None
 
 
-def _places(text: str) -> tuple[int, int]:
-    """Return digits after the point, and the power of ten."""
-    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
-    return (0, 0) if parts is None else (len(parts[2]), int(parts[3] or 0))
+_NOTHING = Numeral("", "0", "", "", 0)
 
 
-def _value(text: str) -> Fraction | None:
-    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
-    short = parts is not None and 0 < len(parts[1] + parts[2]) < 80 and len(parts[3] or "") < 4
-    if parts is None or not short or abs(int(parts[3] or 0)) > _POWER:
-        return None
-    places = len(parts[2])
-    return Fraction(int(parts[1] + parts[2]), 10**places) * Fraction(10) ** int(parts[3] or 0)
-
-
-def _numerals(row: Sequence[Token]) -> Iterator[Numeral]:
+def _numerals(row: Sequence[Token]) -> Iterator[Figure]:
     """Yield the numbers of a source, and quotients of two that follow each other."""
-    places = [(k, y) for k, x in enumerate(row) if x.kind == "number"
-              and (y := _value(x.text)) is not None]  # fmt: skip
-    for (k, x), (other, y) in pairwise([*places, (len(row), Fraction(0))]):
+    places = [(k, y) for k, x in enumerate(row) if x.kind == "number" and (y := _short(x.text))]
+    for (k, x), (other, y) in pairwise([*places, (len(row), _NOTHING)]):
         sign = _sign(row, k)
         before, after = _beside(row, k, -1), _beside(row, k, 1)
-        yield Numeral((row[k],), x, sign, before in _OPEN and after in _CLOSE)
+        yield Figure((row[k],), (x,), sign, before in _OPEN and after in _CLOSE)
         between = [z.text for z in row[k + 1 : other]]
         last = _beside(row, other, 1)
         called = before == "(" and between == [","] and last == ")"
-        if y and len(between) <= _BETWEEN and (called or _OVER & {*between}):
+        if y.value and len(between) <= _BETWEEN and (called or _OVER & {*between}):
             listed = before in _OPEN and last in _CLOSE and len(between) == 1
-            yield Numeral((row[k], row[other]), x / y, sign, listed and not called)
+            yield Figure((row[k], row[other]), (x, y), sign, listed and not called)
 
 
 def _beside(row: Sequence[Token], k: int, step: int) -> str:
@@ -377,8 +374,8 @@ def _sign(row: Sequence[Token], k: int) -> int:
 
 def _row(
     name: str,
-    held: dict[Constant, list[Numeral]],
-    found: Sequence[Numeral],
+    held: dict[Constant, list[Figure]],
+    found: Sequence[Figure],
     hits: Collection[Constant],
 ) -> Known:
     """Return what a source holds of one method, with what is one slip from what is missing."""
@@ -409,8 +406,8 @@ def _row(
 
 
 def _signs(
-    held: dict[Constant, list[Numeral]], found: Sequence[Numeral]
-) -> Iterator[tuple[Numeral, str]]:
+    held: dict[Constant, list[Figure]], found: Sequence[Figure]
+) -> Iterator[tuple[Figure, str]]:
     """Yield the only number of A and b in lists with another sign, where all the others agree.
 
     Beside it stands another number of the method.
@@ -432,7 +429,7 @@ def _signs(
             yield y, f"-{y.text}" if x.sign < 0 else y.text
 
 
-def _once_less(held: dict[Constant, list[Numeral]]) -> list[Constant]:
+def _once_less(held: dict[Constant, list[Figure]]) -> list[Constant]:
     """Return the number of A and b that a source with copies of the method has once less."""
     counts = {x: len(y) for x, y in held.items() if not x.part and x.times == 1}
     usual, times = Counter(counts.values()).most_common(1)[0] if counts else (0, 0)
@@ -441,40 +438,30 @@ def _once_less(held: dict[Constant, list[Numeral]]) -> list[Constant]:
     return less if alone else []
 
 
-def _slip(x: Numeral, constant: Constant) -> str:
+def _slip(x: Figure, constant: Constant) -> str:
     """Return what a number should be that has one digit less, more or other, or two exchanged."""
-    if len(x.tokens) > 1:
-        top, bottom = (_value(y.text) for y in x.tokens)
-        if not top or not bottom:
-            return ""
+    if len(x.parts) == 2:
+        top, bottom = (y.value for y in x.parts)
         for k, other in ((1, top / constant.value), (0, constant.value * bottom)):
-            whole = _digits(x.tokens[k].text)
-            if other.denominator == 1 and len(whole) > 1 and _near(whole, str(other)):
-                parts = [y.text for y in x.tokens]
-                parts[k] = parts[k].replace(whole, str(other))
-                return "/".join(parts)
+            whole = x.parts[k].digits
+            if top and other.denominator == 1 and len(whole) > 1 and _near(whole, str(other)):
+                said = [y.text for y in x.tokens]
+                said[k] = spelled(said[k], other)
+                return "/".join(said)
         return ""
-    if len(_digits(x.text)) <= _LONG:  # as many are near each other by chance
+    (one,) = x.parts
+    whole = one.digits
+    if len(whole) <= _LONG:  # as many are near each other by chance
         return ""
-    places, power = _places(x.text)
     off = abs(x.value - constant.value)
     whole_gap = abs(off - round(off)) <= x.unit + constant.slack  # as in 1 + a
     if not x.tells or whole_gap or off <= max(100 * x.unit, constant.value / 10**12):
         return ""
-    scale, whole = Fraction(10) ** (places - power), _digits(x.text)
-    for k in (0, 1, -1):
-        said = str(int(constant.value * scale * Fraction(10) ** k))
+    for k, up in product((0, 1, -1), (0, 1)):
+        said = str(int(constant.value / one.unit * Fraction(10) ** k) + up)
         if len(said) == len(whole) + k and _near(whole[:-1], said[: len(whole) - 1 + k]):
-            return f"{float(constant.value):.{len(whole)}g}"
+            return spelled(x.text, constant.value, constant.slack)
     return ""
-
-
-def _digits(text: str) -> str:
-    """Return the digits of a numeral without those that say nothing."""
-    parts = _NUMBER.fullmatch(text.replace("_", "").replace("'", ""))
-    if parts is None:
-        return ""
-    return (parts[1] + parts[2] if parts[2].strip("0") else parts[1]).lstrip("0")
 
 
 def _near(a: str, b: str) -> bool:

@@ -12,14 +12,19 @@ import re
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import nan, prod
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..errors import ExactnessError
 from ..exact import Exact
 from ..exact.decimals import is_rounded
 from ..system.budget import spend
 
-_NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,4})?")
+_NUMERAL = re.compile(
+    r"([-+]?)(?=\.?\d)(\d*)(\.?)(\d*)(?:[eEdDqQfF]([-+]?\d{1,4})?)?"  # 1.d0 and 1.f, too
+)
+_FORM = re.compile(r"([\d_']*)(\.?)([\d_']*)(.*)")
+#: What may stand between digits.
+PARTED = str.maketrans("", "", "_'")
 _MOST_DIGITS = 2000  # of a number as it is written
 _MOST_SIZE = 40_000  # digits of what is computed from numbers, as estimated
 _MOST_ITEMS = 100_000  # numbers in an array
@@ -83,15 +88,80 @@ def size(x: Any) -> float:
     return x.approximate
 
 
+class Numeral(NamedTuple):
+    """A numeral in any of the languages, without the marks that may part its digits."""
+
+    sign: str
+    before: str  #: Digits before the point.
+    point: str
+    after: str  #: Digits after it.
+    power: int
+
+    @classmethod
+    def of(cls, text: str) -> Numeral | None:
+        """Return what a text is as a numeral, ``None`` where it is none or a very long one."""
+        found = _NUMERAL.fullmatch(text.translate(PARTED)) if len(text) <= _MOST_DIGITS else None
+        return found and cls(found[1], found[2], found[3], found[4], int(found[5] or 0))
+
+    @property
+    def unit(self) -> Fraction:
+        """Return a unit of its last digit."""
+        shift = self.power - len(self.after)
+        return Fraction(10**shift) if shift >= 0 else Fraction(1, 10**-shift)
+
+    @property
+    def value(self) -> Fraction:
+        """Return the number."""
+        return int(f"{self.sign}{self.before}{self.after}") * self.unit
+
+    @property
+    def digits(self) -> str:
+        """Return the digits that say something: no zeros before them, nor alone after a point."""
+        return (self.before + (self.after if self.after.strip("0") else "")).lstrip("0")
+
+
 def literal(text: str) -> Number:
     """Return a number as it is written."""
-    if len(text) > _MOST_DIGITS or not _NUMERAL.fullmatch(text):
+    x = Numeral.of(text)
+    if x is None:
         raise Unread(f"{text[:40]!r} is no number")
-    mantissa, _, power = text.lower().partition("e")
-    places = max(0, len(mantissa.partition(".")[2]) - int(power or 0))
-    size = len(mantissa) + abs(int(power or 0))
-    exact = "." not in text or not is_rounded(places)
-    return Number(Exact(Fraction(text)), None if exact else places, size)
+    places = max(0, len(x.after) - x.power)
+    exact = not x.point or not is_rounded(places)
+    size = len(x.before + x.point + x.after) + abs(x.power)
+    return Number(Exact(x.value), None if exact else places, size)
+
+
+def spelled(text: str, value: Fraction, slack: Fraction = Fraction(0)) -> str:
+    """Return a number in the way of a numeral, to as many digits after its point.
+
+    Parameters
+    ----------
+    text : str
+        The numeral, of which point, power of ten and marks between digits are kept.
+    value : Fraction
+        The number, not below 0.
+    slack : Fraction, optional
+        How far it may be off; digits that are not known are left out.
+    """
+    x = Numeral.of(text)
+    if x is None:
+        return str(value)
+    places, unit = len(x.after), x.unit
+    while places and unit < 2 * slack:
+        places, unit = places - 1, 10 * unit
+    digits = str(round(value / unit)).rjust(places + 1, "0")
+    before, after = digits[: len(digits) - places], digits[len(digits) - places :]
+    if before == "0" and not x.before:
+        before = ""
+    head, point, form, rest = _FORM.fullmatch(text).groups()  # type: ignore[union-attr]
+    return f"{_parted(before[::-1], head[::-1])[::-1]}{point}{_parted(after, form)}{rest}"
+
+
+def _parted(digits: str, form: str) -> str:
+    """Return digits with the marks that a form has between its own."""
+    left = iter(digits)
+    said = "".join(x if x in "_'" else next(left, "") for x in form)
+    return (said + "".join(left)).rstrip("_'")
 
 
 Scope = dict[str, Any]
@@ -172,7 +242,7 @@ class _Evaluator:
         if isinstance(x, int):
             return Number(Exact(x), size=1 + x.bit_length() // 3)
         if isinstance(x, str):
-            return literal(x) if _NUMERAL.fullmatch(x) else x
+            return literal(x) if Numeral.of(x) else x
         raise Unread(f"{x!r} is no number that is read")
 
     def _list(self, node: ast.List | ast.Tuple) -> Any:

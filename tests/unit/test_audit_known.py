@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from glmref.audit.known import known, may_hold_known, records
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.sources import audit
+from glmref.audit.values import Numeral, spelled
 from glmref.catalogue.lookup import document
 
 #: Methods of fractions, and how a fraction is written in each language.
@@ -187,3 +189,55 @@ def test_the_audit_asks_about_a_step_whose_layout_it_does_not_read(tmp_path: Pat
     assert rows["step.cs"]["correction"][0]["should be"] == "575.0/13824.0"
     assert rows["right.c"]["status"] == "unread"
     assert "step.cs" not in {x["path"] for x in audit(tmp_path, compare=False)}
+
+
+#: Ways to write a decimal: digits after the point, marks between them, power of ten.
+WAYS = {
+    "c": (30, "", ""),
+    "rust": (30, "_", "_f64"),
+    "fortran": (31, "", "d-1"),
+    "python": (20, "", "e0"),
+}
+
+
+def decimal(x: Fraction, way: str) -> str:
+    """Return a number cut to the digits of a way, in its form."""
+    places, mark, end = WAYS[way]
+    scaled = round(abs(x) * 10**places * (10 if end == "d-1" else 1))
+    digits = str(scaled).rjust(places + 1, "0")
+    after = digits[-places:]
+    parts = [after[k : k + 3] for k in range(0, places, 3)] if mark else [after]
+    return f"{digits[:-places]}.{mark.join(parts)}{end}"
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from(METHODS), st.sampled_from(sorted(WAYS)), st.data())
+def test_a_correction_has_all_digits_of_the_number_in_the_form_of_the_source(
+    name: str, way: str, data: st.DataObject
+) -> None:
+    values = numbers(name)
+    often = [abs(x) for x in values]
+    places = [k for k, x in enumerate(values) if often.count(abs(x)) == 1 and x.denominator > 1000]
+    k = data.draw(st.sampled_from(places))
+    right = decimal(values[k], way)
+    at = right.index(".") + data.draw(st.integers(3, 7))
+    if not right[at].isdigit():
+        at += 1
+    changed = data.draw(st.sampled_from([x for x in "123456789" if x != right[at]]))
+    lines = [f"z({decimal(x, way)})\n" for x in values]
+    wrong = right[:at] + changed + right[at + 1 :]
+    lines[k] = lines[k].replace(right, wrong)
+    found = records("".join(lines), LANGUAGES[way], [])
+    said = [x for record in found for x in record.get("correction", ())]
+    assert [(x["line"], x["is"], x["should be"]) for x in said] == [
+        (k + 1, *(x.removesuffix("_f64") for x in (wrong, right)))
+    ]
+
+
+@given(st.decimals(0, 1000, places=20), st.integers(0, 20), st.integers(-9, 9))
+def test_a_number_is_spelled_in_the_way_of_a_numeral(x: Decimal, places: int, power: int) -> None:
+    way = f"1.{'1' * places}e{power}"
+    value = Fraction(x)
+    said = Numeral.of(spelled(way, value))
+    assert said is not None and len(said.after) == places and said.power == power
+    assert abs(said.value - value) <= said.unit / 2
