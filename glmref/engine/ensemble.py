@@ -93,8 +93,8 @@ def solve_ensemble(
         runner = runner or Singles(*given)
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
-        # whose start, or first kick, has overflowed: no step is taken
-        lost = ~(np.isfinite(values).all(axis=(1, 2)) & np.isfinite(found.y[0]).all(axis=1))
+        # whose start has overflowed: no step is taken
+        lost = np.array([not runner.engine.in_range(x) for x in values], dtype=bool)
         if lost.any():
             found.y[:, lost] = y0[lost]
             found.values[lost] = zero_start(runner.engine, y0[lost])
@@ -120,7 +120,7 @@ def _starts(
         values = array_of(start, "starting values", shape, f"(N, r, d) = {shape}")
         if values.dtype.kind == "c":
             raise UsageError("starting values must be real, got complex numbers")
-        if not np.isfinite(values).all():
+        if not engine.in_range(values):
             raise StartFailed("starting values must be finite; give others, or use a smaller h")
         return values, 0
     if start == "zero":

@@ -26,7 +26,7 @@ from ..method.stage_order import is_shared
 from ..problems.formula import Formula
 from ..problems.model import Problem
 from .arithmetic import Arithmetic, StageSolver, size
-from .outcome import StartFailed
+from .outcome import StartFailed, all_finite
 
 
 class Reader(NamedTuple):
@@ -238,6 +238,10 @@ class Stepper:
             terms = weights[read, None] * values[..., read, columns]
             parts.append(np.add.accumulate(terms, axis=-2)[..., -1, :])  # one after the other
         return np.concatenate(parts, axis=-1)
+
+    def in_range(self, values: np.ndarray) -> bool:
+        """Return whether values (r, d) are finite, and the solution that may be a sum of them."""
+        return all_finite(values) and (self.first_value or all_finite(self.solution(values)))
 
     def slope(self, t: Any, y: np.ndarray) -> np.ndarray:
         """Return the right-hand side at (t, y), shape (d,).

@@ -48,6 +48,8 @@ class Run:
         #: not follow from ``every``.
         self.rows, self.kept = self._room(), 0
         self.marks: list[int] = []
+        #: The solutions in the rows, where they were needed before the end.
+        self.solutions: np.ndarray | None = None
         self.values, self.done = start.values, 0
         self.outcome, self.detail = Outcome.COMPLETED, ""
         #: Whether Ctrl-C ended the run, and not `cancel`.
@@ -101,7 +103,7 @@ class Run:
             if made is None:
                 again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
                 made, cost = again.values, again.evaluations
-            if not all_finite(made):
+            if not self.reference.in_range(made):
                 raise ArithmeticError("the values are not finite")
         except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
             raise RenewalFailed(error) from error
@@ -186,7 +188,7 @@ class Run:
                 self.counts[0] += taken.evaluations
                 self.counts[1] += taken.velocity_evaluations
                 self.counts[2] += taken.iterations
-                if not all_finite(taken.values):
+                if not self.reference.in_range(taken.values):
                     self.outcome = Outcome.NOT_FINITE
                     break
                 if not taken.converged:
@@ -434,18 +436,23 @@ class Run:
     def _back_to_finite_values(self, kernel: Kernel, t0: float) -> None:
         """Give up steps whose values are finite in the basis of the kernel only.
 
-        Near the end of the range the change of basis overflows; so may values at the start, where
-        the given ones are what is left.
+        Near the end of the range the change of basis overflows, and the sum that is the solution;
+        so may values at the start, where the given ones are what is left.
         """
-        last = self.done if all_finite(self.values) else self.done - 1
+        last = self.done - (not self.reference.in_range(self.values))
+        written = self.rows[: self.kept]
+        wrong = np.zeros(self.kept, dtype=bool)
         if not kernel.form.finite_together:
-            written = self.rows[: self.kept]
-            wrong = ~np.isfinite(written).all(axis=(1, 2))
-            if wrong.any():
-                row = int(wrong.argmax())
-                last = min(last, (row * self.plan.every or self.marks[row]) - 1)
+            wrong |= ~np.isfinite(written).all(axis=(1, 2))
+        if not self.reference.first_value:
+            self.solutions = self.reference.solution(written)
+            wrong |= ~np.isfinite(self.solutions).all(axis=1)
+        if wrong.any():
+            row = int(wrong.argmax())
+            last = min(last, (row * self.plan.every or self.marks[row]) - 1)
         if last == self.done:
             return
+        self.solutions = None
         if self.outcome is not Outcome.STAGE_SOLVE_FAILED:
             self.outcome = Outcome.NOT_FINITE
         back, (first, values) = 1, self.base
@@ -453,7 +460,7 @@ class Run:
             state = self._from_base(kernel, t0)
             kernel.advance(state, last, t0=t0, h=self.h, every=0, out=self.rows[:0])
             self.values = kernel.values(state)
-            if state.step == last and all_finite(self.values):
+            if state.step == last and self.reference.in_range(self.values):
                 break
             last, back = last - back, 2 * back
         if last <= first:
@@ -529,7 +536,9 @@ class Run:
         stacked = self.rows[: self.kept]
         if 2 * len(stacked) < len(self.rows):
             stacked = stacked.copy()  # a run that ended early lets go of the rest
-        y = self.reference.solution(stacked)
+        y = self.solutions
+        if y is None or len(y) < self.kept:
+            y = self.reference.solution(stacked)
         y = self._finished(t, y.copy() if self.history else y)
         t, stacked = t[: len(y)], stacked[: len(y)]
         return Solution(

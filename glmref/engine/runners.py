@@ -167,11 +167,20 @@ class Runner:
             times.append(int(found[2].min()))
         seconds = time.perf_counter() - begin
         last, codes, steps, spent = found
+        y = np.stack(rows)
+        good: np.ndarray = np.isfinite(y).all(axis=2)
+        for k in np.flatnonzero(~(good.all(axis=0) & np.isfinite(last).all(axis=(1, 2)))):
+            wrong = [t for t, fine in zip(times, good[:, k], strict=True) if not fine]
+            n = min([int(steps[k]), *wrong])
+            steps[k], last[k] = self._before(values[k], n)
+            given_up = ~good[:, k] | (np.array(times) > steps[k])
+            y[given_up, k] = self.engine.solution(last[k])
+            codes[k] = codes[k] or KERNEL_OUTCOMES.index(Outcome.NOT_FINITE)
         outcomes = np.array([KERNEL_OUTCOMES[int(code)] for code in codes], dtype=object)
         if self.cancelled:
             outcomes[(codes == 0) & (steps < plan.steps)] = Outcome.CANCELLED
         found = EnsembleSolution(
-            t=self.t0 + self.h * np.array(times, dtype=float), y=np.stack(rows), outcomes=outcomes,
+            t=self.t0 + self.h * np.array(times, dtype=float), y=y, outcomes=outcomes,
             steps=steps, values=last, evaluations=evaluations + spent, seconds=seconds,
             build_seconds=self.build_seconds, width=self.width, threads=self.threads,
             kernel=self.description, notices=tuple(self.notices),
@@ -179,6 +188,21 @@ class Runner:
         if interrupted:
             raise Interrupted(found)
         return found
+
+    def _before(self, values: np.ndarray, n: int) -> tuple[int, np.ndarray]:
+        """Return a step before n after which a trajectory from values (r, d) is in range.
+
+        Also its values then: those of a kernel may be finite where their sums are not.
+        """
+        back = 1
+        while (n := n - back) > 0:
+            self.load(values[None])
+            self.advance(0, n)
+            (found,), _, (done,), _ = self.read()
+            if done == n and self.engine.in_range(found):
+                return n, found
+            back *= 2
+        return 0, values
 
 
 class Lanes(Runner):

@@ -186,7 +186,7 @@ def solve(
             raise StartFailed(
                 f"the starting values could not be computed ({error}); use a smaller h"
             ) from error
-        if not all_finite(given.values):
+        if not reference.in_range(given.values):
             raise StartFailed("the starting values are not finite; use a smaller h")
         if sheared is not None and sheared.taken and given.kind == "given":
             raise UsageError(

@@ -23,7 +23,7 @@ from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
 from ..problems.user_functions import raised
 from ..system.arguments import shown, whole
-from .outcome import StartFailed, all_finite
+from .outcome import StartFailed
 from .reference import Reader, Stepper, apply_start
 
 #: Passes of the enhanced start where the method's file claims no order.
@@ -123,7 +123,7 @@ def _checked(values: Any, engine: Stepper) -> np.ndarray:
     like = _complex_like(engine)
     if array.dtype.kind == "c" and (like is None or not np.iscomplexobj(like)):
         raise UsageError("starting values must be real for a real method, got complex ones")
-    if not all_finite(array):
+    if not engine.in_range(array):
         raise StartFailed("starting values must be finite; give others, or use a smaller h")
     return array
 

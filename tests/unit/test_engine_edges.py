@@ -2,6 +2,7 @@
 
 import math
 import os
+import sys
 import time
 
 import numpy as np
@@ -11,7 +12,7 @@ from glmref import Problem, UsageError, load, problem, solve
 from glmref.engine import arithmetic, kernel, run, solver_choice
 from glmref.engine.ensemble import solve_ensemble
 from glmref.engine.memory import memory
-from glmref.engine.outcome import Outcome
+from glmref.engine.outcome import Outcome, StartFailed
 from glmref.engine.shape import shape_of
 from glmref.engine.solver_choice import contraction, newton_bytes
 from glmref.engine.sweep import step_form
@@ -76,6 +77,55 @@ def test_a_basis_that_overflows_ends_the_run_before_it(monkeypatch):
     at_once = solve(growth, "rk4", h=4.0, steps=1, every=1)
     assert at_once.outcome is Outcome.NOT_FINITE and at_once.steps == 0
     assert at_once.values.tolist() == at_once.y.tolist() == [[1.0]]
+
+
+#: q grows by a factor of 1.0101 in a step, and the values that make the solution lag by half a step:
+#: over 40 steps it grows by 1.4918 and they by 1.4844. A kernel looks at q + q'.
+GROWTH = Problem.from_equations({"q": "q/1000", "p": "-p/1000"}, {"q": 1, "p": 0})
+
+
+def largest(factor):
+    """Return starting values whose solution is the largest number over a factor."""
+    values = solve(GROWTH, "multistep-general-8", h=10, steps=0).values
+    return values * (sys.float_info.max / factor)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("rows", [{}, {"every": 1}, {"every": 7}, {"every": 40}, {"history": True}])
+@pytest.mark.parametrize(("factor", "steps"), [(1.488, 39), (1.493, 40)])
+def test_a_last_solution_beyond_the_range_is_given_up(engine, rows, factor, steps):
+    given = {"h": 10, "start": largest(factor), "engine": engine, **rows}
+    ended = solve(GROWTH, "multistep-general-8", steps=40, **given)
+    assert ended.outcome == (Outcome.COMPLETED if steps == 40 else Outcome.NOT_FINITE)
+    assert ended.steps == steps
+    whole = solve(GROWTH, "multistep-general-8", steps=steps, **given)
+    np.testing.assert_array_equal(ended.values, whole.values)
+    assert np.isfinite(whole.y).all() and np.isfinite(ended.y).all()
+    np.testing.assert_array_equal(ended.y, whole.y[: len(ended.y)])
+    assert len(ended.y) == len(whole.y) - (rows.get("every", 0) > 1 and steps == 39)
+
+
+@pytest.mark.parametrize("width", [None, 1])
+@pytest.mark.parametrize("every", [0, 1, 7])
+def test_a_last_solution_beyond_the_range_is_given_up_in_an_ensemble(width, every):
+    starts = np.array([largest(1.488), largest(1.493)])
+    first = np.tile(GROWTH.y0, (2, 1))  # of which nothing is taken
+    given = {"h": 10, "start": starts, "width": width}
+    found = solve_ensemble(GROWTH, "multistep-general-8", first, steps=40, every=every, **given)
+    assert list(found.outcomes) == [Outcome.NOT_FINITE, Outcome.COMPLETED]
+    assert list(found.steps) == [39, 40]
+    before = solve_ensemble(GROWTH, "multistep-general-8", first, steps=39, **given)
+    np.testing.assert_array_equal(found.y[-1, 0], before.y[-1, 0])
+    np.testing.assert_array_equal(found.values[0], before.values[0])
+    assert np.isfinite(found.y).all() and found.y[-1, 1, 0] > found.y[-1, 0, 0]
+
+
+def test_starting_values_whose_sum_is_beyond_the_range_are_refused():
+    values = np.array([[1.7e308, 0.0], *[[1e308, 0.0]] * 8])
+    with pytest.raises(StartFailed, match="starting values must be finite"):
+        solve(GROWTH, "multistep-general-8", h=10, steps=2, start=values)
+    with pytest.raises(StartFailed, match="starting values must be finite"):
+        solve_ensemble(GROWTH, "multistep-general-8", [[1, 0]], h=10, steps=2, start=[values])
 
 
 # --- sizes --------------------------------------------------------------------------------------
