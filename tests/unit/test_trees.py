@@ -2,17 +2,18 @@
 
 import copy
 import pickle
+from fractions import Fraction
 from math import factorial
 
 import pytest
 
 from glmref.errors import UsageError
+from glmref.judge.trees import LEAF, cut
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.trees import (
     MAX_ORDER,
     Tree,
     parse_tree,
-    pruned,
     single,
     tree,
     trees,
@@ -106,4 +107,4 @@ def test_orders_without_a_listing_are_refused(order):
 
 def test_growth_from_the_root_counts_linear_extensions():
     for t in trees_up_to(8):
-        assert pruned(t)[single()] == factorial(t.order) // t.density
+        assert dict(cut(t.judged))[LEAF] == Fraction(t.order, t.density)
