@@ -3,11 +3,11 @@
 from glmref.judge import trees as judged
 from glmref.method.component import GENERAL
 from glmref.theory import trees as module
-from glmref.theory.trees import trees_up_to
+from glmref.theory.trees import pruned, trees_up_to
 
 
 def forget():
-    for kept in (judged.cut, judged.whole_cuts, module._level, judged.trees):
+    for kept in (pruned, module._level, judged.trees):
         kept.cache_clear()
     module._MADE.clear()
 
@@ -43,4 +43,4 @@ class Cuts(FromNothing):
 
     def time_growth_counts(self, order):
         for t in self.trees:
-            judged.cut(t.judged)
+            pruned(t)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
@@ -19,7 +19,9 @@ from itertools import pairwise, product
 from typing import Any
 
 from ..catalogue.lookup import document, load, names
-from ..exact import Ball, Exact, linalg
+from ..exact import Ball, Exact, Scalar, linalg
+from ..exact.expression import parse
+from .entries import of_subject
 from .lexer import Language, Token, tokens
 from .table import Table
 from .values import Numeral, spelled
@@ -29,6 +31,9 @@ _CLASSES = frozenset({"additive", "rk", "rosenbrock"})
 #: Digits of numerator and denominator together, and of a decimal, that say of which method it is:
 #: by chance a file of 10,000 numerals has a decimal of 8 digits once in 10,000.
 _SHORT, _LONG = 5, 8
+#: Where a word of the subject is, numbers say so together: digits of all those with three or more,
+#: and lines for each of them.
+_TOGETHER, _LINES = 12, 6
 #: Numbers of a method that a source must hold, and the part of those of A and b.
 _FEW, _MOST = 4, 0.7
 #: Numbers of a method whose signs agree, where another is asked about because of its sign.
@@ -55,6 +60,7 @@ class Constant:
     part: str  #: ``""`` of A and b, or the name of further weights.
     sign: int
     times: int  #: How many entries of the part it is.
+    plain: bool = False  #: Whether it says of which method it is only together with the others.
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,8 @@ class Figure:
     tokens: tuple[Token, ...]  #: One, or numerator and denominator.
     parts: tuple[Numeral, ...]  #: As they are written.
     sign: int
-    listed: bool  #: Whether it is an entry of a list: no factor nor call has its sign.
+    #: Where no factor nor call has its sign: ``"["`` in a list, or the name that is given it.
+    place: str
     value: Fraction = field(init=False)
     unit: Fraction = field(init=False)  #: Of its last digit, 0 of a quotient.
 
@@ -120,15 +127,18 @@ class Known:
 
 def may_hold_known(text: str) -> bool:
     """Return whether a text has the digits of a few numbers of known methods."""
-    fractions, long, prefixes = _written()
+    fractions, long, prefixes, plain = _written()
     decimals = {re.sub(r"[._]", "", x).lstrip("0")[:_PREFIX] for x in _DECIMAL.findall(text)}
     found = len(prefixes & decimals)
     if found >= _FEW:
         return True
     whole = _WHOLE.findall(text)
-    if found + len(long.intersection(whole)) < _FEW:
+    about = of_subject(text)
+    if found + len(long.intersection(whole)) < _FEW and not about:
         return False
     near = {pair for k in range(1, 6) for pair in zip(whole, whole[k:], strict=False)}
+    if about and any(len(x - near) < 2 for x in plain):
+        return True
     return found + len(fractions & near) >= _FEW
 
 
@@ -146,9 +156,11 @@ def known(text: str, language: Language, *, fixed: bool = False) -> list[Known]:
     """
     found = list(_numerals(tokens(text, language, fixed=fixed)[0]))
     hits: dict[Constant, list[Figure]] = defaultdict(list)
+    about = of_subject(text)
     for x in found:
         for constant in _equal(x):
-            hits[constant].append(x)
+            if about or not constant.plain:
+                hits[constant].append(x)
     methods: dict[str, set[Constant]] = defaultdict(set)
     for constant in hits:
         methods[constant.method].add(constant)
@@ -159,9 +171,19 @@ def known(text: str, language: Language, *, fixed: bool = False) -> list[Known]:
         fresh = {float(x.value) for x in methods[name]} - explained
         if len(core) < max(_FEW, _MOST * len(every)) or len(fresh) < _FEW:
             continue
+        if any(x.plain for x in core) and not _together([hits[x] for x in core], len(every)):
+            continue
         rows.append(_row(name, {x: hits[x] for x in methods[name]}, found, hits))
         explained |= rows[-1].values
     return rows
+
+
+def _together(hits: Sequence[Sequence[Figure]], of: int) -> bool:
+    """Return whether all numbers of a method but one stand near one another."""
+    lines = sorted((x.line, k) for k, numerals in enumerate(hits) for x in numerals)
+    starts = (line for line, _ in lines)
+    near = ({k for n, k in lines if 0 <= n - line <= _LINES * of} for line in starts)
+    return any(len(x) >= of - 1 for x in near)
 
 
 def records(
@@ -193,7 +215,7 @@ def records(
     }  # fmt: skip
     lines = [(x.line, max(x.line, x.last)) for x in tables if x.unread]
     for one in known(text, language, fixed=fixed):
-        held = f"{one.held} of {one.of} long numbers of {one.method}"
+        held = f"{one.held} of {one.of} distinctive numbers of {one.method}"
         row = {"line": one.first, "name": one.method, "remarks": []}
         if one.slips:
             said = f"the source holds {held}, and in place of another this"
@@ -203,10 +225,9 @@ def records(
                 for x, new in one.slips
             ]  # fmt: skip
             yield row | {"status": "question", "remarks": [said], "correction": correction}
-        elif (
-            sum(round(x, 9) not in read for x in one.values) > len(one.values) / 2
-            and not any(a <= one.last and one.first <= b for a, b in lines)
-        ):  # fmt: skip
+        elif not (any(2 * sum(round(x, 9) in read for x in form) >= len(form) > 0
+                      for form in (one.values, *_forms(one.method)))
+                  or any(a <= one.last and one.first <= b for a, b in lines)):  # fmt: skip
             said = f"lines {one.first} to {one.last} hold {held}, in a form that is not read"
             yield row | {"status": "unread", "remarks": [said]}
 
@@ -223,10 +244,27 @@ def _numbers() -> dict[str, list[tuple[str, Fraction, Fraction]]]:
     """Return the entries of each form of a method: part, value, how far it may be off."""
     made: dict[str, list[tuple[str, Fraction, Fraction]]] = defaultdict(list)
     for name in names():
-        if document(name)["class"] in _CLASSES:
-            for form, part, x in _entries(load(name)):
+        given = document(name)
+        if given["class"] in _CLASSES:
+            for form, part, x in (*_entries(load(name)), *_written_as(given)):
                 made[name + form].append((part, *_fraction(x)))
     return made
+
+
+def _written_as(given: Mapping[str, Any]) -> Iterator[tuple[str, str, Exact | Ball]]:
+    """Yield the constants from which the entries of a method are, as those of few registers."""
+    values: dict[str, Scalar] = {}
+    for name, text in given.get("constants", {}).items() if "digits" not in given else ():
+        values[name] = parse(text, constants=values)
+        yield ", in the form of its source", "", values[name]
+
+
+def _forms(name: str) -> Iterator[set[float]]:
+    """Yield the numbers of A and b in each form of the method that a name is of."""
+    own = name.partition(",")[0]
+    for other, rows in _constants().items():
+        if other.partition(",")[0] == own:
+            yield {float(x.value) for x in _core(rows)}
 
 
 @cache
@@ -241,14 +279,15 @@ def _constants() -> dict[str, set[Constant]]:
     made: dict[str, set[Constant]] = {}
     for name, rows in _numbers().items():
         signs: dict[tuple[str, Fraction], tuple[Fraction, int, int]] = {}
+        plain = _plain(rows)
         for part, value, slack in rows:
-            if _tells(value):
+            if abs(value) in plain if plain else _tells(value):
                 key, sign = (part, abs(value)), 1 if value > 0 else -1
                 _, before, times = signs.get(key, (slack, sign, 0))
                 signs[key] = slack, sign if sign == before else 0, times + 1
         if signs:
             made[name] = {
-                Constant(value, slack, name, part, sign, times)
+                Constant(value, slack, name, part, sign, times, bool(plain))
                 for (part, value), (slack, sign, times) in signs.items()
             }
     return made
@@ -287,6 +326,18 @@ def _fraction(x: Exact | Ball) -> tuple[Fraction, Fraction]:
     return value, Fraction(ball.radius()) + abs(value) / Fraction(10) ** (_KNOWN - 1)
 
 
+def _plain(rows: Iterable[tuple[str, Fraction, Fraction]]) -> set[Fraction]:
+    """Return all fractions of A and b where few of them say of which method they are.
+
+    None where they have not the digits to say so together.
+    """
+    core = {abs(x) for part, x, _ in rows if not part}
+    given = {x for x in core if 2 < x.denominator < 10**_SHORT and x.numerator < 10**_SHORT}
+    few = sum(map(_tells, core)) < _FEW < len(given)
+    digits = [len(f"{x.numerator}{x.denominator}") for x in given]
+    return given if few and sum(x for x in digits if x > 2) >= _TOGETHER else set()
+
+
 def _tells(x: Fraction) -> bool:
     """Return whether a number of a method is one that hardly any other has."""
     long = len(f"{abs(x.numerator)}{x.denominator}") >= _SHORT and x.denominator > 10
@@ -301,19 +352,26 @@ def _sorted() -> tuple[list[float], list[Constant]]:
 
 
 @cache
-def _written() -> tuple[frozenset[tuple[str, str]], frozenset[str], frozenset[str]]:
-    """Return numerators and denominators, the longer of both, and first digits of decimals."""
-    values = {x.value for x in _sorted()[1]}
+def _written() -> tuple[
+    frozenset[tuple[str, str]], frozenset[str], frozenset[str], list[set[tuple[str, str]]]
+]:
+    """Return numerators and denominators, the longer of both, and first digits of decimals.
+
+    Those of methods whose numbers say so only together stand apart, by the method.
+    """
+    values = {x.value for x in _sorted()[1] if not x.plain}
     fractions = {(str(x.numerator), str(x.denominator)) for x in values}
+    plain = [{(str(x.value.numerator), str(x.value.denominator)) for x in _core(rows)}
+             for rows in _constants().values() if any(x.plain for x in rows)]  # fmt: skip
     decimals = (f"{float(x):.{_PREFIX + 3}e}".replace(".", "") for x in values)
     long = frozenset(max(x, key=len) for x in fractions)
-    return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals)
+    return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals), plain
 
 
 def _equal(x: Figure) -> Iterator[Constant]:
     """Yield the constants that a number of a source is, to its digits and theirs."""
     value = x.value
-    if not x.tells:
+    if not x.tells and (len(x.parts) == 1 or value.denominator < 3):
         return
     near, every = _sorted()
     for k in range(bisect_left(near, float(value - x.unit) * (1 - 1e-9)), len(every)):
@@ -321,7 +379,8 @@ def _equal(x: Figure) -> Iterator[Constant]:
         if near[k] > float(value + x.unit) * (1 + 1e-9):
             return
         rounding = value / 10**15 if len(x.tokens) == 1 else 0
-        if abs(constant.value - value) <= x.unit + constant.slack + rounding:
+        same = abs(constant.value - value) <= x.unit + constant.slack + rounding
+        if same and (x.tells or constant.plain):
             yield constant
 
 
@@ -341,15 +400,29 @@ def _numerals(row: Sequence[Token]) -> Iterator[Figure]:
     """Yield the numbers of a source, and quotients of two that follow each other."""
     places = [(k, y) for k, x in enumerate(row) if x.kind == "number" and (y := _short(x.text))]
     for (k, x), (other, y) in pairwise([*places, (len(row), _NOTHING)]):
-        sign = _sign(row, k)
-        before, after = _beside(row, k, -1), _beside(row, k, 1)
-        yield Figure((row[k],), (x,), sign, before in _OPEN and after in _CLOSE)
+        sign, before = _sign(row, k), _beside(row, k, -1)
+        yield Figure((row[k],), (x,), sign, _place(row, k, k))
         between = [z.text for z in row[k + 1 : other]]
         last = _beside(row, other, 1)
         called = before == "(" and between == [","] and last == ")"
         if y.value and len(between) <= _BETWEEN and (called or _OVER & {*between}):
-            listed = before in _OPEN and last in _CLOSE and len(between) == 1
-            yield Figure((row[k], row[other]), (x, y), sign, listed and not called)
+            place = "" if called or len(between) > 1 else _place(row, k, other)
+            yield Figure((row[k], row[other]), (x, y), sign, place)
+
+
+def _place(row: Sequence[Token], first: int, last: int) -> str:
+    """Return :attr:`Figure.place` of the number that these tokens are."""
+    if _beside(row, first, -1) in _OPEN and _beside(row, last, 1) in _CLOSE:
+        return "["
+    after = row[last + 1] if last + 1 < len(row) else None
+    k = first - 1 - (first > 0 and row[first - 1].text == "-")
+    whole = after is None or after.kind == "line" or after.text in (";", ",")
+    if not (whole and k > 0 and row[k].text in ("=", ":=")):
+        return ""
+    k -= 1
+    while k > 0 and (row[k].kind == "number" or row[k].text in "()[]"):  # an index
+        k -= 1
+    return row[k].text.rstrip("0123456789_") if row[k].kind == "name" else ""
 
 
 def _beside(row: Sequence[Token], k: int, step: int) -> str:
@@ -396,6 +469,8 @@ def _row(
             said = _slip(x, constant)
             if said and round(float(x.value), 12) not in _entered():
                 slips.append((x, said))
+    if len(slips) > 1 and any(x.plain for x in held):  # short fractions are near many others
+        slips = []
     slips += _signs(held, found)
     counted = {x.value for x in every if parts[x.part] >= _MOST * sizes[x.part]}
     values = {x.value for x in held}
@@ -410,11 +485,13 @@ def _signs(
 ) -> Iterator[tuple[Figure, str]]:
     """Yield the only number of A and b in lists with another sign, where all the others agree.
 
-    Beside it stands another number of the method.
+    Beside it stands another number of the method. Names to which several numbers of the method are
+    assigned are as good as lists.
     """
     both = Counter(x.value for x in held)
+    places = Counter(y.place for numerals in held.values() for y in numerals if y.place)
     rows = [
-        (x, [y for y in numerals if y.listed])
+        (x, [y for y in numerals if y.place == "[" or places[y.place] >= _FEW])
         for x, numerals in held.items()
         if not x.part and x.sign and both[x.value] == 1
     ]
@@ -422,10 +499,10 @@ def _signs(
     right = sum({y.sign for y in numerals} == {x.sign} for x, numerals in rows)
     if right >= _SIGNS and len(wrong) == 1:
         x, y = wrong[0]
-        places = sorted({z.start for numeral in found for z in numeral.tokens})
+        starts = sorted({z.start for numeral in found for z in numeral.tokens})
         own = {z.start for rows in held.values() for numeral in rows for z in numeral.tokens}
-        first, last = (places.index(z.start) for z in (y.tokens[0], y.tokens[-1]))
-        if own & {*places[max(0, first - 1) : first], *places[last + 1 : last + 2]}:
+        first, last = (starts.index(z.start) for z in (y.tokens[0], y.tokens[-1]))
+        if own & {*starts[max(0, first - 1) : first], *starts[last + 1 : last + 2]}:
             yield y, f"-{y.text}" if x.sign < 0 else y.text
 
 

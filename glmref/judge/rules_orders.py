@@ -335,18 +335,18 @@ def stage_defect(series: Solved, tree: Tree, last: bool) -> list:
     return apply(kernel(added), gap)
 
 
-def abscissae_apart(method: Method, series: Solved) -> list:
+def abscissae_apart(case: BoundCase) -> list:
     """Return by how much the abscissae of a stage differ: those of all parts, or A 1 and c."""
-    if not method.additive and method.system != "time":
+    if not case.method.additive and case.method.system != "time":
         return []
-    first, *others = (series.stages((c, ())) for c in series.u)
+    series = case.proof.series(*case.kind, 1)
+    first, *others = (series.stages((c, ())) for c in case.method.parts)
     return [x for other in others for x in less(first, other)]
 
 
 def a_stage_has_one_abscissa(case: BoundCase) -> bool:
     """All parts of an additive method give a stage one abscissa; where c stands apart it is A 1."""
-    return case.q == 0 or vanishes(
-        abscissae_apart(case.method, case.proof.series(*case.kind, 1)))  # fmt: skip
+    return case.q == 0 or vanishes(abscissae_apart(case))
 
 
 def stages_are_the_solution(case: BoundCase) -> bool | Fails:
@@ -364,8 +364,7 @@ def a_stage_is_wrong(case: BoundCase) -> bool:
         return True
     tree = case.tree
     if case.q == 0:
-        series = case.proof.series(*case.kind, 1)
-        return any(map(apart, abscissae_apart(case.method, series)))
+        return any(map(apart, abscissae_apart(case)))
     series = case.proof.series(*case.kind, case.q + 1, filled=True)
     return any(map(apart, stage_defect(series, tree, case.q + 1 == case.most)))
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
-from itertools import islice, product
+from itertools import product
 from math import factorial
 from typing import TypeAlias
 
@@ -42,9 +42,9 @@ def trees(palette: Palette, order: int, most: int = TREES) -> list[Tree]:
     found = []
     for colour, children in palette:
         pool = [t for t in smaller if t[0] in children]
-        some = islice(forests(pool, order - 1, 0), most + 1 - len(found))
-        found += [(colour, tuple(sorted(forest))) for forest in some]
-        require(len(found) <= most, "beyond the limits of this checker")
+        for forest in forests(pool, order - 1, 0):
+            found.append((colour, tuple(sorted(forest))))
+            require(len(found) <= most, "beyond the limits of this checker")
     return found
 
 
@@ -118,27 +118,16 @@ def read_tree(text: object) -> Tree:
 @cache
 def cut(tree: Tree) -> list[tuple[Tree, Fraction]]:
     """Return pairs (s, N(t, s) / m!): what is left when branches are cut, the root kept."""
-    whole = gamma(tree) // size(tree)
-    return [(s, Fraction(n, whole)) for s, n in whole_cuts(tree).items()]
+    return list(cuts(tree).items())
 
 
-@cache
-def whole_cuts(tree: Tree) -> dict:
-    """Return the weights of `cut` times gamma(t) / |t|: each is a whole number."""
-    return cuts(tree, lambda child: 1, lambda child: [
-        (s, size(child) * n) for s, n in whole_cuts(child).items()])  # fmt: skip
-
-
-def cuts(
-    tree: Tree,
-    weight: Callable[[Tree], Number],
-    kept: Callable[[Tree], Iterable[tuple[Tree, Number]]] | None = None,
-) -> dict:
-    """Return {s: sum over the ways to cut of the product of the weights}, or what is kept gives."""
-    found = {(): Fraction(1) if kept is None else 1}
+def cuts(tree: Tree, weight: Callable[[Tree], Number] | None = None) -> dict:
+    """Return {s: sum over the ways to cut of the product of the weights, else of 1 / gamma}."""
+    found = {(): Fraction(1)}
     for child in tree[1]:
-        left = cuts(child, weight).items() if kept is None else kept(child)
-        options = [((), weight(child)), *(((s,), w) for s, w in left)]
+        kept = cut(child) if weight is None else cuts(child, weight).items()
+        gone = Fraction(1, gamma(child)) if weight is None else weight(child)
+        options = [((), gone), *(((s,), w) for s, w in kept)]
         more = {}
         for (forest, x), (rest, y) in product(found.items(), options):
             key = tuple(sorted(forest + rest))

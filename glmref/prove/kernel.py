@@ -22,6 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from math import factorial
 from types import SimpleNamespace
 from typing import Any
@@ -584,14 +585,16 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         series = self.timed.series[free, False].through(1 if self.one_step else top)
         if order.upper is None and not series.simple:  # others may have a higher order
             return Range(1 if order.lower else 0, None, exact=exact, value=1, reason=order.reason)
-        rules, solved = fast_judge().rules_orders, series.solved
-        apart = series.scalars(rules.abscissae_apart(self.timed.method, solved))
-        if any(x.is_zero() is False for x in apart):
+        c = [series.abscissae(colour) for colour in series.palette]
+        # of an additive method the abscissa of a stage is that of every part; c apart is A 1
+        alone = not self.method.additive and self.timed is self
+        one = alone or all(is_zero(difference(*x)) for x in pairwise(c))
+        if not one and any(x.is_zero() is False for y in pairwise(c) for x in difference(*y)):
             leaf = str(series.level(1)[0])
             return Range(0, 0, exact=exact, reason="a stage has two abscissae", failing=leaf)
-        one = all(x.is_zero() is True for x in apart)
+        defect, solved = fast_judge().rules_orders.stage_defect, series.solved
         found = self._compared(
-            series, order, top, lambda t, last: rules.stage_defect(solved, t, last),
+            series, order, top, lambda t, last: defect(solved, t, last),
             lambda t, gap: f"found {t.order - 1}", f"found {top}",
             proved=bool(order.lower) and one, exact=exact, first=2,
         )  # fmt: skip

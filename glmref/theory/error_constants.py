@@ -9,11 +9,10 @@ from typing import Any
 
 from ..errors import UsageError
 from ..exact import Scalar
-from ..judge.trees import cut
 from ..method.component import ROOTED
 from .coefficients import plus, scalars, times
 from .order import OrderResult
-from .trees import Tree, from_judged, trees
+from .trees import Tree, pruned, trees
 
 
 def error_norm(residuals: Mapping[Tree, Scalar]) -> float:
@@ -69,20 +68,20 @@ def conjugate_error(result: OrderResult) -> dict[Tree, Scalar]:
     return moved
 
 
-def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, Fraction]:
+def commutator_row(t: Tree, place: Mapping[Tree, int]) -> dict[int, int]:
     """Return how principal parts one order lower enter the condition of the tree t.
 
     A change delta of the principal parts at the trees of ``place`` adds ``delta(s)`` to the
     condition of [s] and takes ``ways * delta(s)`` from that of t for each way to cut a leaf off t
     that leaves s.
     """
-    row: dict[int, Fraction] = {}
-    for left, ways in cut(t.judged):
-        if (kept := from_judged(left)) in place:
-            row[place[kept]] = -ways
+    row: dict[int, int] = {}
+    for kept, count in pruned(t).items():
+        if kept in place:
+            row[place[kept]] = -count
     if len(t.children) == 1 and t.children[0] in place:
         at = place[t.children[0]]
-        row[at] = row.get(at, Fraction(0)) + 1
+        row[at] = row.get(at, 0) + 1
     return row
 
 

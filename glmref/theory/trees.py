@@ -68,12 +68,14 @@ class Tree:
     '[oo[o]]'
     """
 
-    __slots__ = ("children", "colour", "judged", "key", "order")
+    __slots__ = ("children", "colour", "density", "judged", "key", "order", "symmetry")
     colour: str  #: Colour of the root.
     children: tuple[Tree, ...]  #: Subtrees of the root, in ascending order (see :attr:`key`).
     order: int  #: Number of vertices, ``|t|``.
-    #: Sort key: by order, then colour, then the largest children first; a letter for each number.
-    key: str
+    density: int  #: ``gamma(t)``, the product over all vertices of the order of the subtree there.
+    symmetry: int  #: ``sigma(t)``, the order of the automorphism group.
+    #: Sort key: by order, then colour, then the largest children first.
+    key: tuple[Any, ...]
     judged: judged.Tree  #: The tree as the judge has it: the colour, and the children in its order.
 
     def __new__(cls, text: str) -> Tree:
@@ -89,16 +91,6 @@ class Tree:
 
     def __delattr__(self, name: str) -> NoReturn:
         raise AttributeError(f"a Tree is immutable: `{name}` cannot be deleted")
-
-    @property
-    def density(self) -> int:
-        """``gamma(t)``, the product over all vertices of the order of the subtree there."""
-        return judged.gamma(self.judged)
-
-    @property
-    def symmetry(self) -> int:
-        """``sigma(t)``, the order of the automorphism group."""
-        return judged.symmetry(self.judged)
 
     @property
     def labellings(self) -> int:
@@ -124,8 +116,6 @@ class Tree:
         return self
 
 
-#: What sets the attributes of a tree that is made.
-_PUT = [getattr(Tree, name).__set__ for name in Tree.__slots__]
 #: All trees made so far.
 _MADE: dict[judged.Tree, Tree] = {}
 _key = attrgetter("key")
@@ -157,11 +147,15 @@ def from_judged(t: judged.Tree) -> Tree:
 
 
 def _made(form: judged.Tree, below: tuple[Tree, ...]) -> Tree:
-    new, order = object.__new__(Tree), 1 + sum([x.order for x in below])
-    # texts are compared as the tuples (order, place, keys of the children) would be, but at once
-    key = chr(order) + chr(_PLACES[form[0]]) + "".join([x.key for x in below[::-1]]) + "\0"
-    for put, value in zip(_PUT, (below, form[0], form, key, order), strict=True):
-        put(new, value)
+    new, order = object.__new__(Tree), 1 + sum(x.order for x in below)
+    density, symmetry, repeat = order, 1, 0
+    for x, before in zip(below, (None, *below), strict=False):
+        repeat = repeat + 1 if x is before else 1
+        density, symmetry = density * x.density, symmetry * x.symmetry * repeat
+    key = order, _PLACES[form[0]], tuple([x.key for x in reversed(below)])
+    values = below, form[0], density, form, key, order, symmetry
+    for name, value in zip(Tree.__slots__, values, strict=True):
+        object.__setattr__(new, name, value)
     _MADE[form] = new
     return new
 
@@ -284,6 +278,22 @@ def counted(system: str) -> Callable[[Tree], bool]:
     if system == "nystrom":
         return is_nystrom
     return lambda t: judged.stands(t.judged, system) if system else True
+
+
+@cache
+def pruned(t: Tree) -> Mapping[Tree, int]:
+    """Count the ways from each pruned subtree to ``t``, growing one leaf at a time.
+
+    Returns
+    -------
+    Mapping[Tree, int]
+        For every ``kept`` (a subtree of ``t`` with the same root, ``t`` itself included) the number
+        N of pairs: a place of ``kept`` in ``t``, and an order of the removed vertices in which
+        parents come first. With it the flow of duration c acts on a series by ``(E^c a)(t) =
+        a(empty) c^|t| / gamma(t) + sum N(t, s) c^j / j! a(s)``, ``j = |t| - |s|``.
+    """
+    ways = ((from_judged(s), weight) for s, weight in judged.cut(t.judged))
+    return MappingProxyType({s: int(x * factorial(t.order - s.order)) for s, x in ways})
 
 
 #: A way to contract a tree: what is left of it with each part as one vertex, the part with the

@@ -16,7 +16,7 @@ from glmref.audit.known import known, may_hold_known, records
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.sources import audit
 from glmref.audit.values import Numeral, spelled
-from glmref.catalogue.lookup import document
+from glmref.catalogue.lookup import document, load
 
 #: Methods of fractions, and how a fraction is written in each language.
 METHODS = ("cash-karp-5-4", "dormand-prince-5-4", "fehlberg-5-4", "prince-dormand-6-5")
@@ -241,3 +241,112 @@ def test_a_number_is_spelled_in_the_way_of_a_numeral(x: Decimal, places: int, po
     said = Numeral.of(spelled(way, value))
     assert said is not None and len(said.after) == places and said.power == power
     assert abs(said.value - value) <= said.unit / 2
+
+
+#: A stage of a low-storage step in a branch, by language.
+BRANCHES = {
+    "c": "  case {k}: A = {A}; B = {B}; break;\n",
+    "fortran": "      if (k == {k}) then\n        A = {A}\n        B = {B}\n      end if\n",
+    "python": "    elif k == {k}:\n        A, B = {A}, {B}\n",
+    "julia": "    k == {k} && (A = {A}; B = {B})\n",
+    "rust": "    {k} => ({A}, {B}),\n",
+}
+
+
+def two_registers(name: str) -> tuple[list[Fraction], list[Fraction]]:
+    """Return A_2, .., A_s and B_1, .., B_s of D = A_k D + h f(y), y = y + B_k D, from the tableau."""
+    component = load(name).components[0]
+    rows = [[x.as_fraction() for x in row] for row in (*component.A, component.B[0])]
+    B = [rows[j + 1][j] for j in range(len(component.A))]
+    A = [(rows[j + 1][j - 1] - B[j - 1]) / B[j] for j in range(1, len(B))]
+    return A, B
+
+
+def in_branches(A: list[Fraction], B: list[Fraction], language: str) -> list[str]:
+    """Return the branches of a low-storage step, each with its numbers."""
+    said = [
+        f"{x.numerator}.0/{x.denominator}.0" if language != "julia"
+        else f"{x.numerator}//{x.denominator}" for x in (*A, *B)
+    ]  # fmt: skip
+    pairs = zip(["0.0", *said[: len(A)]], said[len(A) :], strict=True)
+    return [BRANCHES[language].format(k=k, A=a, B=b) for k, (a, b) in enumerate(pairs)]
+
+
+STORED = ("williamson-3", "carpenter-kennedy-4-printed")
+
+
+@pytest.mark.parametrize("name", STORED)
+def test_the_numbers_of_two_registers_are_those_of_the_tableau(name: str) -> None:
+    A, B = two_registers(name)
+    given = document(name)["constants"]
+    assert [Fraction(given[f"A{k}"]) for k in range(2, len(B) + 1)] == A
+    assert [Fraction(given[f"B{k}"]) for k in range(1, len(B) + 1)] == B
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from(STORED), st.sampled_from(sorted(BRANCHES)), st.data())
+def test_a_low_storage_step_in_branches_is_known_and_a_slip_in_it_is_asked_about(
+    name: str, language: str, data: st.DataObject
+) -> None:
+    comment = {"fortran": "! ", "python": "# ", "julia": "# "}.get(language, "// ")
+    rows = in_branches(*two_registers(name), language)
+    right = f"{comment}low-storage Runge-Kutta\n" + "".join(rows)
+    assert may_hold_known(right)
+    (record,) = records(right, LANGUAGES[language], [])
+    assert record["status"] == "unread" and name in record["remarks"][0]
+    values = [x for part in two_registers(name) for x in part]
+    x = data.draw(st.sampled_from([x for x in values if len(str(x.denominator)) > 2]))
+    digits = str(x.denominator)
+    k = data.draw(st.sampled_from([k for k, (a, b) in enumerate(pairwise(digits)) if a != b]))
+    turned = digits[:k] + digits[k + 1] + digits[k] + digits[k + 2 :]
+    if turned[0] == "0":
+        return
+    (record,) = records(right.replace(digits, turned), LANGUAGES[language], [])
+    (said,) = record["correction"]
+    assert record["status"] == "question"
+    assert said["should be"].replace(".0", "") == f"{abs(x.numerator)}/{digits}"
+    assert said["line"] == right[: right.index(digits)].count("\n") + 1
+
+
+@pytest.mark.parametrize("language", ["c", "fortran"])
+def test_the_one_number_assigned_with_another_sign_is_asked_about(language: str) -> None:
+    right = "".join(in_branches(*two_registers("carpenter-kennedy-4-printed"), language))
+    (record,) = records(right.replace("= -3550", "= 3550"), LANGUAGES[language], [])
+    (said,) = record["correction"]
+    assert said["should be"] == "-3550918686646.0/2091501179385.0"
+    all_turned = right.replace("= -", "= ")
+    assert "correction" not in next(records(all_turned, LANGUAGES[language], []))
+
+
+def test_the_form_of_shu_and_osher_is_known() -> None:
+    given = document("ssp-5-4-printed")["constants"]
+    digits = [x.removesuffix("*u") for x in given.values() if x.endswith("*u")]
+    text = "".join(f"    z(0.{x.rjust(15, '0')})\n" for x in digits)
+    (record,) = records(text, LANGUAGES["python"], [])
+    assert "ssp-5-4-printed, in the form of its source" in record["remarks"][0]
+    (record,) = records(text.replace("251891774271694", "251981774271694"), LANGUAGES["python"], [])
+    assert [x["should be"] for x in record["correction"]] == ["0.251891774271694"]
+
+
+@pytest.mark.parametrize("word", ["Runge-Kutta", "geodesy"])
+def test_short_fractions_say_of_which_method_they_are_together_and_in_the_subject(
+    word: str,
+) -> None:
+    rows = in_branches(*two_registers("williamson-3"), "c")
+    text = f"// {word}\n" + "".join(rows)
+    assert may_hold_known(text) == bool(found := list(records(text, LANGUAGES["c"], [])))
+    assert bool(found) == (word == "Runge-Kutta")
+    apart = f"// {word}\n" + ("\n" * 40).join(rows)
+    assert not list(records(apart, LANGUAGES["c"], []))
+
+
+def test_a_low_storage_table_that_is_read_is_not_said_to_be_unread(tmp_path: Path) -> None:
+    A, B = two_registers("carpenter-kennedy-4-printed")
+    lists = [", ".join(f"{x.numerator}.0/{x.denominator}.0" for x in y) for y in ([0, *A], B)]
+    text = "static const double {}[5] = {{{}}};\n"
+    (tmp_path / "low_storage.c").write_text(
+        "// low-storage Runge-Kutta\n"
+        + text.format("rk4a", lists[0])
+        + text.format("rk4b", lists[1])
+    )
+    assert [x["status"] for x in audit(tmp_path)] == ["found"]

@@ -10,14 +10,13 @@ from glmref.exact import exact
 from glmref.exact.judging import fast_judge, kept_whole
 from glmref.exact.linalg import rank
 from glmref.judge.refusals import Refused
-from glmref.judge.trees import cut, size
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.series import flow
 from glmref.theory.starting_series import StartingSeries
-from glmref.theory.trees import from_judged, trees
+from glmref.theory.trees import pruned, trees
 from tests.bseries import elementary_weights, order_residuals
 
 
@@ -26,7 +25,7 @@ def commutator(order, palette):
     smaller = trees(order, palette)
     rows = []
     for t in trees(order + 1, palette):
-        row = {from_judged(s): -ways for s, ways in cut(t.judged) if size(s) == order}
+        row = {s: -count for s, count in pruned(t).items() if s.order == order}
         if len(t.children) == 1:
             row[t.children[0]] = row.get(t.children[0], 0) + 1
         rows.append(tuple(exact(row.get(s, 0)) for s in smaller))
