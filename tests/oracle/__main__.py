@@ -31,13 +31,11 @@ from .numbers import Undecided
 WORDS = {Verdict.HOLDS: True, Verdict.FAILS: False}
 
 
-def compared(
-    document: dict[str, Any], claims: dict[str, Any], count: Counter[str]
-) -> Iterator[str]:
+def compared(document: dict[str, Any], claims: dict[str, Any],
+             count: Counter[str]) -> Iterator[str]:  # fmt: skip
     """Yield what one program says against another about the claims of a document."""
-    whole = {**document, "source": SOURCE, "claims": claims}
     try:
-        facts = facts_for(load_document(whole))
+        facts = facts_for(load_document({**document, "source": SOURCE, "claims": claims}))
     except GlmrefError:
         count["documents refused"] += 1
         return
@@ -49,56 +47,53 @@ def compared(
     for claim, declared in claims.items():
         try:
             with limited(10):
-                judged, seen = facts.judge(claim, declared), None
+                judged, seen, other = facts.judge(claim, declared), None, None
                 if CLAIMS[claim].type in (int, dict):  # the others are found by the judge itself
                     seen = facts.find(claim, declared).truth
         except GlmrefError:
             count["statements refused"] += 1
             continue
-        count["statements"] += 1
-        word, other = WORDS.get(judged.verdict), None
-        count["found without a verdict"] += seen is not None and word is None
+        word, reasons = WORDS.get(judged.verdict), []
         try:
             other = oracle.judge(claim, declared)
         except (IndexError, KeyError, TypeError, ValueError) as error:
-            yield f"{claim} = {declared}: the oracle breaks down: {error!r}"
+            reasons.append(f"the oracle breaks down: {error!r}")
+        count["statements"] += 1
+        count["found without a verdict"] += seen is not None and word is None
         count["judge decides"] += word is not None
         count["oracle decides"] += other is not None
-        if word is not None and other is not None:
-            count["both decide"] += 1
-            if word is not other:
-                yield f"{claim} = {declared}: the judge says {word}, the oracle {other}"
-        if seen is not None and other is not None and seen is not other:
-            yield f"{claim} = {declared}: the kernel finds {seen}, the oracle {other}"
+        count["both decide"] += word is not None and other is not None
+        for name, says in (("judge says", word), ("kernel finds", seen)):
+            if says is not None and other is not None and says is not other:
+                reasons.append(f"the {name} {says}, the oracle {other}")
         if isinstance(judged.certificate, dict):
             if not accepted(judged.certificate):
-                yield f"{claim} = {declared}: refused over fractions, accepted over FLINT"
-            for reason in contradicts(judged.certificate):
-                yield f"{claim} = {declared}: accepted in both directions: {reason}"
+                reasons.append("refused over fractions, accepted over FLINT")
+            reasons += [f"accepted both ways: {x}" for x in contradicts(judged.certificate)]
+        yield from (f"{claim} = {declared}: {x}" for x in reasons)
 
 
-def run(
-    count: int, seed: int, tell: bool = True, seconds: float = float("inf")
-) -> tuple[Counter[str], list[str]]:
+def run(count: int, seed: int, tell: bool = True,
+        seconds: float = float("inf")) -> tuple[Counter[str], list[str]]:  # fmt: skip
     """Draw documents until so many statements were compared; return counts and contradictions.
 
     The last document is drawn before `seconds` of processor time have passed.
     """
     totals: Counter[str] = Counter()
     against: list[str] = []
-    number = 0
-    end = time.process_time() + seconds
+    number, end = 0, time.process_time() + seconds
     while totals["statements"] < count and number < count and time.process_time() < end:
         rng = random.Random(f"{seed} {number}")
         document = Draw(rng).document()
         for text in compared(document, claims_of(document, rng), totals):
             against.append(f"{text}\n  {json.dumps(document)}")
             if tell:
-                sys.stdout.write(f"seed {seed}, document {number}: {against[-1]}\n")
-                sys.stdout.flush()
+                print(f"seed {seed}, document {number}: {against[-1]}", flush=True)
         number += 1
         if tell and number % 500 == 0:
-            sys.stderr.write(f"{number} documents, {len(against)} contradictions: {dict(totals)}\n")
+            print(
+                number, "documents,", len(against), "contradictions:", dict(totals), file=sys.stderr
+            )
     return totals, against
 
 
@@ -108,11 +103,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=30_000, help="statements")
     parser.add_argument("--seed", type=int, default=1, help="seed of the documents")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="processor time")
-    given = parser.parse_args(arguments)
-    totals, against = run(given.count, given.seed, seconds=given.seconds)
-    for key, n in totals.most_common():
-        sys.stdout.write(f"{n:8} {key}\n")
-    sys.stdout.write(f"{len(against):8} contradictions\n")
+    totals, against = run(**vars(parser.parse_args(arguments)))
+    for key, n in [*totals.most_common(), ("contradictions", len(against))]:
+        print(f"{n:8} {key}")
     return int(bool(against))
 
 

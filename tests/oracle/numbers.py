@@ -1,36 +1,58 @@
-"""Numbers of the oracle: entries evaluated with mpmath, and linear algebra that may say "I do not know".
-
-What is below :attr:`Margin.low` counts as zero, what is above :attr:`Margin.high` does not; between
-them :class:`Undecided` is raised.
-"""
+"""Numbers of the oracle: entries read with mpmath, and linear algebra that may say "I do not know"."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy as np
 from mpmath import mp
 
 Number = Any  # mpf or mpc
-Vector = list[Number]
-Matrix = list[Vector]
-TOKEN = re.compile(r"\s*(?:(\d*\.\d+|\d+\.?)|([A-Za-z_]\w*)|(.))", re.ASCII)
-DIGITS = 100
+TOKEN = re.compile(r"[A-Za-z_]\w*|(\d*\.\d+|\d+\.?)", re.ASCII)
 
 
 class Undecided(Exception):
     """The oracle has no opinion."""
 
 
-class Margin:
-    """When a number is zero.
+class Array(np.ndarray):
+    """Numbers of mpmath; in products zeros are skipped, and every entry is rounded once."""
 
-    Parameters
-    ----------
-    low, high : float or mpf
-        Numbers below ``low`` are zero, numbers above ``high`` are not.
-    """
+    def __matmul__(self, other: Any) -> Any:
+        pairs = ((row, column) for row in np.atleast_2d(self) for column in np.atleast_2d(other.T))
+        found = [mp.fdot((x, y) for x, y in zip(*p, strict=True) if x and y) for p in pairs]
+        found = np.array(found, dtype=object).reshape(self.shape[:-1] + other.shape[1:])
+        return found.view(Array)[()]
+
+    def __rmatmul__(self, other: Any) -> Any:
+        return array(other) @ self
+
+    def __array_wrap__(self, found: Any, *_: Any) -> Any:
+        return np.asarray(found).view(Array)[()]  # sums are numbers
+
+    @property
+    def star(self) -> Array:
+        """The conjugate transpose."""
+        return self.conj().T
+
+
+def array(value: Any) -> Array:
+    """Return numbers, lists or arrays as numbers of mpmath."""
+    return np.array(value, dtype=object).view(Array) * mp.mpf(1)
+
+
+def zeros(*shape: int) -> Array:
+    return array(np.zeros(shape, dtype=int))
+
+
+def eye(n: int) -> Array:
+    return array(np.eye(n, dtype=int))
+
+
+class Margin:
+    """Numbers below ``low`` are zero, numbers above ``high`` are not; between them nobody knows."""
 
     def __init__(self, low: Number, high: Number) -> None:
         self.low, self.high = low, high
@@ -42,114 +64,54 @@ class Margin:
             raise Undecided(f"{mp.nstr(size, 3)} is too near to zero")
         return bool(size <= self.low)
 
-    def zeros(self, values: Sequence[Number]) -> bool:
+    def zeros(self, values: Iterable[Number]) -> bool:
         """Return whether all are zero: one that surely is not decides."""
-        if any(abs(x) > self.high for x in values):
-            return False
-        return all(self.zero(x) for x in values)
+        values = list(np.ravel(values))
+        return not any(abs(x) > self.high for x in values) and all(map(self.zero, values))
 
-    def echelon(self, M: Matrix) -> tuple[Matrix, list[int]]:
+    def echelon(self, M: Any) -> tuple[Array, list[int]]:
         """Return the reduced rows of M and their pivot columns, by total search in each column."""
-        rows, pivots, width = [list(x) for x in M], [], len(M[0]) if M else 0
-        for j in range(width):
+        M, pivots = array(M), []
+        for j in range(M.shape[1]):
             top = len(pivots)
-            if top == len(rows):
-                break
-            at = max(range(top, len(rows)), key=lambda i, j=j: abs(rows[i][j]))
-            if self.zero(rows[at][j]):
+            best = max(range(top, len(M)), key=lambda i, j=j: abs(M[i, j]), default=None)
+            if best is None or self.zero(M[best, j]):
                 continue
-            rows[top], rows[at] = rows[at], rows[top]
-            head = rows[top][j]
-            rows[top] = [x / head for x in rows[top]]
-            for i, row in enumerate(rows):
-                if i != top and row[j] != 0:
-                    factor = row[j]
-                    rows[i] = [x - factor * y for x, y in zip(row, rows[top], strict=True)]
+            M[[top, best]] = M[[best, top]]
+            M[top] = M[top] / M[top, j]
+            for i in range(len(M)):
+                if i != top and M[i, j]:
+                    M[i] = M[i] - M[top] * M[i, j]
             pivots.append(j)
-        return rows[: len(pivots)], pivots
+        return M[: len(pivots)], pivots
 
-    def rank(self, M: Matrix) -> int:
-        """Return the rank of M."""
+    def rank(self, M: Any) -> int:
         return len(self.echelon(M)[1])
 
-    def null(self, M: Matrix) -> Matrix:
-        """Return a basis of M x = 0."""
-        rows, pivots = self.echelon(M)
-        found = []
-        for free in sorted(set(range(len(M[0]))) - set(pivots)):
-            x = [mp.mpf(int(j == free)) for j in range(len(M[0]))]
-            for row, j in zip(rows, pivots, strict=True):
-                x[j] = -row[free]
-            found.append(x)
-        return found
+    def general(self, M: Any, y: Any) -> tuple[Array | None, Array]:
+        """Return one x with M x = y, ``None`` where there is none, and a basis of M x = 0 by rows."""
+        n = M.shape[1]
+        rows, pivots = self.echelon(np.hstack([M, y.reshape(len(M), *(y.shape[1:] or (1,)))]))
+        held = [j for j in pivots if j < n]
+        free = [j for j in range(n) if j not in held]
+        null, x = eye(n)[free], zeros(n, rows.shape[1] - n)
+        null[:, held] = -rows[: len(held), free].T
+        x[held] = rows[: len(held), n:]
+        return None if len(held) < len(pivots) else x.reshape(n, *y.shape[1:]), null
 
-    def solve(self, M: Matrix, y: Vector) -> Vector | None:
-        """Return one x with M x = y, or None where there is none."""
-        if not M:
-            return []
-        n = len(M[0])
-        rows, pivots = self.echelon([[*row, b] for row, b in zip(M, y, strict=True)])
-        if n in pivots:
-            return None
-        x = [mp.mpf(0)] * n
-        for row, j in zip(rows, pivots, strict=True):
-            x[j] = row[n]
-        return x
+    def solve(self, M: Any, y: Any) -> Array | None:
+        return self.general(M, y)[0]
 
-    def inverse(self, M: Matrix) -> Matrix | None:
+    def null(self, M: Any) -> Array:
+        return self.general(M, zeros(len(M)))[1]
+
+    def inverse(self, M: Any) -> Array | None:
         """Return the inverse, or None of a singular matrix."""
-        n = len(M)
-        unit = eye(n)
-        rows, pivots = self.echelon([[*a, *b] for a, b in zip(M, unit, strict=True)])
-        return [row[n:] for row in rows] if pivots == list(range(n)) else None
+        return self.solve(M, eye(len(M)))
 
 
-def eye(n: int) -> Matrix:
-    """Return the unit matrix."""
-    return [[mp.mpf(int(i == j)) for j in range(n)] for i in range(n)]
-
-
-def transposed(M: Matrix) -> Matrix:
-    """Return the transpose."""
-    return [list(x) for x in zip(*M, strict=True)]
-
-
-def star(M: Matrix) -> Matrix:
-    """Return the conjugate transpose."""
-    return [[mp.conj(x) for x in row] for row in transposed(M)]
-
-
-def dot(x: Sequence[Number], y: Sequence[Number]) -> Number:
-    """Return the sum of x_i y_i, without the zeros."""
-    return mp.fdot((a, b) for a, b in zip(x, y, strict=True) if a and b)
-
-
-def at(M: Matrix, x: Sequence[Number]) -> Vector:
-    """Return M x."""
-    return [dot(row, x) for row in M]
-
-
-def times(*factors: Matrix) -> Matrix:
-    """Return a product of matrices."""
-    found = factors[0]
-    for M in factors[1:]:
-        columns = transposed(M)
-        found = [[dot(row, x) for x in columns] for row in found]
-    return found
-
-
-def plus(M: Matrix, N: Matrix, factor: Number = 1) -> Matrix:
-    """Return M + factor N."""
-    return [[a + factor * b for a, b in zip(x, y, strict=True)] for x, y in zip(M, N, strict=True)]
-
-
-def flat(*matrices: Matrix) -> Vector:
-    """Return all entries."""
-    return [x for M in matrices for row in M for x in row]
-
-
-class Reader:
-    """Evaluate the entries of a document by the grammar of ``data/README.md``.
+class Reader(dict[str, Number]):
+    """Evaluate entries by the grammar of ``data/README.md``, which is the one of Python here.
 
     Attributes
     ----------
@@ -158,62 +120,23 @@ class Reader:
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
-        self.names: dict[str, Number] = {"pi": mp.pi, "i": mp.mpc(0, 1)}
+        super().__init__(pi=+mp.pi, i=mp.mpc(0, 1), sqrt=mp.sqrt, exp=mp.exp,
+                         root=lambda x, n: mp.root(x, int(n)))  # fmt: skip
         self.decimals = False
         for name, text in {**document.get("unknowns", {}), **document.get("constants", {})}.items():
-            self.names[name] = self(text)
+            self[name] = self[text]
 
-    def __call__(self, text: str) -> Number:
-        """Return the number of one entry."""
-        tokens = [x for x in TOKEN.findall(text.strip()) if any(x)] + [("", "", "")]
-        value, rest = self.sum(tokens)
-        if rest != [("", "", "")]:
-            raise ValueError(text)
-        return value
+    def __missing__(self, text: str) -> Number:
+        if (token := TOKEN.fullmatch(text)) is None:
+            code = TOKEN.sub(lambda found: f"names[{found[0]!r}]", text)
+            self[text] = eval(f"({code})", {"names": self, "__builtins__": {}})
+        elif token[1] is None:
+            raise KeyError(text)
+        else:
+            self[text] = mp.mpf(text)
+            self.decimals = self.decimals or ("." in text and self[text] != 0)
+        return self[text]
 
-    def vector(self, texts: Sequence[str]) -> Vector:
-        """Return the numbers of a list."""
-        return [self(x) for x in texts]
-
-    def matrix(self, rows: Sequence[Sequence[str]]) -> Matrix:
-        """Return the numbers of a matrix."""
-        return [self.vector(x) for x in rows]
-
-    def sum(self, tokens: list[Any]) -> tuple[Number, list[Any]]:
-        """Read a sum."""
-        value, tokens = self.product(tokens)
-        while tokens[0][2] and tokens[0][2] in "+-":
-            sign = 1 if tokens[0][2] == "+" else -1
-            more, tokens = self.product(tokens[1:])
-            value = value + sign * more
-        return value, tokens
-
-    def product(self, tokens: list[Any]) -> tuple[Number, list[Any]]:
-        """Read a product."""
-        value, tokens = self.factor(tokens)
-        while tokens[0][2] and tokens[0][2] in "*/":
-            symbol = tokens[0][2]
-            more, tokens = self.factor(tokens[1:])
-            value = value * more if symbol == "*" else value / more
-        return value, tokens
-
-    def factor(self, tokens: list[Any]) -> tuple[Number, list[Any]]:
-        """Read a number, a name, a function or a sum in parentheses."""
-        (number, name, symbol), tokens = tokens[0], tokens[1:]
-        if symbol in ("+", "-"):
-            value, tokens = self.factor(tokens)
-            return (value if symbol == "+" else -value), tokens
-        if number:
-            value = mp.mpf(number)
-            self.decimals = self.decimals or ("." in number and value != 0)
-            return value, tokens
-        if symbol == "(":
-            value, tokens = self.sum(tokens)
-            return value, tokens[1:]
-        if tokens[0][2] != "(":
-            return self.names[name], tokens
-        value, tokens = self.sum(tokens[1:])
-        if name == "root":
-            power, tokens = self.sum(tokens[1:])
-            return mp.root(value, int(power)), tokens[1:]
-        return {"sqrt": mp.sqrt, "exp": mp.exp}[name](value), tokens[1:]
+    def __call__(self, value: Any) -> Any:
+        """Return the numbers of a list or a matrix."""
+        return self[value] if isinstance(value, str) else array([self(x) for x in value])
