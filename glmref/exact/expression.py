@@ -1,14 +1,8 @@
-"""The text form of exact numbers: a small whitelisted grammar, parsed by hand, never evaluated.
+"""The text form of exact numbers, in the grammar of :mod:`glmref.judge.grammar`.
 
-    sum     = product (("+" | "-") product)*
-    product = factor (("*" | "/") factor)*
-    factor  = ("+" | "-") factor | atom
-    atom    = integer | decimal | name | "(" sum ")"
-            | "sqrt(" sum ")" | "root(" sum "," integer ")" | "exp(" angle ")"
-
-``decimal`` is read only where the file declares its digits, and gives a ball. ``name`` is ``i`` or
-a constant the file declares. ``root(x, n)`` is the positive n-th root of a positive real number.
-``angle`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
+A decimal is read only where the file declares its digits, and gives a ball. A name is ``i`` or a
+constant the file declares. ``root(x, n)`` is the positive n-th root of a positive real number. The
+argument of ``exp`` is a rational multiple of ``pi*i``, as in ``exp(2*pi*i/3)``.
 
 :func:`syntax_tree` reads a text; what is made of a tree is written in one place each: its number
 here, LaTeX and MathML in :mod:`glmref.views.notation`.
@@ -17,14 +11,30 @@ here, LaTeX and MathML in :mod:`glmref.views.notation`.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import lru_cache
 from math import isfinite, isqrt, prod
-from typing import NamedTuple
+from operator import truediv
+from typing import Any, NamedTuple
 
 from ..errors import DataError, ExactnessError
+from ..judge.grammar import (
+    NUMERAL,
+    TOKEN,
+    Exponential,
+    Expression,
+    Name,
+    Negative,
+    Numeral,
+    Product,
+    Reader,
+    Root,
+    Sum,
+    tokens,
+    value_of,
+)
+from ..judge.refusals import NotShown
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, root_of_unity
 
@@ -39,66 +49,10 @@ MAX_DEGREE = 1024  # of the field its different roots generate
 MAX_HEIGHT = 20_000  # digits of the coefficients, as estimated
 MAX_RADICAL_DEPTH = 4  # sqrt inside sqrt, constants written out
 
-_SPACES = " \t\r\n\f\v"
 _RATIONAL = re.compile(r"(-?[0-9]{1,40})(?:/([0-9]{1,40}))?", re.ASCII)  # most entries
 _DECIMAL = re.compile(r"-?[0-9]{0,40}\.[0-9]{1,200}", re.ASCII)  # most of published digits
-_TOKEN = re.compile(
-    r"\s*(?:([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))", re.ASCII
-)
-_EXPONENT = re.compile(r"[eE][-+]?[0-9]+", re.ASCII)
-
-
-@dataclass(frozen=True)
-class Number:
-    """A whole number or a decimal, as it is written."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class Name:
-    """``i``, ``pi`` or a constant."""
-
-    name: str
-
-
-@dataclass(frozen=True)
-class Negative:
-    """Minus an expression."""
-
-    operand: Node
-
-
-@dataclass(frozen=True)
-class Sum:
-    """Two terms or more, each with the sign before it; the first has ``+``."""
-
-    terms: tuple[tuple[str, Node], ...]
-
-
-@dataclass(frozen=True)
-class Product:
-    """Two or more from the left, each with ``*`` or ``/`` before it; the first has ``*``."""
-
-    factors: tuple[tuple[str, Node], ...]
-
-
-@dataclass(frozen=True)
-class Root:
-    """``sqrt(x)``, of degree 2, or ``root(x, n)``."""
-
-    radicand: Node
-    degree: int
-
-
-@dataclass(frozen=True)
-class Exponential:
-    """``exp(angle)``."""
-
-    angle: Node
-
-
-Node = Number | Name | Negative | Sum | Product | Root | Exponential
+#: Tokens of shown numbers, which may have an exponent, as in ``1.5e-8``; those of files have none.
+_SHOWN = tokens(rf"(?:{NUMERAL})(?:[eE][-+]?[0-9]+)?")
 
 
 class Weight(NamedTuple):
@@ -162,7 +116,7 @@ def weigh(text: str, weights: Mapping[str, Weight]) -> Weight:
     roots: set[tuple[str, int]] = set()
     divided = False
     before, place = "", 0
-    for match in _TOKEN.finditer(text):
+    for match in TOKEN.finditer(text):
         token = match[1] or match[2] or match[3]
         if token == "(":
             open_roots.append(before in ("sqrt", "root"))
@@ -251,7 +205,7 @@ def parse(
         return number
     evaluator = _Evaluator(text, constants or {}, digits)
     if _DECIMAL.fullmatch(text):
-        size = evaluator.value(Number(text.removeprefix("-")))
+        size = evaluator.value(Numeral(text.removeprefix("-")))
         return -size if text[0] == "-" else size
     tree = syntax_tree(text)
     try:
@@ -275,7 +229,7 @@ def rational(text: str) -> Exact | None:
 
 
 @lru_cache(maxsize=1 << 12)
-def syntax_tree(text: str, *, exponents: bool = False) -> Node:
+def syntax_tree(text: str, *, exponents: bool = False) -> Expression:
     """Read an expression; its names may be any.
 
     Parameters
@@ -290,7 +244,11 @@ def syntax_tree(text: str, *, exponents: bool = False) -> Node:
     DataError
         With one sentence that names the entry and what to do.
     """
-    return _Parser(text, exponents).read()
+    weigh(text, {})
+    try:
+        return Reader(text, _SHOWN if exponents else TOKEN, MAX_DEPTH).read()
+    except NotShown as refusal:
+        raise _error(text, str(refusal)) from None
 
 
 def _error(text: str, what: str) -> DataError:
@@ -298,125 +256,6 @@ def _error(text: str, what: str) -> DataError:
         f"{what} in the entry {_shortened(text)}; write integers, + - * / ( ), sqrt(), "
         f"root(x,n), i, exp(2*pi*i/n) or a declared constant"
     )
-
-
-class _Parser:
-    """Recursive descent over the tokens of one entry."""
-
-    def __init__(self, text: str, exponents: bool) -> None:
-        weigh(text, {})
-        self.text = text
-        self.tokens: list[str] = []
-        self.position = 0
-        self.depth = 0
-        self._split(exponents)
-
-    def _split(self, exponents: bool) -> None:
-        position, text = 0, self.text.rstrip(_SPACES)
-        while position < len(text):
-            match = _TOKEN.match(text, position)
-            if match is None:
-                wrong = text[position:].lstrip(_SPACES)[0]
-                raise self._error(f"the character {wrong!r} is not allowed")
-            position = match.end()
-            exponent = _EXPONENT.match(text, position) if exponents and match[1] else None
-            self.tokens.append(match[0].strip() + (exponent[0] if exponent else ""))
-            position = exponent.end() if exponent else position
-
-    def _error(self, what: str) -> DataError:
-        return _error(self.text, what)
-
-    def read(self) -> Node:
-        if not self.tokens:
-            raise self._error("an empty string is no number")
-        tree = self._sum()
-        if self.position < len(self.tokens):
-            raise self._error(f"{self.tokens[self.position]!r} is out of place")
-        return tree
-
-    def _peek(self) -> str:
-        return self.tokens[self.position] if self.position < len(self.tokens) else ""
-
-    def _take(self, expected: str = "") -> str:
-        token = self._peek()
-        if expected and token != expected:
-            raise self._error(f"{expected!r} is missing")
-        if not token:
-            raise self._error("the expression ends too early")
-        self.position += 1
-        return token
-
-    def _deeper(self) -> None:
-        self.depth += 1
-        if self.depth > MAX_DEPTH:
-            raise self._error(f"parentheses and signs are nested deeper than {MAX_DEPTH}")
-
-    def _sum(self) -> Node:
-        return self._chain(Sum, "+-", self._product)
-
-    def _product(self) -> Node:
-        return self._chain(Product, "*/", self._factor)
-
-    def _chain(self, kind: type[Sum] | type[Product], signs: str, part: Callable[[], Node]) -> Node:
-        parts = [(signs[0], part())]
-        while self._peek() in (*signs,):
-            parts.append((self._take(), part()))
-        return kind(tuple(parts)) if len(parts) > 1 else parts[0][1]
-
-    def _factor(self) -> Node:
-        if self._peek() in ("+", "-"):
-            sign = self._take()
-            self._deeper()
-            operand = self._factor()
-            self.depth -= 1
-            return operand if sign == "+" else Negative(operand)
-        return self._atom()
-
-    def _atom(self) -> Node:
-        token = self._take()
-        if token == "(":
-            self.position -= 1
-            return self._parenthesis()
-        if token[0].isdigit() or token[0] == ".":
-            return Number(token)
-        if token in ("sqrt", "root"):
-            return self._radical(token)
-        if token == "exp":
-            return Exponential(self._parenthesis())
-        if token[0].isalpha() or token[0] == "_":
-            if self._peek() == "(":
-                raise self._error(f"the name {token!r} is not known")
-            return Name(token)
-        raise self._error(f"{token!r} is out of place")
-
-    def _parenthesis(self) -> Node:
-        self._take("(")
-        self._deeper()
-        inner = self._sum()
-        self._take(")")
-        self.depth -= 1
-        return inner
-
-    def _radical(self, kind: str) -> Node:
-        """Read ``sqrt(x)`` or ``root(x, n)``; number and depth were bounded by :func:`weigh`."""
-        self._take("(")
-        degree = 2
-        self._deeper()
-        radicand = self._sum()
-        if kind == "root":
-            self._take(",")
-            degree = self._root_degree()
-        self._take(")")
-        self.depth -= 1
-        return Root(radicand, degree)
-
-    def _root_degree(self) -> int:
-        token = self._take()
-        if not token.isdigit() or not 2 <= int(token) <= MAX_ROOT:
-            raise self._error(
-                f"root(x, n) takes a whole number n from 2 to {MAX_ROOT}, not {token!r},"
-            )
-        return int(token)
 
 
 class _Evaluator:
@@ -428,27 +267,16 @@ class _Evaluator:
     def _error(self, what: str) -> DataError:
         return _error(self.text, what)
 
-    def value(self, node: Node) -> Scalar:
+    def value(self, node: Expression) -> Scalar:
+        found: Any = value_of(node, self._leaf, truediv)
+        return found
+
+    def _leaf(self, node: Expression) -> Any:
         match node:
-            case Number(token):
+            case Numeral(token):
                 return self._number(token)
             case Name(name):
                 return self._name(name)
-            case Negative(operand):
-                return -self.value(operand)
-            case Sum(terms):
-                (_, first), *others = terms
-                total = self.value(first)
-                for sign, term in others:
-                    total = total + self.value(term) if sign == "+" else total - self.value(term)
-                return total
-            case Product(factors):
-                (_, first), *others = factors
-                result = self.value(first)
-                for sign, factor in others:
-                    operand = self.value(factor)
-                    result = result * operand if sign == "*" else result / operand
-                return result
             case Root(radicand, degree):
                 return self._root(self.value(radicand), degree)
             case Exponential(angle):
@@ -462,12 +290,16 @@ class _Evaluator:
             return Exact(-1).sqrt()
         raise self._error(f"the name {name!r} is not known")
 
-    def _root(self, radicand: Scalar, degree: int) -> Scalar:
-        if degree == 2:
+    def _root(self, radicand: Scalar, degree: str) -> Scalar:
+        if not degree.isdigit() or not 2 <= int(degree) <= MAX_ROOT:
+            raise self._error(
+                f"root(x, n) takes a whole number n from 2 to {MAX_ROOT}, not {degree!r},"
+            )
+        if degree == "2":
             return radicand.sqrt()
         if not radicand.is_real() or radicand.sign() <= 0:
             raise self._error("root(x, n) needs a positive real x")
-        return radicand.root(degree)
+        return radicand.root(int(degree))
 
     def _number(self, token: str) -> Scalar:
         if len(token) > MAX_INTEGER_DIGITS:
@@ -493,7 +325,7 @@ class _Evaluator:
             )
         return Ball.decimal(token, self.digits)
 
-    def _exponential(self, argument: Node) -> Scalar:
+    def _exponential(self, argument: Expression) -> Scalar:
         """Read exp of a rational multiple of pi*i: the angle is read with ``pi`` as the unit."""
         angle = _Evaluator(self.text, {"pi": Exact(1)}, self.digits).value(argument)
         turns = (angle / (Exact(-1).sqrt() * 2)) if isinstance(angle, Exact) else None
@@ -508,7 +340,7 @@ class _Evaluator:
         return root_of_unity(fraction.numerator, fraction.denominator)
 
 
-def _powers_of_pi(node: Node) -> set[Fraction]:
+def _powers_of_pi(node: Expression) -> set[Fraction]:
     """Return powers of pi in an expression; where there is one, it is a number times this power."""
     match node:
         case Name("pi"):
@@ -524,7 +356,7 @@ def _powers_of_pi(node: Node) -> set[Fraction]:
                 found = {m + n if sign == "*" else m - n for m in found for n in own}
             return found
         case Root(radicand, degree):
-            return {n / degree for n in _powers_of_pi(radicand)}
+            return {n / int(degree) for n in _powers_of_pi(radicand)}
         case _:
             return {Fraction(0)}
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..exact.expression import (
+from ..exact.expression import syntax_tree
+from ..judge.grammar import (
     Exponential,
+    Expression,
     Name,
     Negative,
-    Node,
-    Number,
+    Numeral,
     Product,
     Root,
     Sum,
-    syntax_tree,
 )
 
 
@@ -46,9 +46,9 @@ class Notation:
         """
         return self._written(syntax_tree(text, exponents=True))
 
-    def _written(self, node: Node) -> str:
+    def _written(self, node: Expression) -> str:
         match node:
-            case Number(text):
+            case Numeral(text):
                 return self.number(text)
             case Name(name):
                 return self.name(name)
@@ -61,7 +61,7 @@ class Notation:
                 return self._written(first) + "".join(rest)
             case Product(factors):
                 return self._product(factors)
-            case Root(radicand, 2):
+            case Root(radicand, "2"):
                 return self.square_root.format(self._written(radicand))
             case Root(radicand, degree):
                 return self.root.format(self._written(radicand), degree)
@@ -69,7 +69,7 @@ class Notation:
                 return self.exponential.format(self._written(angle))
         raise AssertionError(node)
 
-    def _product(self, factors: tuple[tuple[str, Node], ...]) -> str:
+    def _product(self, factors: tuple[tuple[str, Expression], ...]) -> str:
         """Write factors from the left; the sign of the first stands before all of them."""
         (_, first), *others = factors
         sign, first = (self.minus, first.operand) if isinstance(first, Negative) else ("", first)
@@ -78,11 +78,11 @@ class Notation:
             if operator == "/":
                 written = self.fraction.format(written, self._written(factor))
             else:
-                dot = self.dot if isinstance(factor, Number | Product) else self.times
+                dot = self.dot if isinstance(factor, Numeral | Product) else self.times
                 written += dot + self._factor(factor)
         return sign + written
 
-    def _factor(self, node: Node) -> str:
+    def _factor(self, node: Expression) -> str:
         written = self._written(node)
         return self.group.format(written) if isinstance(node, Sum | Negative) else written
 

@@ -47,6 +47,12 @@ def proved(d: dict[str, Any], claim: str, declared: Any) -> tuple[bool, list[Any
     return holds, found["parts"]
 
 
+@pytest.mark.parametrize("name", ["lambda", "in", "None", "i_", "_"])
+def test_a_constant_may_have_any_name(name: str) -> None:
+    method = {"class": "rk", "A": [[f"{name}*{name}*root(8,3)"]], "b": [f"2*{name}"]}
+    assert proved({**method, "constants": {name: "(1/2)"}}, "order", 2)[0]
+
+
 def some(draw: random.Random, *more: int) -> Fraction:
     return Fraction(draw.choice((-1, 0, 1, 2, *more)), draw.choice((1, 2, 3)))
 
