@@ -30,8 +30,8 @@ TESTS = ("tests/unit", "tests/laws", "tests/adversary", "tests/literature", "tes
          "tests/suite/test_bad_input.py", "tests/suite/test_judge.py",
          "tests/suite/test_judge_catalogue.py", "tests/repo/test_coq.py")  # fmt: skip
 OTHERS = (
-    *("compute", "report", "cli", "campaigns", "chart", "portrait", "plane", "measure"),
-    *("convergence", "asv", "typed", "bibtex", "labels", "work_precision", "audit", "peers"),
+    *("compute", "report", "cli", "campaigns", "pictures", "measure"),
+    *("convergence", "asv", "typed", "audit", "peers"),
 )
 #: What tells a mutant in a record.
 KEY = ("module", "line", "column", "before", "after")

@@ -3,7 +3,7 @@
 A method of a rare class reaches code that the tests of a command do not: each answer must be an
 exit code that the command documents, and never an internal error. Every file is taken where
 ``GLMREF_LONG`` is set; ``show`` takes every file and ``cite`` every method in any case
-(tests/unit/test_show.py, test_bibtex.py).
+(tests/unit/test_show.py, test_catalogue.py).
 """
 
 from __future__ import annotations

@@ -1,18 +1,25 @@
-"""catalogue.py: names and paths find files, near misses are named, nothing else is opened."""
+"""The catalogue: names, paths, records of errors, BibTeX entries, and the canonical layout."""
 
 from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import glmref
+from glmref.catalogue.canonical import IN_ORDER, canonical, refresh
+from glmref.catalogue.errata import Erratum, erratum, find_errata, load_errata
 from glmref.catalogue.lookup import document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
 from glmref.engine.ensemble import solve_ensemble
 from glmref.errors import DataError, UsageError
+from glmref.views.bibtex import entries, escape, file_entry, source_entry
 from tests.build import refused
 
 
@@ -80,3 +87,279 @@ def test_the_nearest_problem_and_parameter_are_named() -> None:
     refused(UsageError, "did you mean kepler", glmref.problem, "keppler")
     with pytest.raises(UsageError, match="did you mean eccentricity"):
         glmref.problem("kepler", excentricity="1/2")  # codespell:ignore
+
+
+# -- glmref.catalogue.errata: the records, their selection, and bad files
+
+
+GOOD: dict[str, Any] = {
+    "id": "2.1-example",
+    "where": "section 2.1",
+    "printed": "1 + 1 = 3.",
+    "verdict": "wrong",
+    "right": "1 + 1 = 2.",
+    "proof": "exact",
+    "method": ["rk4"],
+    "test": "tests/literature/test_x.py::test_y",
+}
+
+
+def write(folder: Path, *records: Any, **changes: Any) -> Path:
+    """An errata file with the given records."""
+    path = folder / "errata.json"
+    document = {"format": "glmref-errata-1", "errata": list(records)} | changes
+    path.write_text(json.dumps(document), encoding="utf-8")
+    return path
+
+
+def test_record_by_id() -> None:
+    found = erratum("3.3-a21")
+    assert found.verdict == "wrong"
+    assert "-11/172" in found.right
+
+
+def test_unknown_id_names_the_nearest() -> None:
+    refused(UsageError, r"did you mean 3\.3-a21", erratum, "3.3-a12")
+    refused(UsageError, "glmref list --errata", erratum, "zzzz")
+
+
+def test_selection_by_text_verdict_proof_and_method() -> None:
+    assert all("(3.8)" in str(r.as_json()) for r in find_errata("(3.8)"))
+    assert {r.verdict for r in find_errata(verdict="false")} == {"false"}
+    assert {r.proof for r in find_errata(proof="reading")} == {"reading"}
+    by_method = find_errata(method="thesis-3-8")
+    assert by_method and all("thesis-3-8" in r.method for r in by_method)
+    assert find_errata() == load_errata()
+    assert find_errata("no such words") == ()
+    assert find_errata("GAUSS") == find_errata("gauss")
+
+
+@pytest.mark.parametrize("key", ["verdict", "proof"])
+def test_selection_refuses_a_word_that_does_not_exist(key: str) -> None:
+    refused(UsageError, f"`{key}` must be one of", find_errata, **{key: "maybe"})
+
+
+BAD: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
+    "not an object": (lambda r: "x", "must be an object"),
+    "unknown key": (lambda r: r | {"page": "3"}, "'page' is unknown"),
+    "missing text": (lambda r: {k: r[k] for k in r if k != "right"}, "`right` must be a sentence"),
+    "empty text": (lambda r: r | {"printed": " "}, "`printed` must be a sentence"),
+    "verdict": (lambda r: r | {"verdict": "maybe"}, "`verdict` must be one of"),
+    "proof": (lambda r: r | {"proof": "sympy"}, "`proof` must be one of"),
+    "no test": (lambda r: r | {"test": None}, "needs its `test`"),
+    "test number": (lambda r: r | {"test": 3}, "`test` must be a sentence"),
+    "method text": (lambda r: r | {"method": "rk4"}, "`method` must be a list"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_record_is_one_sentence(case: str, tmp_path: Path) -> None:
+    change, message = BAD[case]
+    caught = refused(DataError, message, load_errata, write(tmp_path, GOOD, change(dict(GOOD))))
+    assert "record 2" in caught
+    assert "\n" not in caught
+
+
+def test_bad_documents(tmp_path: Path) -> None:
+    refused(DataError, "occurs twice", load_errata, write(tmp_path, GOOD, GOOD))
+    for k, (changes, message) in enumerate(
+        (
+            ({"format": "glmref-errata-2"}, "`format` must be"),
+            ({"errata": []}, "must be a list of records"),
+        )
+    ):
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        refused(DataError, message, load_errata, write(folder, **changes))
+
+
+def test_reading_needs_no_test(tmp_path: Path) -> None:
+    (record,) = load_errata(write(tmp_path, GOOD | {"proof": "reading", "test": None}))
+    assert record.test is None
+
+
+def test_records_are_frozen() -> None:
+    record = Erratum("1-x", "here", "a", "right", "b", "reading")
+    with pytest.raises(AttributeError):
+        record.verdict = "wrong"
+
+
+# -- bibtex.py: entries that BibTeX reads, each source once, the file by its hash
+
+
+def keys(texts: list[str]) -> list[str]:
+    return [match[1] for text in texts for match in re.finditer(r"^@\w+\{([^,]+),", text, re.M)]
+
+
+def balanced(text: str) -> bool:
+    """Whether the braces that TeX counts are balanced (escaped ones are not counted)."""
+    depth = 0
+    for brace in re.findall(r"(?<!\\)[{}]", text):
+        depth += 1 if brace == "{" else -1
+        if depth < 0:
+            return False
+    return depth == 0
+
+
+def test_without_an_entry_one_is_made_of_the_citation() -> None:
+    citation = "Nobody, N., 50% of A & B, Journal #1 (1987), 5_6"
+    source = {"citation": citation, "where": "eq. (3)", "status": "derived", "doi": "10.1000/a_b"}
+    assert source_entry({"name": "it", "source": source}) == (
+        "@misc{it-source,\n"
+        r"  note = {Nobody, N., 50\% of A \& B, Journal \#1 (1987), 5\_6}," + "\n"
+        "  howpublished = {eq. (3)},\n  year = {1987},\n  doi = {10.1000/a_b},\n}"
+    )
+
+
+def test_an_own_file_is_not_called_a_file_of_the_project(tmp_path: Path) -> None:
+    file = tmp_path / "mine_1.json"
+    file.write_text(json.dumps(document("rk4")))
+    entry = file_entry(file)
+    assert r"mine\_1.json" in entry
+    assert "The glmref authors" not in entry
+    assert str(tmp_path) not in entry
+
+
+def test_different_sources_with_one_key_get_two_keys(tmp_path: Path) -> None:
+    other = {**document("gauss-2"), "name": "mine"}
+    other["source"] = {**other["source"], "bibtex": "@misc{butcher1964a,\n  note = {other},\n}"}
+    file = tmp_path / "mine.json"
+    file.write_text(json.dumps(other))
+    found = keys(entries(["gauss-2", file]))
+    assert found == ["butcher1964a", "glmref-gauss-2", "butcher1964a-mine", "glmref-mine"]
+
+
+@pytest.mark.slow
+def test_every_shipped_entry_is_balanced_has_a_unique_key_and_some_author() -> None:
+    texts = entries(names("methods"))
+    assert all(balanced(text) for text in texts)
+    assert len(keys(texts)) == len(set(keys(texts))) == len(texts)
+    assert not balanced("@misc{a, note = {}")
+    assert len([x for x in keys(texts) if x.startswith("glmref-")]) == len(names("methods"))
+
+
+def test_tex_characters_are_escaped() -> None:
+    assert escape(r"a_b {c} 10% \x ~ ^ $ & #") == (
+        r"a\_b \{c\} 10\% \textbackslash{}x \textasciitilde{} \textasciicircum{} \$ \& \#"
+    )
+    assert escape("two\nlines") == "two lines"
+
+
+def test_what_is_no_method_is_not_cited(tmp_path: Path) -> None:
+    file = tmp_path / "no.json"
+    file.write_text("{}")
+    refused(DataError, "", entries, [file])
+    refused(UsageError, "", entries, ["nobody-1900"])
+
+
+# -- the canonical layout: equal documents are equal bytes, and the lists of hashes are exact
+
+
+DOCUMENT = {
+    "source": {"where": "here", "citation": "Nyström", "errata": ["one", "two"]},
+    "claims": {"symmetric": True, "order": 4, "abscissae": ["0", "1"]},
+    "b": ["1/2", "1/2"],
+    "A": [["0", "0"], ["1", "0"]],
+    "constants": {"z": "sqrt(2)", "a": "z/2"},
+    "name": "m",
+    "format": "glmref-method-1",
+}
+
+TEXT = """{
+  "format": "glmref-method-1",
+  "name": "m",
+  "constants": {
+    "z": "sqrt(2)",
+    "a": "z/2"
+  },
+  "A": [
+    ["0", "0"],
+    ["1", "0"]
+  ],
+  "b": ["1/2", "1/2"],
+  "claims": {
+    "order": 4,
+    "abscissae": ["0", "1"],
+    "symmetric": true
+  },
+  "source": {
+    "citation": "Nyström",
+    "where": "here",
+    "errata": [
+      "one",
+      "two"
+    ]
+  }
+}
+"""
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.text(max_size=8),
+    lambda inner: (
+        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=6), inner, max_size=4)
+    ),
+    max_leaves=12,
+)
+documents = st.dictionaries(st.text(max_size=6), values, max_size=6)
+
+
+def test_a_matrix_has_one_row_a_line_and_keys_have_their_order():
+    assert canonical(DOCUMENT) == TEXT
+
+
+@pytest.mark.slow
+@given(documents, st.randoms(use_true_random=False))
+def test_the_text_reads_back_as_the_document_and_the_order_of_keys_leaves_no_trace(
+    document, numbers
+):
+    def shuffled(value, name=""):
+        if isinstance(value, dict):
+            keys = list(value)
+            if name not in IN_ORDER:
+                numbers.shuffle(keys)
+            return {key: shuffled(value[key], key) for key in keys}
+        return [shuffled(x) for x in value] if isinstance(value, list) else value
+
+    text = canonical(document)
+    assert json.loads(text) == document
+    assert canonical(json.loads(text)) == canonical(shuffled(document)) == text
+
+
+def test_constants_keep_their_order_because_one_may_use_those_above_it():
+    turned = {**DOCUMENT, "constants": {"a": "1", "z": "a/2"}}
+    assert canonical(turned) != canonical(DOCUMENT)
+    assert canonical(turned).index('"a"') < canonical(turned).index('"z"')
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_what_json_does_not_have_is_refused(value):
+    refused(ValueError, "JSON compliant", canonical, {"x": value})
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "methods" / "rk").mkdir(parents=True)
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "methods" / "rk" / "m.json").write_text(json.dumps(DOCUMENT), encoding="utf-8")
+    (tmp_path / "README.md").write_text("text\n", encoding="utf-8")
+    (tmp_path / ".hidden").write_text("no\n", encoding="utf-8")
+    (tmp_path / "datapackage.json").write_text('{"name": "data"}', encoding="utf-8")
+    return tmp_path
+
+
+def test_refresh_writes_what_differs_and_then_nothing(folder):
+    written = {path.name for path in refresh(folder)}
+    assert written == {"m.json", "datapackage.json", "SHA256SUMS"}
+    assert (folder / "methods" / "rk" / "m.json").read_text(encoding="utf-8") == TEXT
+    assert refresh(folder) == []
+
+
+def test_refresh_notices_a_changed_byte(folder):
+    refresh(folder)
+    (folder / "README.md").write_text("test\n", encoding="utf-8")
+    assert {path.name for path in refresh(folder)} == {"datapackage.json", "SHA256SUMS"}
+
+
+def test_refresh_needs_the_head_of_the_datapackage(folder):
+    (folder / "datapackage.json").unlink()
+    refused(FileNotFoundError, r"datapackage\.json", refresh, folder)

@@ -1,22 +1,41 @@
-"""Search and Newton: reproducible, resumable, and honest about where they stop."""
+"""Search, recipes, closed forms and the command: reproducible, resumable, honest about where they stop."""
 
 from __future__ import annotations
 
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import termios
+import time
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from glmref.catalogue.canonical import canonical
+from glmref.catalogue.lookup import document
+from glmref.catalogue.reader import load_document
+from glmref.cli import main
+from glmref.compute import Records
+from glmref.derive import recipes
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.parameters import RankError, fix_parameters, pivots
+from glmref.derive.partitioned import PairAnsatz, complete_pair, search_pairs
 from glmref.derive.polish import ConvergenceError, polish
+from glmref.derive.recipes.shipped_pairs import SHIPPED
+from glmref.derive.recognise import exact_text, minimal_polynomial, surd, surds
 from glmref.derive.search import evaluate, levenberg_marquardt, search
 from glmref.errors import DataError, UsageError
-from glmref.exact import Exact
+from glmref.exact import Exact, ball
+from glmref.exact.expression import parse
 from glmref.exact.judging import as_number, consulted, coordinates, rounded
 from glmref.prove.enclosure import conditions_of, gaps_of
-from tests.build import refused
+from glmref.theory.stability import parasitic_curvature
+from tests.build import SOURCE, refused
 
 S3 = Ansatz("x", 3, 6, stage_order=2)
 
@@ -151,3 +170,247 @@ def test_v_that_does_not_preserve_g_is_refused() -> None:
     document = S3.document()
     document["V"][1][2] = "1"
     refused(DataError, "V\\^T G V = G", conditions_of, document)
+
+
+# -- from an ansatz to a proved pair: equations, free parameters, recipes and the search
+
+
+def test_an_ansatz_says_its_stages_rows_and_equations():
+    doc = PairAnsatz("x", 4, 4).document()
+    assert doc["stages"] == "PQPQPQPQP"
+    assert doc["b"] == ["b1", "b2", "b3", "b2", "b1"]
+    assert doc["w"] == [["w1", "w2", "0", "-w2", "-w1"]]
+    assert doc["v"] == [["v1", "v2", "-v2", "-v1"]]
+    assert doc["constants"] == {"b3": "1-2*b1-2*b2", "c2": "(1-2*c1)/2"}
+    assert doc["enclosure"]["equations"][:2] == ["order f[kk]", "order f[k[f]]"]
+    assert PairAnsatz("x", 3, 4, outer="Q").stages == "QPQPQ"
+
+
+@pytest.mark.parametrize(
+    ("order", "nystrom", "equations"),
+    [(4, False, 4), (6, False, 10), (6, True, 8), (8, False, 32), (8, True, 18)],
+)
+def test_the_number_of_equations(order, nystrom, equations):
+    # one for each free tree of orders 3, 5, .. and two growth parameters
+    assert len(PairAnsatz("x", 9, order, nystrom=nystrom).equations()) == equations
+
+
+def test_palindromes_hold_for_all_values_of_the_unknowns():
+    for ansatz in (PairAnsatz("x", 5, 6, starts="qp"), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
+        assert conditions_of(ansatz.document()).signs == {"f": [1, -1], "k": [1, -1]}
+
+
+def test_an_ansatz_whose_principal_parts_are_not_zero_is_refused_before_it_is_searched():
+    with pytest.raises(DataError, match="a principal part is not 0"):
+        next(search_pairs(PairAnsatz("x", 5, 6), seed=1, starts=1))
+
+
+def test_an_ansatz_fixes_only_what_it_has():
+    document = PairAnsatz("x", 4, 4, fixed={"z1": "1"}).document
+    refused(UsageError, "`fixed` names 'z1'", document)
+
+
+@pytest.mark.slow
+def test_a_search_is_reproducible_and_ends_in_a_proved_pair():
+    ansatz = PairAnsatz("found", 4, 4)
+    first, second = (list(search_pairs(ansatz, seed=3, starts=16)) for _ in range(2))
+    assert first == second
+    found = next(x for x in first if x.residual < 1e-10)
+    square, start = fix_parameters(ansatz, found.point)
+    assert len(square.fixed) == 3  # 7 unknowns, 4 equations
+    doc, proof = complete_pair(square, [repr(x) for x in start], source=SOURCE)
+    assert (proof.order, proof.identity) == (4, True)
+    assert doc["claims"]["reducible"] is False
+
+
+@pytest.mark.slow
+def test_the_recipe_reproduces_a_shipped_pair():
+    derivation = recipes.run("pairs", {"name": "pair-6-7"})
+    assert [dict(x) for x in derivation.documents] == [document("pair-6-7")]
+    assert "order 6" in derivation.statements[0].text
+
+
+@pytest.mark.slow
+@pytest.mark.sampled(1, whole=4)
+@pytest.mark.parametrize(  # a minute each those of order 8
+    "name",
+    [x for x in SHIPPED if x != "pair-6-7" and ("8-" not in x or "GLMREF_LONG" in os.environ)],
+)
+def test_the_recipe_reproduces_the_other_shipped_pairs(name):
+    assert [dict(x) for x in recipes.run("pairs", {"name": name}).documents] == [document(name)]
+
+
+@pytest.mark.slow
+def test_the_search_of_the_recipe_completes_a_pair_or_says_how_near_it_came():
+    options = {"n": "4", "order": "4", "starts": "", "seed": "3", "tries": "16"}
+    derivation = recipes.run("pairs", options)
+    assert len(derivation.documents) == 1
+    assert "16 starts" in derivation.statements[-1].text
+    for wrong in (
+        {"n": "x"},
+        {"n": "4", "nystrom": "maybe"},
+        {"n": "4", "circle": "maybe"},
+        {"name": "pair-5-5"},
+    ):
+        refused(UsageError, "", recipes.run, "pairs", wrong)
+
+
+@pytest.mark.slow
+def test_a_search_passes_over_pairs_that_leave_the_unit_circle():
+    options = {"n": "5", "order": "4", "starts": "", "seed": "3", "tries": "32", "wanted": "99"}
+    free = recipes.run("pairs", options).documents
+    kept = recipes.run("pairs", {**options, "circle": "yes"})
+    signs = {x["name"]: parasitic_curvature(load_document(x)).real.sign() for x in free}
+    assert set(signs.values()) == {1, -1}
+    assert {x["name"] for x in kept.documents} == {name for name, s in signs.items() if s > 0}
+    left = [x for x in kept.statements if "leave the unit circle" in x.text]
+    assert len(left) == sum(1 for s in signs.values() if s < 0)
+
+
+def test_without_a_start_on_record_the_claim_is_the_one_the_equations_give():
+    for name, expected in (("pair-4-4", 1), ("pair-6-7", 1), ("pair-rkn-6-7", 3)):
+        shipped = SHIPPED[name]
+        doc, _ = complete_pair(shipped.ansatz, shipped.start.split(), source=SOURCE)
+        assert doc["claims"]["starting-order"] == expected
+        assert "starting" not in doc
+
+
+# -- closed forms are found where they exist and nowhere else
+
+
+@pytest.mark.parametrize(
+    "text", ["3/7", "-5", "sqrt(5)/6", "-4*sqrt(5)/27", "1/2-sqrt(15)/30", "sqrt(5/8+sqrt(5)/8)"]
+)
+def test_surds_are_recognised_from_their_digits(text: str) -> None:
+    value = parse(text)
+    found = surd(ball(value))
+    assert found is not None
+    assert parse(found) == value
+
+
+def test_a_number_without_such_a_form_is_left_alone() -> None:
+    # A root of x^5 - x - 1, which is not solvable by radicals, found by bisection.
+    low, high = Fraction(1), Fraction(2)
+    for _ in range(400):
+        middle = (low + high) / 2
+        low, high = (middle, high) if middle**5 - middle - 1 < 0 else (low, middle)
+    value = ball(low)
+    assert surd(value) is None
+    assert minimal_polynomial(value, degree=5, height=1000) == [1, 0, 0, 0, -1, -1]
+    assert surds({"x": value, "y": ball(Fraction(1, 3))}) == {"y": "1/3"}
+
+
+def test_polynomials_by_chance_are_not_looked_for() -> None:
+    # Three coefficients of ten digits fit any 30 digits: the search stops before.
+    assert minimal_polynomial(ball(2).sqrt().sqrt(), degree=8, digits=30) is None
+
+
+def test_roots_are_written_without_square_factors() -> None:
+    assert exact_text(Exact(Fraction(80, 121)).sqrt()) == "4*sqrt(5)/11"
+    assert exact_text(-Exact(12).sqrt()) == "-2*sqrt(3)"
+    assert exact_text(Exact(Fraction(1, 4)).sqrt()) == "1/2"
+
+
+# -- ``glmref derive`` on the command line: lists, help, bad input, progress, interruption
+
+
+ANSATZ = Path(__file__).with_name("three-stages.toml")
+
+
+def test_without_a_recipe_the_recipes_are_listed(cli) -> None:
+    text = cli("derive").out
+    assert all(name in text for name in recipes.names())
+
+
+def test_the_list_of_recipes_comes_as_json_too(cli) -> None:
+    found = json.loads(cli("derive", "--format", "json").out)
+    assert found["format"] == "glmref-recipes-1"
+    assert [x["name"] for x in found["recipes"]] == recipes.names()
+    options = {x["name"]: x["options"] for x in found["recipes"]}
+    assert options["order6"] == {"c2": "1/3", "z": "exp(2*pi*i/3)", "start": "auto"}
+
+
+@pytest.mark.parametrize("words", [["order6", "--help"], ["--help", "order6"], ["order6", "-h"]])
+def test_help_after_a_recipe_is_that_of_the_recipe(words: list[str], cli) -> None:
+    text = cli("derive", *words).out
+    assert "glmref derive order6" in text
+    assert "--c2" in text and "default: 1/3" in text
+    assert ":mod:" not in text
+
+
+def test_an_ansatz_that_is_not_toml_is_one_sentence(tmp_path: Path, cli) -> None:
+    path = tmp_path / "a.toml"
+    path.write_bytes(b"stages = \xff")
+    assert "a.toml: byte 9 is not UTF-8" in cli("derive", path, code=2).err
+
+
+def cli(*words: str) -> list[str]:
+    return [sys.executable, "-m", "glmref", "derive", *words]
+
+
+def wait_for_records(state: Path, count: int, process: subprocess.Popen[bytes]) -> None:
+    """Wait until the state file has as many records, or the search has ended."""
+    until = time.monotonic() + 120
+    while process.poll() is None and time.monotonic() < until:
+        if len(Records(state)) >= count:
+            return
+        time.sleep(0.02)
+    raise AssertionError("the search ended before it could be stopped")
+
+
+OPTIONS = {"ansatz": str(ANSATZ), "starts": "96"}
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> list[str]:
+    return [canonical(x) for x in recipes.run("search", OPTIONS).documents]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_a_search_that_is_stopped_goes_on_where_it_was(how, code, tmp_path, undisturbed):
+    """Interrupted or killed, the second run takes over what the first one kept."""
+    state = tmp_path / "state"
+    words = [str(ANSATZ), "--starts", "96", "--state", str(state)]
+    process = subprocess.Popen(cli(*words), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+    wait_for_records(state, 1, process)
+    process.send_signal(how)
+    _, complaint = process.communicate()
+    assert process.returncode == code
+    if how is signal.SIGINT:
+        assert f"the same command goes on from {state}".encode() in complaint
+    kept = len(Records(state))
+    assert kept < 3  # parcels of 32 starts
+    ran: list[int] = []
+    resumed = recipes.run(
+        "search", {**OPTIONS, "state": str(state)}, lambda _, done, total: ran.append(done)
+    )
+    assert min(ran) == 32 * (kept + 1)
+    assert [canonical(x) for x in resumed.documents] == undisturbed
+
+
+@pytest.mark.slow
+def test_progress_is_shown_on_a_terminal_and_nowhere_else() -> None:
+    leader, follower = pty.openpty()
+    termios.tcsetwinsize(follower, (24, 80))
+    run = subprocess.run(cli("yoshida6"), stderr=follower, stdout=subprocess.PIPE, check=True)
+    os.close(follower)
+    shown = os.read(leader, 100_000).decode()
+    os.close(leader)
+    assert "A:" in shown and "%" in shown
+    assert b'"yoshida-6-midpoint"' in run.stdout
+    silent = subprocess.run(cli("yoshida6"), capture_output=True, check=True)
+    assert b"%" not in silent.stderr
+
+
+def test_a_name_of_a_file_is_that_file(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "mine.json"
+    words = ["derive", "pairs", "--name", "pair-4-4", "--output", str(path)]
+    assert main(words) == 0
+    assert json.loads(path.read_text(encoding="utf-8"))["name"] == "pair-4-4"
+
+
+def test_several_methods_go_to_a_folder_whatever_its_name_ends_with(tmp_path: Path) -> None:
+    words = ["derive", "two-stage", "--format", "json", "--output", str(tmp_path / "two.json")]
+    assert main(words) == 0
+    assert len(list((tmp_path / "two").glob("*.json"))) > 1

@@ -59,7 +59,7 @@ def test_what_is_kept_by_identity_is_forgotten(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_mutant_is_run_by_the_tests_that_call_it_in_a_copy_of_the_tree(tmp_path):
-    module, test = Path("glmref/derive/recognise.py"), "tests/unit/test_derive_recognise.py"
+    module, test = Path("glmref/derive/recognise.py"), "tests/unit/test_derive_search.py"
     bench = Bench(tmp_path, [test], [module], None)
     wrong = {(x.function, x.after): x for x in mutants(module.read_text(encoding="utf-8"))}
     outcome, first, seconds = bench.judged(module, wrong["root_text", "(inside == 1)"])

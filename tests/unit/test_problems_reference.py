@@ -1,14 +1,18 @@
-"""Reading and regenerating the files of data/solutions."""
+"""The files of data/solutions, and the Taylor and collocation integrators behind them."""
 
 import json
+from fractions import Fraction
 
 import mpmath
+import numpy as np
 import pytest
 
-from glmref.errors import DataError
-from glmref.problems import problem
+from glmref.conformance.taylor import taylor_states
+from glmref.errors import DataError, UsageError
+from glmref.problems import Problem, problem
 from glmref.problems.reference import FORMAT, read_references
 from tests.build import high
+from tools.collocation import collocation_states, radau_nodes
 from tools.reference_solutions import solution_document, solution_entries
 
 GOOD = {
@@ -75,3 +79,98 @@ def test_digits_that_do_not_agree_are_not_written():
     for text, exact in zip(entry["state"], (context.exp(-2), context.exp(-1)), strict=True):
         digits = len(text.lstrip("-0.").replace(".", ""))
         assert digits < 16 and abs(context.mpf(text) / exact - 1) < 2 * 10.0 ** (1 - digits)
+
+
+# -- the Taylor and collocation integrators behind the reference states
+
+
+def size(y):
+    return float(max(abs(x) for x in y))
+
+
+@pytest.mark.parametrize("digits", [15, 25, 35])
+def test_taylor_error_follows_the_digits_asked(digits):
+    p = problem("kepler")
+    context = high(60)
+    (end,) = taylor_states(p, [3], digits=digits)
+    # some 30 steps, each within 10**-digits of |y| <= 2; Kepler's flow stretches by about 20
+    assert size(p.on(context).solution(3) - end) < 2000 * 10.0**-digits
+
+
+def test_taylor_runs_backwards_to_its_start():
+    p = problem("henon-heiles")
+    there, back = taylor_states(p, [3, 0], digits=25)
+    assert size(back - p.on(there[0].context).y0) < 1e-22 < size(there - back)
+
+
+@pytest.mark.slow
+def test_every_operation_has_its_recurrence():
+    # y = exp(sin t): y' = cos(t) y, written with all functions there are
+    f = (
+        "cos(t)*y[0] + log(exp(y[0])) - y[0] + sqrt(y[0]*y[0]) - y[0]"
+        " + atan2(sin(t), cos(t)) - t + tan(t) - sin(t)/cos(t) + 2**t - exp(t*log(2))"
+        " + y[0]**3 - y[0]*y[0]*y[0] + y[0]**1.5 - y[0]*sqrt(y[0]) + y[0]**t - exp(t*log(y[0]))"
+        " + atan2(1, t + 2) - atan2(1/(t + 2), 1) + 1/y[0] - y[0]**(-1)"
+    )
+    (end,) = taylor_states(Problem(f=(f,), y0=(1,), t_span=(0.0, 1.0)), [1], digits=30)
+    context = end[0].context
+    assert abs(end[0] - context.exp(context.sin(1))) < 1e-27
+
+
+def test_taylor_stops_at_a_singularity():
+    with pytest.raises(UsageError, match=r"ends near t = 0\.99999"):
+        taylor_states(problem("blow-up"), [2], digits=15)
+
+
+def test_taylor_wants_expressions_or_loops():
+    with pytest.raises(UsageError, match="needs f as expressions or loops"):
+        taylor_states(Problem(f=lambda t, y: np.sin(y), y0=(1,)), [1])
+
+
+def test_plain_arithmetic_functions_are_expanded_too():
+    p = Problem(f=lambda t, y: np.array([y[0] * y[0]]), y0=(1,))
+    (end,) = taylor_states(p, ["1/2"], digits=20)
+    assert abs(end[0] - 2) < 1e-18
+
+
+@pytest.mark.parametrize("stages", [1, 2, 3, 9, 16])
+def test_radau_nodes_are_zeros_that_end_at_one(stages):
+    context = high(40)
+    nodes = radau_nodes(stages, context)
+    assert nodes == sorted(nodes) and len(set(nodes)) == stages and nodes[-1] == 1 and nodes[0] > 0
+    for c in nodes:
+        x = 2 * c - 1
+        value = context.legendre(stages, x) - context.legendre(stages - 1, x)
+        # the slope at a zero is at most s**2
+        assert abs(value) < 1e-36
+
+
+def test_radau_nodes_of_two_stages_are_a_third_and_one():
+    context = mpmath.MPContext()
+    assert abs(radau_nodes(2, context)[0] - context.mpf(1) / 3) < 1e-15
+
+
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize(
+    ("name", "parameters", "t"),
+    [("kaps", {}, 1), ("prothero-robinson", {}, 2), ("dahlquist", {"real": -1000}, "1/500")],
+)
+def test_collocation_agrees_with_the_exact_solution_however_stiff(name, parameters, t):
+    p = problem(name, **parameters)
+    (end,) = collocation_states(p, [t], digits=16, stages=8)
+    context = high(40)
+    exact = p.on(context).solution(Fraction(t))
+    assert size(end - exact) < 1e-15
+
+
+@pytest.mark.slow
+def test_collocation_and_taylor_agree():
+    p = problem("van-der-pol", mu=2)
+    (implicit,) = collocation_states(p, ["1/2"], digits=16, stages=8)
+    (explicit,) = taylor_states(p, ["1/2"], digits=25)
+    assert size(implicit - explicit) < 1e-16
+
+
+def test_collocation_wants_a_jacobian():
+    with pytest.raises(UsageError, match="needs its Jacobian"):
+        collocation_states(Problem(f=lambda t, y: y, y0=(1,)), [1])

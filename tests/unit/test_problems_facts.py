@@ -1,0 +1,397 @@
+"""Shipped problems: closed forms, invariants, faults and transformed times are what they say."""
+
+import math
+from random import Random
+
+import numpy as np
+import pytest
+
+from glmref.catalogue.lookup import load
+from glmref.conformance.taylor import Tape, taylor_states
+from glmref.engine.solve import solve
+from glmref.errors import UsageError
+from glmref.problems import Problem, names, problem
+from glmref.problems.flows import eccentric_anomaly
+from glmref.problems.sundman import time_transformed
+from glmref.problems.user_functions import FunctionFailed
+from tests.build import high, refused
+
+CASES = [(name, {}) for name in names() if problem(name).exact and name != "long-chain"] + [
+    ("kepler", {"eccentricity": 0}),
+    ("kepler", {"eccentricity": "999/1000"}),
+    ("pendulum", {"q0": 0, "p0": "3"}),
+    ("pendulum", {"q0": 1, "p0": "-5/2"}),
+    ("pendulum", {"q0": 8, "p0": "1/2"}),
+    ("pendulum", {"q0": 0, "p0": 2}),
+    ("pendulum", {"q0": 0, "p0": -2}),
+    ("pendulum", {"q0": 0, "p0": 0}),
+    ("dahlquist", {"real": "-1/10", "imaginary": 2}),
+    ("prothero-robinson", {"stiffness": 3}),
+    ("kaps", {"epsilon": 1}),
+    ("linear-field", {"dimension": 3, "seed": 4}),
+    ("long-chain", {"sites": 6, "mode": 3}),
+]
+DIGITS = 60
+
+
+def size(y):
+    return max(abs(x) for x in y)
+
+
+@pytest.mark.sampled(10)
+@pytest.mark.parametrize(("name", "parameters"), CASES)
+def test_exact_solution_solves_the_equation(name, parameters):
+    context = high(DIGITS)
+    p = problem(name, **parameters).on(context)
+    for t in ("0.3", "-0.7"):
+        t = context.mpf(t)
+        if name == "prothero-robinson" and t < 0:
+            continue
+        y, step = p.solution(t), context.mpf(10) ** -20
+        slope = (p.exact(t + step, p.y0) - p.exact(t - step, p.y0)) / (2 * step)
+        f = p.f(t, y)
+        # step**2 times the third derivative: (1e6)**3 on the way out of the stiff layer, over
+        # r**3.5 = 1e10 for e = 0.999; rounding 1e-60/1e-20 of |y| times the stiffness
+        assert size(slope - f) <= 1e-20 * (size(f) + size(y))
+
+
+@pytest.mark.parametrize(("name", "parameters"), CASES)
+def test_exact_solution_starts_at_y0(name, parameters):
+    p = problem(name, **parameters)
+    # the start is rounded to double, as the result is
+    assert p.solution(0.0) == pytest.approx(p.y0, rel=4e-16, abs=1e-16 * size(p.y0))
+
+
+# the others depend on the time, or are known from special starts only
+AUTONOMOUS = [case for case in CASES if case[0] not in ("prothero-robinson", "kaps")]
+
+
+@pytest.mark.parametrize(("name", "parameters"), AUTONOMOUS)
+def test_exact_solution_is_a_flow(name, parameters):
+    context = high(DIGITS)
+    p = problem(name, **parameters).on(context)
+    s, t = context.mpf("1.3"), context.mpf("-2.1")
+    if name == "blow-up":
+        s = context.mpf("0.3")
+    twice, once = p.exact(t, p.exact(s, p.y0)), p.exact(s + t, p.y0)
+    # e = 0.999 magnifies the rounding of the middle by some (1 - e)**-3
+    assert size(twice - once) <= 1e-45 * (1 + size(once))
+
+
+def test_exact_solution_in_double_is_rounded_once():
+    p, context = problem("kepler"), high(DIGITS)
+    mine = p.exact(1000.0, p.y0)
+    fine = p.on(context).exact(context.mpf(1000), [context.mpf(float(x)) for x in p.y0])
+    assert mine.tolist() == [float(x) for x in fine]
+
+
+@pytest.mark.parametrize("parameters", [{"q0": 0, "p0": 3}, {"q0": 8, "p0": "1/2"}, {}])
+def test_pendulum_closed_form_agrees_with_taylor(parameters):
+    p = problem("pendulum", **parameters)
+    series = taylor_states(p, [5], digits=25)[0]
+    exact = p.on(high(DIGITS)).solution(5)
+    assert size(series - exact) < 1e-22
+
+
+@pytest.mark.parametrize("e", ["0", "0.1", "0.9", "0.999", "0.999999999", "1"])
+def test_keplers_equation_is_solved_to_the_last_digit(e):
+    context = high(DIGITS)
+    e = context.mpf(e)
+    for mean in ("0", "1e-50", "1e-9", "0.001", "0.5", "3.14", "-3", "1e6"):
+        anomaly = eccentric_anomaly(context.mpf(mean), e, context)
+        turns = context.mpf(mean) / (2 * context.pi)
+        rest = 2 * context.pi * (turns - context.floor(turns + 0.5))
+        residual = anomaly - e * context.sin(anomaly) - rest
+        # rounding of the three terms, and of the reduction by whole turns
+        assert abs(residual) <= 10 * context.eps * (abs(anomaly) + abs(context.mpf(mean)))
+
+
+def test_kepler_flow_wants_an_ellipse():
+    p = problem("kepler")
+    refused(UsageError, "negative energy", p.exact, 1.0, [1, 0, 0, 1.5])
+    refused(UsageError, "bodies apart", p.exact, 1.0, [0, 0, 0, 1])
+
+
+def test_kaps_wants_its_slow_manifold():
+    refused(UsageError, "y1 = y2", problem("kaps").exact, 1.0, [1.0, 0.5])
+
+
+@pytest.mark.slow
+def test_long_chain_has_100000_components_and_returns_with_its_mode():
+    p = problem("long-chain")
+    assert p.dimension == 100_000
+    # f = (p, -omega**2 q) for a normal mode; the phases, up to 2 pi, are rounded three times, which
+    # the second difference magnifies by 4
+    omega = 2 * np.sin(np.pi * 10_000 / (2 * 50_001))
+    assert p.f(0.0, p.y0)[50_000:] == pytest.approx(-(omega**2) * p.y0[:50_000], abs=1e-14)
+
+
+# -- judges judged: energies, quadratic forms and other invariants are constant along f
+
+
+SMALL = {
+    "fput": {"sites": 5, "beta": "1/2"},
+    "nonseparable-chain": {"sites": 5},
+    "long-chain": {"sites": 5, "mode": 2},
+    "toda": {"sites": 5},
+    "n-body": {"bodies": 3},
+}
+VARIANTS = [(name, SMALL.get(name, {})) for name in names() if not name.startswith("fault")] + [
+    ("henon-heiles", {"cubic": "1/3"}),
+    ("kepler", {"eccentricity": "999/1000"}),
+    ("skew-quadratic", {"dimension": 7, "seed": 5}),
+    ("dahlquist", {"real": 0, "imaginary": 3}),
+    ("fput-stiff", {"springs": 5, "omega": 5000}),
+    ("scaled-kepler", {"length": "1000"}),
+]
+
+
+def at_random(name, parameters, seed):
+    """A problem in double precision, and a random point near its start as exact numbers."""
+    context = high(DIGITS)
+    p = problem(name, **parameters)
+    y0 = p.on(context).y0
+    random = Random(seed)
+    size = max(abs(x) for x in y0) or 1
+    shift = [size * context.mpf(random.randrange(-1000, 1001)) / 10000 for _ in y0]
+    return p, y0 + np.array(shift, dtype=object), context
+
+
+def slope_along(function, y, direction, context):
+    """Derivative of a function along a direction, and a bound of its rounding error.
+
+    The function runs once on first order Taylor series: no step size, no truncation. Each of the
+    operations recorded rounds to 10**-60 of its result, and passes errors on magnified by no more
+    than the largest coefficient met.
+    """
+    tape = Tape(context)
+    variables = [tape.variable() for _ in y]
+    for series, value, slope in zip(variables, y, direction, strict=True):
+        series.coefficients[:] = [value, slope]
+    result = function.on(tape)(np.array(variables, dtype=object))
+    largest = max(abs(x) for x in (*y, *direction))
+    for k in (0, 1):
+        for node in tape.nodes:
+            node.coefficients.append(node.rule(k))
+            largest = max(largest, abs(node.coefficients[k]))
+    bound = context.mpf(10) ** -DIGITS * len(tape.nodes) * (1 + largest) ** 2
+    return result.coefficients[1], bound
+
+
+@pytest.mark.sampled(14)
+@pytest.mark.parametrize(("name", "parameters"), VARIANTS)
+def test_every_invariant_is_constant_along_f(name, parameters):
+    for seed in (1, 2):
+        p, y, context = at_random(name, parameters, seed)
+        f = p.on(context).f(context.mpf(0), y)
+        for key, function in {**p.invariants, **p.quadratic, "H": p.hamiltonian}.items():
+            if function is not None:
+                slope, bound = slope_along(function, y, f, context)
+                assert abs(slope) <= bound, (key, float(slope), float(bound))
+
+
+@pytest.mark.sampled(10)
+@pytest.mark.parametrize(("name", "parameters"), VARIANTS)
+def test_an_invariant_off_by_a_billionth_is_noticed(name, parameters):
+    # near miss: f with one component changed by 1e-9 of itself
+    p, y, context = at_random(name, parameters, 1)
+    conserved = {**p.invariants, **p.quadratic, "H": p.hamiltonian}
+    f = p.on(context).f(context.mpf(0), y)
+    largest = int(np.argmax([float(abs(x)) for x in f]))
+    f[largest] *= 1 + context.mpf("1e-9")
+    caught = []
+    for function in conserved.values():
+        if function is not None:
+            slope, bound = slope_along(function, y, f, context)
+            caught.append(abs(slope) > bound)
+    assert any(caught) or not caught
+
+
+CANONICAL = [(n, k) for n, k in VARIANTS if problem(n, **k).canonical]
+
+
+@pytest.mark.sampled(6)
+@pytest.mark.parametrize(("name", "parameters"), CANONICAL)
+def test_canonical_problems_are_j_times_the_gradient_of_h(name, parameters):
+    p, y, context = at_random(name, parameters, 3)
+    f, half = p.on(context).f(context.mpf(0), y), len(y) // 2
+    for i in range(len(y)):
+        unit = [context.mpf(int(i == j)) for j in range(len(y))]
+        slope, bound = slope_along(p.hamiltonian, y, unit, context)
+        partner = -f[i + half] if i < half else f[i - half]
+        assert abs(slope - partner) <= bound * 10
+
+
+def test_only_canonical_problems_say_so():
+    names_said = {name for name, _ in CANONICAL}
+    assert "outer-solar-system" not in names_said and "rigid-body" not in names_said
+    assert {"kepler", "pendulum", "henon-heiles", "double-pendulum", "figure-eight"} <= names_said
+
+
+def test_quadratic_forms_equal_their_matrices():
+    for name, parameters in VARIANTS:
+        p = problem(name, **parameters)
+        for form in p.quadratic.values():
+            y = np.linspace(-1, 2, p.dimension)
+            assert form(y) == pytest.approx(y @ form.matrix @ y, rel=1e-13)
+            assert (form.matrix == form.matrix.T).all()
+
+
+def test_skew_quadratic_form_is_positive_definite():
+    for d in (2, 5, 12):
+        form = problem("skew-quadratic", dimension=d, seed=d).quadratic["C"]
+        assert np.linalg.eigvalsh(form.matrix).min() > 0.5
+
+
+# -- extreme and faulty problems do what they say
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        *(("kepler", {"eccentricity": e}) for e in ("9/10", "99/100", "999/1000")),
+        *(("harmonic-oscillator", {"q0": q0}) for q0 in ("1e-150", "1e150", "1e-310")),
+        *(("scaled-kepler", {"length": size}) for size in ("1e-150", "1e150", "1e-170")),
+        ("pendulum", {"q0": "3.1415926535", "p0": 0}),
+        *((name, {}) for name in ("pythagorean", "dahlquist", "long-chain", "zero-field")),
+        *((name, {}) for name in ("linear-field", "henon-heiles")),
+    ],
+)
+def test_extreme_parameters_are_in_range(name, parameters):
+    p = problem(name, **parameters)
+    with np.errstate(all="ignore"):
+        p.f(0.0, p.y0)
+
+
+@pytest.mark.parametrize("length", ["1e-150", "1", "1e150"])
+def test_scaled_orbits_are_orbits_of_another_size(length):
+    p, unit = problem("scaled-kepler", length=length), problem("scaled-kepler", length=1)
+    size = float(length)
+    # five roundings
+    assert p.f(0.0, p.y0) / size == pytest.approx(unit.f(0.0, unit.y0), rel=2e-15)
+    assert p.solution(1.0) / size == pytest.approx(unit.solution(1.0), rel=2e-15)
+    assert p.hamiltonian(p.y0) == pytest.approx(-0.5, abs=2e-15)
+
+
+def test_orbits_below_the_range_have_a_field_that_is_not_finite():
+    p = problem("scaled-kepler", length="1e-170")
+    with np.errstate(all="ignore"):
+        assert not np.isfinite(p.f(0.0, p.y0)).all()
+    assert np.isfinite(p.solution(1.0)).all()
+
+
+def test_denormal_start_is_kept():
+    assert problem("harmonic-oscillator", q0="1e-310").y0[0] == 1e-310
+
+
+def test_faults_show_after_their_time():
+    with np.errstate(all="ignore"):
+        assert np.isfinite(problem("fault-nan").f(0.9, np.ones(1))).all()
+        assert np.isnan(problem("fault-nan").f(1.1, np.ones(1))).all()
+        assert np.isinf(problem("fault-infinity").f(8.0, np.ones(1))).all()
+    with pytest.raises(FunctionFailed, match=r"raised RuntimeError: .* does not hold"):
+        problem("fault-raises").f(1.1, np.ones(2))
+    with pytest.raises(FunctionFailed, match=r"must return shape \(2,\), got \(3,\)"):
+        problem("fault-shape").f(0.0, np.ones(2))
+    assert problem("fault-jacobian").jacobian(0.0, np.ones(1)) == [[1e6]]
+    assert np.isnan(problem("fault-jacobian-nan").jacobian(0.0, np.ones(1))).all()
+
+
+def test_pythagorean_bodies_start_at_rest_with_zero_momentum():
+    p = problem("pythagorean")
+    assert p.quadratic["angular momentum z"](p.y0) == 0
+    # H = -(3*4/5 + 3*5/4 + 4*5/3) = -769/60
+    assert p.hamiltonian(p.y0) == pytest.approx(-769 / 60, rel=1e-15)
+    # the centre of mass is at rest at the origin
+    weights = np.repeat([3, 4, 5], 2).reshape(3, 2)
+    assert (weights * p.y0[:6].reshape(3, 2)).sum(axis=0).tolist() == [0, 0]
+
+
+# -- the transformed time keeps the Hamiltonian form, and its orbits are those of the problem
+
+
+RADIUS = "sqrt(y[0]*y[0] + y[1]*y[1])"
+
+
+def symplectic_defect(p, y):
+    """Largest entry of J S + (J S)^T with S = J^-1 f'(y): zero where f is Hamiltonian."""
+    m = p.dimension // 2
+    J = np.block([[np.zeros((m, m)), np.eye(m)], [-np.eye(m), np.zeros((m, m))]])
+    S = J.T @ np.asarray(p.jacobian(0.0, y))
+    return np.max(np.abs(S - S.T)) / np.max(np.abs(S))
+
+
+@pytest.mark.parametrize("e", ["0", "9/10", "999/1000"])
+def test_the_orbit_is_that_of_kepler_at_the_time_it_says(e):
+    p, plain = problem("kepler-sundman", eccentricity=e), problem("kepler", eccentricity=e)
+    context = high(40)
+    fine, reference = p.on(context), plain.on(context)
+    for s in (0.3, 2.0, 7.5):
+        y = fine.exact(context.mpf(s), fine.y0)
+        z = reference.exact(y[2], reference.y0)
+        assert max(abs(y[i] - z[i]) for i in (0, 1)) < 1e-30
+        assert max(abs(y[3 + i] - z[2 + i]) for i in (0, 1)) < 1e-28
+    # s is the eccentric anomaly: a turn takes the period
+    assert abs(fine.exact(2 * context.pi, fine.y0)[2] - 2 * context.pi) < 1e-35
+
+
+def test_the_general_transformation_gives_the_same_equations():
+    p = problem("kepler-sundman", eccentricity="9/10")
+    general = time_transformed(problem("kepler", eccentricity="9/10"), RADIUS)
+    assert general.y0.tolist() == pytest.approx(p.y0.tolist(), rel=1e-15)
+    y = np.array([0.3, -0.2, 5.0, 0.4, 1.1, 0.6])
+    # r times (H + w) against its expansion: a few roundings of terms of size one
+    assert general.f(0.0, y) == pytest.approx(p.f(0.0, y), rel=1e-14, abs=1e-15)
+    assert general.hamiltonian(y) == pytest.approx(p.hamiltonian(y), abs=1e-14)
+    assert general.quadratic["angular momentum"](y) == p.quadratic["angular momentum"](y)
+
+
+@pytest.mark.parametrize(
+    ("name", "rate"),
+    [("kepler", RADIUS), ("henon-heiles", "1 + y[0]*y[0]"), ("pendulum", "1/(2 + y[1]*y[1])")],
+)
+def test_transformed_equations_are_hamiltonian_again(name, rate):
+    p = time_transformed(problem(name), rate)
+    y = np.array(p.y0) + 0.01 * np.arange(1, p.dimension + 1)
+    # differences of a few roundings of the derivatives
+    assert symplectic_defect(p, y) < 1e-13
+
+
+def test_equations_scaled_alone_are_not():
+    # near miss: g f instead of J grad (g (H + w))
+    plain = problem("pendulum")
+    assert plain.expressions is not None
+    rate = "(2 + y[0]*y[0])"
+    scaled = Problem(f=tuple(f"{rate}*({x})" for x in plain.expressions), y0=plain.y0)
+    assert symplectic_defect(scaled, np.array([0.7, 0.4])) > 1e-3
+
+
+@pytest.mark.slow
+def test_a_constant_step_keeps_a_sharp_orbit():
+    """At e = 0.99, 800 steps a period: right to 1e-6 in s, and nothing in t."""
+    method, steps = load("g6245-w3"), 8000
+    ends = []
+    for name in ("kepler-sundman", "kepler"):
+        p = problem(name, eccentricity="99/100")
+        found = solve(p, method, h=20 * math.pi / steps, steps=steps)
+        assert found.completed
+        right = p.solution(20 * math.pi)[:2]
+        ends.append(float(np.linalg.norm(found.y[-1][:2] - right) / np.linalg.norm(right)))
+    assert ends[0] < 1e-9 < 1e-1 < ends[1]
+
+
+@pytest.mark.slow
+def test_the_angular_momentum_is_kept_to_round_off_by_a_symplectic_method():
+    p = problem("kepler-sundman", eccentricity="99/100")
+    found = solve(p, load("gauss-3"), h=0.02, steps=3000, every=50)
+    form = p.quadratic["angular momentum"]
+    values = np.array([form(y) for y in found.y])
+    # a random walk of 3000 steps with a rounding each in terms of size 10
+    assert np.max(np.abs(values - values[0])) < 3000 * 10 * 2.0**-53
+
+
+def test_what_cannot_be_transformed_is_refused():
+    refused(UsageError, "must be canonical", time_transformed, problem("lotka-volterra"), "y[0]")
+    refused(UsageError, "must be canonical", time_transformed, problem("pythagorean"), "y[0]")
+    p = problem("kepler-sundman")
+    refused(UsageError, "w > 0", p.exact, 1.0, [1.0, 0.0, 0.0, 0.0, 1.0, -0.5])
