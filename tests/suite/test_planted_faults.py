@@ -10,7 +10,7 @@ from glmref.conformance.faults import NOTES
 from glmref.conformance.subject import Subject
 from glmref.findings import Verdict
 
-from .planted_more import PLANTED, Foreign
+from .planted import PLANTED, Foreign
 
 
 @pytest.mark.slow
