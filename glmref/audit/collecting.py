@@ -97,14 +97,19 @@ class Collector:
     language : Language
     fixed : bool
         Whether it is Fortran in fixed form.
+    lines : set of int, optional
+        Lines of which the statements of functions and classes are carried out, by default all.
     """
 
-    def __init__(self, text: str, language: Language, *, fixed: bool = False) -> None:
-        self.text, self.language = text, language
+    def __init__(
+        self, text: str, language: Language, *, fixed: bool = False, lines: set[int] | None = None
+    ) -> None:
+        self.text, self.language, self.lines = text, language, lines
         self.tokens, self.remarks = tokens(text, language, fixed=fixed)
         if language.name == "fortran":
             self.tokens = [x._replace(text=".") if x.text == "%" else x for x in self.tokens]
-        quotients = {x for pair in _ALIAS.findall(text) for x in pair if x}
+        said = [x for x in text.split("\n") if "Fraction" in x or "Rational" in x or "define" in x]
+        quotients = {x for pair in _ALIAS.findall("\n".join(said)) for x in pair if x}
         if quotients:
             self.tokens = [x._replace(text="Fraction") if x.text in quotients else x
                            for x in self.tokens]  # fmt: skip
@@ -481,18 +486,20 @@ class Collector:
         row = [x for x in given if x.kind != "line"] if not self.language.blanks else list(given)
         while row and row[0].kind == "line":
             row = row[1:]
-        if not row:
+        if not row or (self.block is not self.top and not (
+                self.lines is None or row[0].line in self.lines)):  # fmt: skip
             return
         spend()
         self.count += 1
         row = self._unlabelled(row)
         if not row:
             return
-        arms = [x for x in _parts(row) if any(y.text == "=>" for y in x)]
-        if self.block.name == "match" and arms:
+        if self.block.name == "match":
+            arms = [x for x in _parts(row) if any(y.text == "=>" for y in x)]
             for arm in arms:
                 self._returned(arm[[x.text for x in arm].index("=>") + 1 :])
-            return
+            if arms:
+                return
         if row[0].text == "return" or (tail and self.language.name == "rust"):
             self._returned(row[1:] if row[0].text == "return" else row)
             return
@@ -590,8 +597,10 @@ class Collector:
             return False
         word = [x for x in row[:1] if x.text in ("const", "var", "let")]
         targets = _parts(row[len(word) : equal])
+        if len(targets) < 2:
+            return False
         values = _parts([x for x in row[equal + 1 :] if x.kind != "line"])
-        if len(targets) < 2 or len(targets) != len(values):
+        if len(targets) != len(values):
             return False
         for target, value in zip(targets, values, strict=True):
             if _equal([*target, *value]) is not None:  # let a = 1, b = 2

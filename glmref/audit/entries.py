@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -40,10 +41,16 @@ class Words:
 
     def search(self, text: str) -> bool:
         """Return whether a text has any of them."""
-        text = text.lower()
-        return any(x in text for x in self.words) or any(
-            part in text and phrase.search(text) for part, phrase in self.phrases.items()
-        )
+        return _said(self, text)
+
+
+@lru_cache(maxsize=64)
+def _said(words: Words, text: str) -> bool:
+    """Return whether a text has a word; a source is asked again and again."""
+    text = text.lower()
+    return any(x in text for x in words.words) or any(
+        part in text and phrase.search(text) for part, phrase in words.phrases.items()
+    )
 
 
 #: Words of the subject; a file without any of them holds tables only under plain names.
@@ -235,7 +242,7 @@ def arrays(block: Block, language: Language) -> list[Array]:
                     value = value if _unit(column) else column
                 found.append(Array(item.name, value, item.line, item.last or item.line, item.at,
                                    item.lost))  # fmt: skip
-                found += _parts(item, named=of_subject(block.called))
+                found += _parts(item, block.called)
         elif match and isinstance(value, Number | Unread):
             scalars.setdefault(match[1], []).append((match[2], match[3], item))
     for stem, entries in list(scalars.items()):
@@ -362,10 +369,13 @@ def _by_place(item: Item, value: list[Any], *, told: bool) -> list[Array]:
     return found
 
 
-def _parts(item: Item, *, named: bool) -> list[Array]:
-    """Return rows, or columns, of a matrix of two or three of them under the name of weights."""
+def _parts(item: Item, called: str) -> list[Array]:
+    """Return rows, or columns, of a matrix of two or three of them under the name of weights.
+
+    An argument without a name is one in a call that has a word of the subject.
+    """
     value = item.value
-    if not (role_of(item.name)[1] == "b" or (named and not item.name)):
+    if not (role_of(item.name)[1] == "b" if item.name else of_subject(called)):
         return []
     if len(value) > 2 and {*map(_width, value)} == {2}:
         value = [list(x) for x in zip(*value, strict=True)]

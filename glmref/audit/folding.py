@@ -158,10 +158,12 @@ class Folder:
         while self.at < self.end and self.tokens[self.at].kind == "line":
             self.at += 1
 
-    def peek(self, *, over: bool = True) -> Token | None:
+    def peek(self) -> Token | None:
         """Return the next token."""
-        if over and not self.blanks:
-            self.skip()
+        x = self.tokens[self.at] if self.at < self.end else None
+        if x is None or self.blanks or x.kind != "line":
+            return x
+        self.skip()
         return self.tokens[self.at] if self.at < self.end else None
 
     def sees(self, *texts: str) -> bool:
@@ -331,16 +333,22 @@ class Folder:
             items = self.items(")", keep=True)
         finally:
             self.blanks = blanks
-        comma = any(x.text == "," and self._depth_of(inside, k) == 0 for k, x in enumerate(inside))
-        if len(items) == 1 and not comma:
+        if len(items) == 1 and self._outside(",", inside) is None:
             if isinstance(items[0], Unread):
                 raise items[0]
             return items[0]
         return items
 
     @staticmethod
-    def _depth_of(tokens: Sequence[Token], at: int) -> int:
-        return sum((x.text in _OPEN) - (x.text in _CLOSE) for x in tokens[:at] if x.kind == "mark")
+    def _outside(mark: str, tokens: Sequence[Token]) -> int | None:
+        """Return the index of the first such mark outside of brackets."""
+        depth = 0
+        for k, x in enumerate(tokens):
+            if x.kind == "mark":
+                if depth == 0 and x.text == mark:
+                    return k
+                depth += (x.text in _OPEN) - (x.text in _CLOSE)
+        return None
 
     def _known(self, name: str) -> bool:
         try:
@@ -416,9 +424,7 @@ class Folder:
             raise Unread("a loop is not read", opened.line)
         if self.language.blanks:
             return self._matrix(close)
-        semicolon = next((k for k, x in enumerate(inside)
-                          if x.text == ";" and self._depth_of(inside, k) == 0), None)  # fmt: skip
-        if semicolon is not None and self.language.name == "rust":  # [x; n]
+        if self.language.name == "rust" and self._outside(";", inside) is not None:  # [x; n]
             x = self.expression()
             self.take(";")
             n = number(self.expression()).whole()

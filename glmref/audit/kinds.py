@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import partial
 from itertools import pairwise
 from math import isqrt
 from typing import Any
@@ -19,18 +19,17 @@ from ..prove.schemes import reach
 from ..prove.wrong_entry import Trial
 from .collecting import Block
 from .compositions import of_weights
-from .entries import LOOSE, Array, Found, bare_name, last_letter
+from .entries import LOOSE, Array, Found, Words, bare_name, last_letter
 from .folding import flattened
 from .multistep import MULTISTEP, multistep
 from .table import ZERO, Rows, Table
 from .values import Number, Unread, size, whole_number
 
-_SPLITTING = re.compile(
-    r"symplectic|splitting|drift|kick|leap.?frog|yoshida|(?<![a-z])ruth|mclachlan|hamiltonian|"
-    r"nos[eé].?hoover",
-    re.IGNORECASE,
+_SPLITTING = Words(
+    "symplectic splitting drift kick yoshida mclachlan hamiltonian",
+    {"leap": "leap.?frog", "ruth": "ruth(?<![a-z]ruth)", "hoover": "nos[eé].?hoover"},
 )
-_STORAGE = re.compile(r"low.?storage|williamson|carpenter|\b2n\b|runge", re.IGNORECASE)
+_STORAGE = Words("williamson carpenter runge", {"storage": "low.?storage", "2n": r"\b2n\b"})
 #: Names of the first and second steps of a splitting.
 _FLOWS = (("a", "b"), ("c", "d"), ("a", "ahat"), ("drift", "kick"), ("drifts", "kicks"))
 #: A call of this name has a matrix of one row, which is no list of steps.
@@ -55,12 +54,6 @@ def only_numbers(*arrays: Array) -> None:
 def _stem(x: Array) -> str:
     said = bare_name(x)
     return said[: len(said) - len(last_letter(x))].lower()
-
-
-@lru_cache(maxsize=16)
-def _says(word: re.Pattern[str], text: str) -> bool:
-    """Return whether a source has a word; it is asked for each of its blocks."""
-    return word.search(text) is not None
 
 
 def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
@@ -94,15 +87,15 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         return [Found(table, made)]
     if len(matrices) == len(steps):
         found += _two_registers(vectors)
-        found += [x for x in _low_storage(vectors) if x.table.loose > 1 or _says(_STORAGE, text)]
+        found += [x for x in _low_storage(vectors) if x.table.loose > 1 or _STORAGE.search(text)]
         steps = [] if found or _BUTCHER.search(block.called) else list(_splitting(vectors))
         for x in steps:
-            good = x.table.loose > 1 or _says(_SPLITTING, text)
+            good = x.table.loose > 1 or _SPLITTING.search(text)
             x.table.sure = good
             found += [x] if good or _go_back(x.arrays) else []
-        if vectors and not found and (_says(_SPLITTING, text) or _says(_WEIGHTS, text)):
+        if vectors and not found and (_SPLITTING.search(text) or _WEIGHTS.search(text)):
             found += list(_mirrored(vectors, text)) or _compositions(block, vectors, text)
-    elif not found and _says(_SPLITTING, text):  # lists of pairs beside others
+    elif not found and _SPLITTING.search(text):  # lists of pairs beside others
         found += _splitting(pairs)
     if not found:
         found += multistep(block, made, text)
@@ -364,7 +357,7 @@ def _half_squares(A: Rows, c: Sequence[Any], least: int = 2) -> bool:
     ) < 0.6 * len(live)  # fmt: skip
 
 
-_NYSTROM = re.compile("nystr[oöø]m|rkn", re.IGNORECASE)
+_NYSTROM = Words("rkn", {"nystr": "nystr[oöø]m"})
 
 
 def _nystrom(
@@ -373,7 +366,7 @@ def _nystrom(
     """Return A, b, b' and c of q'' = g(q), and A' of q'' = g(q, q')."""
     for x in matrices:
         A = _square(x, strict=True)
-        least = 1 if x.named and len(x.value) == 3 and _says(_NYSTROM, text) else 2
+        least = 1 if x.named and len(x.value) == 3 and _NYSTROM.search(text) else 2
         times = [y for y in vectors if A is not None and _half_squares(A, y.value, least)]
         c = next((y for y in times if y.role == "c"), None)
         if A is None or c is None:
@@ -664,7 +657,7 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
     """
     steps = {whole_number(x.value) for x in block.items if re.search("stage|step", x.name)}
     for x in vectors:
-        word = _WEIGHTS.search(" ".join([*block.path(), x.name])) is not None
+        word = _WEIGHTS.search(" ".join([*block.path(), x.name]))
         values = [size(y) for y in x.value]
         if x.named and any(set(values) <= set(map(size, y.value)) for y in vectors if y is not x):
             continue  # the names of the numbers of another list
@@ -676,7 +669,7 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
             given = x.value if abs(sum(values) - 1) <= LOOSE or all(same) else []
         elif full and sum(same) >= len(same) - 2 and min(values) < 0:
             gaps = abs(sum(values) - 1), abs(sum(y**3 for y in values))
-            likely = max(gaps) < 0.9 and _says(_WEIGHTS, text) and not _other_flow(x, vectors)
+            likely = max(gaps) < 0.9 and _WEIGHTS.search(text) and not _other_flow(x, vectors)
             middle = values[len(values) // 2]  # no filter goes back in the middle
             known = likely and gaps[0] < 1e-9 and middle == min(values) and middle % 1 != 0
             sure = all(same) and (max(gaps) < LOOSE or known)
@@ -714,6 +707,11 @@ def _other_flow(x: Array, vectors: list[Array]) -> bool:
     )
 
 
-_WEIGHTS = re.compile(
-    r"suzuki|yosh(?:ida)?(?![a-z])|(?<!de)composition|(?<![a-z])sy_", re.IGNORECASE
+_WEIGHTS = Words(
+    "suzuki",
+    {
+        "yosh": "yosh(?:ida)?(?![a-z])",
+        "composition": "composition(?<!decomposition)",
+        "sy_": "sy_(?<![a-z]sy_)",
+    },
 )

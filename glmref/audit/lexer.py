@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -121,10 +121,10 @@ def _tokens_of(language: Language) -> re.Pattern[str]:
     if language.name == "c":  # int division and comments are distinguished
         marks = marks.replace(r"|//=", "")
     return re.compile(
-        rf"(?P<blank>[ \t\r\f\v\u00a0]+)|(?P<remark>{language.comments})|(?P<line>\n)"
+        rf"[^\S\n]*(?:(?P<remark>{language.comments})|(?P<line>\n)"
         rf"|(?P<string>{language.strings})"
-        rf"|(?P<number>(?<![\w.]){numeral})(?P<suffix>{language.suffix})?"
-        rf"|(?P<name>{name})|(?P<mark>{marks})",
+        rf"|(?P<number>(?<![\w.]){numeral})(?:{language.suffix})?"
+        rf"|(?P<name>{name})|(?P<mark>{marks}))",
         re.DOTALL,
     )
 
@@ -175,28 +175,22 @@ def tokens(
     found: list[Token] = []
     remarks: list[Remark] = []
     line, spaced = 1, False
+    token = partial(tuple.__new__, Token)  # half of the time of Token(..)
     for m in _tokens_of(language).finditer(text):
         kind = m.lastgroup or ""
-        if kind == "suffix":
-            kind = "number"
-        if kind == "blank":
-            spaced = True
-            continue
-        said = m[0]
+        said, start = m[kind], m.start(kind)
+        spaced = spaced or start > m.start()
         if kind == "remark":
             last = line + said.count("\n")
             if said[0] != "\\" and not said.startswith(("&", "...")):
                 remarks.append(Remark(said, line, last))
             line, spaced = last, True
             continue
-        if kind == "line":
-            found.append(Token("line", "\n", line, m.start(), m.end(), spaced))
-            line, spaced = line + 1, False
-            continue
-        value = m["number"] if kind == "number" else said
-        found.append(Token(kind, value, line, m.start(), m.end(), spaced))
+        found.append(token((kind, said, line, start, m.end(), spaced)))
         spaced = False
-        if kind == "string":
+        if kind == "line":
+            line += 1
+        elif kind == "string":
             last = line + said.count("\n")
             if last > line or said.startswith(('"""', "'''")):
                 remarks.append(Remark(said, line, last))

@@ -288,7 +288,13 @@ _ORDER_FUNCTION = re.compile(
 )
 #: What it has behind its name; few texts have it, and it is found fast.
 _RETURNS = re.compile(r"_order\s*\([^(){}]*\)[^(){};]{0,40}\{\s*return\s")
+#: A dictionary of orders; the literal at its head is found fast.
+_ORDERS = [
+    re.compile(rf"{x}(?<=\b[Oo]{x})s?\w*\s*(?::[^=\n]{{1,60}})?=\s*\{{([^{{}}]*)\}}")
+    for x in ("rder", "RDER")
+]
 #: A type of Julia and the text above it.
+_STRUCT = re.compile(r'"""\s*(?:Base\.@kwdef )?struct ')
 _DOCUMENTED = re.compile(r'"""((?:(?!""").)*)"""\s*(?:Base\.@kwdef )?struct (\w+)', re.DOTALL)
 
 
@@ -309,20 +315,21 @@ def declared_orders(text: str) -> dict[str, int]:
     if places:
         return {name: int(n) for name, n in places}
     documented = {}
-    for doc, name in _DOCUMENTED.findall(text) if "struct " in text else ():
+    for doc, name in _DOCUMENTED.findall(text) if _STRUCT.search(text) else ():
         said = re.search(r"\b(\d+)(?:st|nd|rd|th)[- ]order|\b([a-z]+)-order", doc, re.IGNORECASE)
         order = said and (int(said[1]) if said[1] else ORDINALS.get(said[2].lower()))
         if order:
             documented[name] = order
     found = _ORDER_FUNCTION.findall(text) if _RETURNS.search(text) else []
-    for inner in re.findall(r"\b[Oo](?:rder|RDER)s?\w*\s*(?::[^=\n]{1,60})?=\s*\{([^{}]*)\}", text):
+    for inner in (y for x in _ORDERS for y in x.findall(text)):
         found += re.findall(r"[\"']([\w .-]+)[\"']\s*[:=,]\s*(\d{1,2})\b", inner)
     documented |= {name: int(n) for name, n in found}
-    found = _ORDER_OF_TYPE.findall(text) if "order(" in text and "::" in text else []
+    found = _ORDER_OF_TYPE.findall(text) if _OF_TYPE.search(text) else []
     return documented | {x.strip(): int(n) for names, n in found for x in names.split(",")}
 
 
 #: ``alg_order(::Name) = n`` and ``order(x::Name) = n`` of Julia.
+_OF_TYPE = re.compile(r"order\(\s*\w*::")
 _ORDER_OF_TYPE = re.compile(
     r"(?<!\w)(?:alg_|get_)?order\(\s*\w*::(?:Union\{)?([\w, ]+)\}?\s*\)\s*=\s*(\d+)"
 )
@@ -345,7 +352,7 @@ def completed_entries(text: str) -> dict[str, tuple[str, int]]:
         line.
     """
     found: dict[str, tuple[str, int]] = {}
-    for step in _PERFORM.finditer(text):
+    for step in _PERFORM.finditer(text) if "perform_step!" in text else ():
         taken = re.findall(r"\(;([^()]*)\)\s*=\s*cache\b|@unpack ([^=]*)=\s*cache\b", step[2])
         entries = {x for pair in taken for x in re.findall(r"\w+", "".join(pair))}
         for line in re.finditer(r"^\s*(\w+)\s*[-+*/]?=(?!=)", step[2], re.MULTILINE):

@@ -19,7 +19,7 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
-from .entries import LOOSE, NAMES, OF_FLOWS, Array, arrays, of_subject, role_of
+from .entries import LOOSE, NAMES, OF_FLOWS, Array, Words, arrays, of_subject, role_of
 from .flows import flows_of, known_numbers
 from .folding import flattened
 from .inline import inline_sums, multiples
@@ -64,8 +64,8 @@ _VECTORS, _BROKEN = (
 _BEFORE, _AFTER = 3000, 4500
 
 
-def _names(text: str) -> bool:
-    """Return whether a matrix A has weights and nodes beside it, by their names.
+def _named_places(text: str) -> Iterator[tuple[int, int]]:
+    """Yield where a matrix A has weights and nodes beside it, by their names.
 
     In a file without a word of the subject nothing else says what a matrix is (:func:`_says`).
     """
@@ -74,11 +74,11 @@ def _names(text: str) -> bool:
         at = matrix.start()
         if at >= last:
             last = at + _AFTER // 3  # what stands beside the next one stands mostly beside this one
-            near = text[max(0, at - _BEFORE) : at + _AFTER]
+            first, end = max(0, at - _BEFORE), at + _AFTER
+            near = text[first:end]
             named = all(vector.search(near) for vector in _VECTORS)
             if named and any(vector.search(near) for vector in _BROKEN):
-                return True
-    return False
+                yield first, end
 
 
 def _numerals(text: str) -> bool:
@@ -99,7 +99,7 @@ def may_hold(text: str, where: str = "") -> bool:
     """
     if any(x in text for x in _PLAIN):
         return True
-    if _numerals(text) and (of_subject(text) or of_subject(where) or _names(text)):
+    if _numerals(text) and (of_subject(text) or of_subject(where) or any(_named_places(text))):
         return True
     if MULTISTEP.search(text) and _PRODUCTS.search(text) and of_subject(text):
         return True
@@ -124,7 +124,7 @@ class Reading:
 
 
 def _padded(rows: Sequence[Sequence[Any]], s: int) -> Rows | None:
-    if len(rows) != s or any(len(x) > s for x in rows):
+    if len(rows) != s or not all(isinstance(x, list) and len(x) <= s for x in rows):
         return None
     return [[*x, *([ZERO] * (s - len(x)))] for x in rows]
 
@@ -450,9 +450,9 @@ def _weights(
 # --- tables ---------------------------------------------------------------------------------------
 
 #: Words of a text in which a matrix A is that of a method.
-_STRONG = re.compile(
-    r"runge|butcher|tableau|(?<![a-z])rk(?:f|ck|dp)?\d|dopri|dormand|fehlberg|cash.?karp",
-    re.IGNORECASE,
+_STRONG = Words(
+    "runge butcher tableau dopri dormand fehlberg",
+    {"rk": r"rk(?<![a-z]rk)(?:f|ck|dp)?\d", "karp": "cash.?karp"},
 )
 #: Names of the parts of an additive method.
 _HALF = re.compile(r"exp(?:licit)?|imp(?:licit)?|_(?:ex|im)(?![a-z])", re.IGNORECASE)
@@ -482,24 +482,16 @@ def tables(
     where : str, optional
         Path of the file, which may say what it is about.
     """
-    collector = Collector(text, language, fixed=fixed)
-    everything = collector.blocks()
-    for block in everything:
-        named = [x.value for x in block.items if isinstance(x.value, Block)]
-        for used in {x.called: x for x in reversed(named)}.values():  # others may be of an adjoint
-            used.user = used.user or block
     about = about or of_subject(text) or of_subject(where)
-    strong = _STRONG.search(text) is not None
-    found: list[Table] = []
-    for block in everything:
-        made = arrays(block, language)
-        if block.parent is not None and made and not any(x.role == "b" for x in made):
-            taken, around = {x.name for x in made}, arrays(block.parent, language)
-            fills = any(x.name in taken and x.role == "A" and _empty(x) for x in around)
-            made += [x for x in around if x.name not in taken and (fills or (
-                     block.kind == "record" and block.line <= x.line <= block.last))]  # fmt: skip
-        found += _of_block(block, made, text, about=about, strong=strong)
-        found += _euler(block, made)
+    strong = _STRONG.search(text)
+    lines = None if about or "uler" in text or "EULER" in text else _named_lines(text)
+    collector, everything, found = _matrices(
+        text, language, fixed=fixed, about=about, strong=strong, lines=lines
+    )
+    if found and lines is not None:  # where names say of one table what it is, there may be others
+        collector, everything, found = _matrices(
+            text, language, fixed=fixed, about=about, strong=strong
+        )
     if about:
         found = _with_steps(found, everything, collector)
     found = [x for x in _distinct(found) if not (x.unread.endswith(_ELSEWHERE) and any(
@@ -527,6 +519,46 @@ def tables(
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
     return [x for x in found if x.unread or x.order is not None or any(x.c) or len(x.b[0]) > 1]
+
+
+def _named_lines(text: str) -> set[int] | None:
+    """Return the lines beside the names A, b, c of a text without a word of the subject.
+
+    There stands the first of its tables, if it has any (:func:`_says`). It is ``None``, for all
+    lines, where neither these names nor words of flows are the reason to read it.
+    """
+    if _STORED.search(text):
+        return None
+    places = list(_named_places(text))
+    if not (places or OF_FLOWS.search(text)):
+        return None
+    ends = ((text.count("\n", 0, x) + 1, text.count("\n", 0, y) + 1) for x, y in places)
+    return {line for first, last in ends for line in range(first, last + 1)}
+
+
+def _matrices(
+    text: str, language: Language, *, fixed: bool, about: bool, strong: bool,
+    lines: set[int] | None = None,
+) -> tuple[Collector, list[Block], list[Table]]:  # fmt: skip
+    """Return the blocks of a source, and the tables of each that are arrays beside each other."""
+    collector = Collector(text, language, fixed=fixed, lines=lines)
+    everything = collector.blocks()
+    for block in everything:
+        named = [x.value for x in block.items if isinstance(x.value, Block)]
+        for used in {x.called: x for x in reversed(named)}.values():  # others may be of an adjoint
+            used.user = used.user or block
+    found: list[Table] = []
+    own = {id(block): arrays(block, language) for block in everything}
+    for block in everything:
+        made = list(own[id(block)])
+        if block.parent is not None and made and not any(x.role == "b" for x in made):
+            taken, around = {x.name for x in made}, own[id(block.parent)]
+            fills = any(x.name in taken and x.role == "A" and _empty(x) for x in around)
+            made += [x for x in around if x.name not in taken and (fills or (
+                     block.kind == "record" and block.line <= x.line <= block.last))]  # fmt: skip
+        found += _of_block(block, made, text, about=about, strong=strong)
+        found += _euler(block, made)
+    return collector, everything, found
 
 
 #: Blocks that are a part of the function around them.
@@ -643,7 +675,7 @@ def _of_arithmetic(
 
 
 #: Words of a text in which lists under the names of coefficients are those of a method.
-_STORED = re.compile(r"williamson|carpenter|(?:low|2n).?storage|ssp.?rk", re.IGNORECASE)
+_STORED = Words("williamson carpenter", {"storage": "(?:low|2n).?storage", "ssp": "ssp.?rk"})
 
 
 def _left_over(given: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
@@ -996,7 +1028,7 @@ def _is_table(x: Candidate, *, about: bool, call: str) -> bool:
 
     It may stand in a call of this name, which may be one of a tableau.
     """
-    called, told = call != "" and x.array.name == "", _STRONG.search(call) is not None
+    called, told = call != "" and x.array.name == "", _STRONG.search(call)
     s = len(x.reading.A)
     entries = [size(y) for row in (*x.reading.A, x.weights) for y in row]
     broken = sum(y != 0 and y == y and y != round(y) for y in entries)

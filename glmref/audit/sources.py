@@ -14,7 +14,7 @@ from typing import Any
 from ..compute import Executor, in_order
 from ..compute.executors import Here
 from ..errors import DataError, GlmrefError, UsageError
-from ..system.budget import PROVING, limited
+from ..system.budget import PROVING, limited, rarely_collected
 from ..system.files import named_in
 from .entries import of_subject
 from .known import may_hold_known, records
@@ -225,7 +225,7 @@ def _of_file(
         return [_unread(1, path.name, remark)] if of_subject(text) else []
     rows: list[dict[str, Any]] = []
     try:
-        with limited(PROVING):
+        with limited(PROVING), rarely_collected():
             for table in _read(path, text, task["form"], task["declared"], task["given"]):
                 if table.name in completed:
                     rows.append(_unread(table.line, table.name, completed[table.name]))

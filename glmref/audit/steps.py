@@ -50,6 +50,7 @@ ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, Recurs
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
 BRANCHES = frozenset("else elif elseif elsif case switch match".split())
 _LOOPS = frozenset(("for", "do", "DO"))
+_OWN = ("self", "this", "me")
 #: What the index of an entry is made of where each has a thread.
 _THREADS = frozenset("blockIdx threadIdx get_global_id".split())
 
@@ -197,7 +198,8 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
     """Return tokens in which ``k[0][i]`` is the name ``k[0]``, ``f.(`` and ``f!(`` are ``f(``."""
     row = [x for x in given if x.text != "self" or language.name != "rust"]
     counts = _loops(row)
-    row = _elementwise(row, counts)
+    if any(x.text in ("for", "=>") for x in row):
+        row = _elementwise(row, counts)
     found: list[Token] = []
     k = 0
     while k < len(row):
@@ -417,8 +419,8 @@ class Step:
 
     def look(self, name: str) -> Any:
         """Return what a name holds; a name that holds nothing stands for itself."""
-        for word in ("self.", "this.", "me."):
-            name = name.removeprefix(word)
+        for word in _OWN:
+            name = name.removeprefix(f"{word}.")
         if name in self.values:
             x = self.values[name]
             if isinstance(x, Unread):
@@ -521,7 +523,7 @@ class Step:
         first = len(left) - 1
         while first >= 2 and left[first - 1].text in (".", "->") and left[first - 2].kind == "name":
             first -= 2
-        owner = [x.text for x in left[first:-1:2] if x.text not in ("self", "this", "me")]
+        owner = [x.text for x in left[first:-1:2] if x.text not in _OWN]
         self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
 
     def _set_at_once(
@@ -792,6 +794,30 @@ def _is_flag(row: Sequence[Token], made: Sequence[_Call], said: Sequence[list[To
     )  # fmt: skip
 
 
+def _depends(made: Sequence[_Call], said: Sequence[list[Token]], output: int) -> bool:
+    """Return whether a call may be given what one of them gave: else they are no stages.
+
+    That stands in a name that takes the slope, in one that is set to a value with such a name or
+    call in it, or in the argument itself; statements are carried out once, in their order.
+    """
+
+    def names(row: Sequence[Token]) -> set[str]:
+        return {x.text.partition("[")[0] for x in row if x.kind == "name"}
+
+    held = {x.name.rpartition(".")[2] for x in made}
+    held |= {
+        name for x in made for part in x.arguments[output : output + 1] for name in names(part)
+    }
+    for row in said:
+        equal = _equal(row)
+        if row[0].text.lower() == "associate":
+            held |= names(row)
+        elif equal is not None and held & names(row[equal:]):
+            held |= names(row[:equal]) - {*_OWN}
+    given = (part for x in made for k, part in enumerate(x.arguments) if k != output)
+    return any(held & names(part) for part in given)
+
+
 def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterator[Table]:
     """Yield the steps that a function of flat tokens makes, one for each right-hand side."""
     language = collector.language
@@ -823,6 +849,11 @@ def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
             if not places:
                 continue
             output = max(places)[1]
+        alike = made if output < 0 else [x for x in every if len(x.arguments) == count]
+        begin = row[min(x.at for x in alike)]
+        first = next((n for n, s in enumerate(said) if any(y is begin for y in s)), 0)
+        if len(made) > 1 and not _depends(alike, said[first:], output):
+            continue
         first, last = made[0].at, made[-1].at
         if any(x.text in BRANCHES for x in row[first:last]):
             continue

@@ -11,6 +11,7 @@ import ast
 import re
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from functools import lru_cache
 from math import nan, prod
 from typing import Any, NamedTuple
 
@@ -122,13 +123,19 @@ class Numeral(NamedTuple):
 
 def literal(text: str) -> Number:
     """Return a number as it is written."""
+    return Number(*_literal(text))
+
+
+@lru_cache(maxsize=4096)
+def _literal(text: str) -> tuple[Exact, int | None, int]:
+    """Return value, digits after the point and size of a numeral; few stand very often."""
     x = Numeral.of(text)
     if x is None:
         raise Unread(f"{text[:40]!r} is no number")
     places = max(0, len(x.after) - x.power)
     exact = not x.point or not is_rounded(places)
     size = len(x.before + x.point + x.after) + abs(x.power)
-    return Number(Exact(x.value), None if exact else places, size)
+    return Exact(x.value), None if exact else places, size
 
 
 def spelled(text: str, value: Fraction, slack: Fraction = Fraction(0)) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,7 +18,7 @@ from ..compute.executors import ENVIRONMENT, Local
 from ..errors import BudgetError, GlmrefError
 from ..findings import Finding, Verdict
 from ..prove.verdict_cache import Question, keep_findings, look_up, question
-from ..system.budget import READING
+from ..system.budget import READING, rarely_collected
 from ..system.files import noting
 from ..system.process import Say, apart
 from ..views.tables import plain
@@ -28,8 +27,6 @@ from .output import internal_sentence
 
 #: Seconds that two new processes need before they give a first result (they import the package).
 STARTUP = 1.0
-#: Objects more than before at which cycles are looked for: at the usual 700 it is 6 % of the time.
-COLLECT_AFTER = 50_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,15 +125,11 @@ def _plain(found: Finding) -> Finding:
 
 def check_task(task: Mapping[str, Any]) -> Checked:
     """Carry out the task of checking one file; proofs leave few cycles to collect."""
-    before = gc.get_threshold()
-    gc.set_threshold(COLLECT_AFTER, *before[1:])
-    try:
+    with rarely_collected():
         return check(
             task["name"], task["only"], task["budget"], keep=task["keep"],
             certificates=task["certificates"],
         )  # fmt: skip
-    finally:
-        gc.set_threshold(*before)
 
 
 def check_all(

@@ -7,6 +7,7 @@ the files of users decided in processes that are ended where it does not return 
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -23,6 +24,8 @@ PROVING = 60.0
 EXCESS = 2.0
 #: Most coefficients of a linear system that is written down; each takes up to 100 bytes.
 CELLS = 20_000_000
+#: Objects more than before at which cycles are looked for, where that takes a part of the time.
+COLLECT_AFTER = 50_000
 
 
 @dataclass(slots=True)
@@ -74,6 +77,17 @@ def watched(notice: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         _watch.reset(token)
+
+
+@contextmanager
+def rarely_collected() -> Iterator[None]:
+    """Look for cycles rarely: what is computed inside makes many objects, and leaves few cycles."""
+    before = gc.get_threshold()
+    gc.set_threshold(COLLECT_AFTER, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 def spend() -> None:
