@@ -9,7 +9,7 @@ from copy import copy
 from typing import cast
 
 from .arithmetic import Fraction, Number, rational_of
-from .grammar import DIGITS, parse, plain
+from .grammar import parse
 from .linalg import diagonal
 from .numbers import Element, conj, enclose, real, upper, vanishes
 from .refusals import (
@@ -17,7 +17,6 @@ from .refusals import (
     Document,
     as_list,
     as_object,
-    as_text,
     keys,
     matched,
     require,
@@ -139,20 +138,13 @@ class Numbers:
         def known(name: str) -> Number | None:
             return self.name(document, name) if allowed is None or name in allowed else None
 
-        def written_out(text: object) -> str:
-            own = plain(as_text(text, "a constant is no text"))
-            found = re.sub(r"[A-Za-z_][A-Za-z_0-9]*", lambda m: f"({written_out(constants[m[0]])})"
-                           if m[0] in constants else m[0], own)  # fmt: skip
-            require(len(found) <= DIGITS, "beyond the limits of this checker")
-            return found
-
         def decimal(number: str) -> Number:
             if not rational_of(number):
                 return Fraction(0)  # 0.000 of a table is 0
             read = shown(self.decimal, "a decimal is no exact number")
             return read(number, whole(document["digits"], 1, 400))
 
-        return parse(text, known, self.radical, written_out,
+        return parse(text, known, self.radical, constants,
                      decimal if "digits" in document else None)  # fmt: skip
 
     def vector(self, texts: object, document: Document | None = None) -> list:

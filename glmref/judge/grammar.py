@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
 from .arithmetic import Fraction, Number, rational_of
@@ -189,6 +190,17 @@ def plain(text: str) -> str:
     return re.sub(r"(?<![.\w])0+(?=[0-9])", "", re.sub(BLANK, "", text))
 
 
+def written_out(text: object, constants: Mapping[str, object]) -> str:
+    """Return an entry without blanks, its constants written out in parentheses."""
+    found = re.sub(
+        r"[A-Za-z_][A-Za-z_0-9]*",
+        lambda m: f"({written_out(constants[m[0]], constants)})" if m[0] in constants else m[0],
+        plain(as_text(text, "a constant is no text")),
+    )
+    require(len(found) <= DIGITS, "beyond the limits of this checker")
+    return found
+
+
 def value_of(
     node: Expression,
     leaf: Callable[[Expression], Number],
@@ -214,12 +226,12 @@ def parse(
     text: object,
     name: Callable[[str], Number | None],
     radical: Callable[[str], Number] | None = None,
-    written_out: Callable[[str], str] = str,
+    constants: Mapping[str, object] = MappingProxyType({}),
     decimal: Callable[[str], Number] | None = None,
 ) -> Number:
     """Return the number that an entry stands for (data contract).
 
-    It depends on the number of a name, of the text of a radical with all constants `written_out`,
+    It depends on the number of a name, of the text of a radical with all `constants` written out,
     and of a decimal.
     """
     given = as_text(text, "an entry is no short string")
@@ -233,7 +245,7 @@ def parse(
         if isinstance(node, Name) and node.name != "i":
             return shown(name(node.name), f"nothing is called {node.name[:40]!r}")
         own = node.text if isinstance(node, Root | Exponential) else "i"
-        return shown(radical, "a radical stands where none may")(written_out(own))
+        return shown(radical, "a radical stands where none may")(written_out(own, constants))
 
     return value_of(Reader(given).read(), leaf, lambda x, y: x * inverse(y))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from functools import lru_cache
 from itertools import product
@@ -23,10 +24,20 @@ from ..exact.expression import parse
 from ..exact.judging import Fraction as rational
 from ..exact.judging import as_scalar
 from ..exact.relations import BITS
+from ..judge.grammar import (
+    Exponential,
+    Expression,
+    Name,
+    Negative,
+    Product,
+    Reader,
+    Root,
+    Sum,
+    written_out,
+)
+from ..judge.refusals import NotShown
 
-_NAME = re.compile(r"(?<![A-Za-z_0-9])([A-Za-z_][A-Za-z_0-9]*)")
-_LEADING_ZEROS = re.compile(r"(?<![.\w])0+(?=[0-9])")
-_FUNCTIONS = ("sqrt", "root", "exp")
+_MAY_HOLD_ONE = re.compile(r"sqrt|root|exp|(?<![A-Za-z_0-9])i(?![A-Za-z_0-9])")
 _LARGEST = 64  # degree of a field
 #: Members of a document that hold words.
 _PROSE = frozenset(
@@ -34,40 +45,25 @@ _PROSE = frozenset(
 )
 
 
-def written_out(text: str, constants: Mapping[str, str]) -> str:
-    """Return an entry without blanks and zeros that begin a number, its constants written out.
-
-    They are replaced by what they stand for, in parentheses.
-    """
-    text = _LEADING_ZEROS.sub("", re.sub(r"\s", "", text))
-    return _NAME.sub(
-        lambda m: f"({written_out(constants[m[1]], constants)})" if m[1] in constants else m[1],
-        text,
-    )
-
-
 def radicals_of(text: str) -> list[str]:
     """Return texts of the radicals in an entry, inner ones first; ``i`` outside exp is one."""
-    found: list[str] = []
-    at = 0
-    while match := _NAME.search(text, at):
-        name = match[1]
-        if name in _FUNCTIONS:
-            end, depth = match.end(), 0
-            while True:
-                depth += {"(": 1, ")": -1}.get(text[end], 0)
-                end += 1
-                if depth == 0:
-                    break
-            if name != "exp":
-                found += radicals_of(text[match.end() + 1 : end - 1])
-            found.append(text[match.start() : end])
-            at = end
-        else:
-            if name == "i":
-                found.append("i")
-            at = match.end()
-    return list(dict.fromkeys(found))
+
+    def within(node: Expression) -> Iterator[str]:
+        match node:
+            case Name("i"):
+                yield "i"
+            case Negative(operand):
+                yield from within(operand)
+            case Sum(parts) | Product(parts):
+                for _, part in parts:
+                    yield from within(part)
+            case Root(radicand, _, own):
+                yield from within(radicand)
+                yield own
+            case Exponential(_, own):
+                yield own
+
+    return list(dict.fromkeys(within(Reader(text).read())))
 
 
 @lru_cache(maxsize=256)
@@ -353,7 +349,10 @@ class Texts:
 
     def _in(self, text: str) -> dict[str, None]:
         """Return the radicals of one entry; words such as rules and trees hold none."""
-        return dict.fromkeys(radicals_of(written_out(text, self.constants)))
+        if self.constants or _MAY_HOLD_ONE.search(text):
+            with suppress(NotShown):  # else the judge says so
+                return dict.fromkeys(radicals_of(written_out(text, self.constants)))
+        return {}
 
 
 def _strings(value: Any) -> Iterator[str]:
