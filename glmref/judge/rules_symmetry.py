@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -26,6 +26,40 @@ class Exchange:
     L_hat: list | None = None
     P_Q: list | None = None
     P_P: list | None = None
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A component with V^-1, L, and P on the slopes and on the stages: what must vanish of them."""
+
+    m: Component
+    back: list
+    L: list
+    slopes: list
+    stages: list
+
+    def of_L(self) -> list:
+        """Return L^2 - I."""
+        return minus(times(self.L, self.L), identity(self.m.r))
+
+    def of_V(self) -> list:
+        """Return L V^-1 L - V."""
+        return minus(times(self.L, self.back, self.L), self.m.V)
+
+    def of_B(self) -> list:
+        """Return B - V L B P."""
+        mirrored = times(self.m.V, self.L, self.m.B)
+        return minus(self.m.B, [[row[x] for x in self.slopes] for row in mirrored])
+
+    def of_U(self) -> list:
+        """Return U - P U L V."""
+        mirrored = times(self.m.U, self.L, self.m.V)
+        return minus(self.m.U, [mirrored[x] for x in self.stages])
+
+    def of_A(self) -> list:
+        """Return A + P A P - U V^-1 B."""
+        moved = [[self.m.A[x][y] for y in self.slopes] for x in self.stages]
+        return minus(combine(self.m.A, moved), times(self.m.U, self.back, self.m.B))
 
 
 class SymmetricCase(Case):
@@ -58,13 +92,10 @@ class SymmetricCase(Case):
         return self.by_colour[colour][1:]
 
     @cached_property
-    def back(self) -> dict[str, list]:
-        """Return V^-1 by colour."""
-        return {c: inverse_matrix(m.V) for c, m in self.method.parts.items()}
-
-    def each(self, gap: Callable) -> bool:
-        """Tell whether a difference of matrices, from colour and component, is 0 for all."""
-        return all(vanishes(gap(c, m)) for c, m in self.method.parts.items())
+    def turned(self) -> list[Turned]:
+        """Return the components with V^-1, L and P."""
+        return [Turned(m, inverse_matrix(m.V), self.L[c], *self.P(c))
+                for c, m in self.method.parts.items()]  # fmt: skip
 
 
 def is_involution(p: list, n: int) -> bool:
@@ -89,7 +120,7 @@ def P_agree_where_stages_are_shared(case: SymmetricCase) -> bool:
 
 def L_are_involutions(case: SymmetricCase) -> bool:
     """L^2 = I."""
-    return case.each(lambda c, m: minus(times(case.L[c], case.L[c]), identity(m.r)))
+    return all(vanishes(x.of_L()) for x in case.turned)
 
 
 def V_are_regular(case: SymmetricCase) -> bool:
@@ -99,37 +130,22 @@ def V_are_regular(case: SymmetricCase) -> bool:
 
 def L_reverses_V(case: SymmetricCase) -> bool:
     """L V^-1 L = V."""
-    return case.each(lambda c, m: minus(times(case.L[c], case.back[c], case.L[c]), m.V))
+    return all(vanishes(x.of_V()) for x in case.turned)
 
 
 def B_is_reversed(case: SymmetricCase) -> bool:
     """B = V L B P."""
-    return case.each(
-        lambda c, m: minus(
-            [[row[x] for x in case.P(c)[0]] for row in times(m.V, case.L[c], m.B)], m.B
-        )
-    )
+    return all(vanishes(x.of_B()) for x in case.turned)
 
 
 def U_is_reversed(case: SymmetricCase) -> bool:
     """U = P U L V."""
-
-    def gap(c: str, m: Component) -> list:
-        mirrored = times(m.U, case.L[c], m.V)
-        return minus([mirrored[x] for x in case.P(c)[1]], m.U)
-
-    return case.each(gap)
+    return all(vanishes(x.of_U()) for x in case.turned)
 
 
 def A_is_reversed(case: SymmetricCase) -> bool:
     """A + P A P = U V^-1 B."""
-
-    def gap(c: str, m: Component) -> list:
-        slopes, stages = case.P(c)
-        moved = [[m.A[x][y] for y in slopes] for x in stages]
-        return minus(combine(m.A, moved), times(m.U, case.back[c], m.B))
-
-    return case.each(gap)
+    return all(vanishes(x.of_A()) for x in case.turned)
 
 
 # ---------------------------------------------------------------------------- no reversal
@@ -256,7 +272,7 @@ def no_P_has_an_L(case: NotSymmetricCase) -> bool:
 SYMMETRY_RULES = (
     Rule(
         "symmetric", "symmetric", "holds", "the definition", SYMMETRY, Exchange, SymmetricCase,
-        (P_are_involutions, P_agree_where_stages_are_shared, L_are_involutions, V_are_regular,
+        (P_are_involutions, P_agree_where_stages_are_shared, V_are_regular, L_are_involutions,
          L_reverses_V, B_is_reversed, U_is_reversed, A_is_reversed),
         lambda case: Reversal(case.L),
     ),

@@ -21,11 +21,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import islice, product
-from typing import cast
+from typing import Any, cast
 
 from ..errors import ExactnessError
 from ..exact import Exact, linalg
-from ..exact.judging import as_numbers, consulted, outward
+from ..exact.judging import as_numbers, consulted, fast_judge, inward, outward
 from ..exact.linalg import Matrix, independent_rows, solve_affine
 from ..judge.refusals import Refused
 from ..method import GLM, Component, Method
@@ -89,91 +89,67 @@ class Symmetry:
 class _Half:
     """One method with what the conditions need of it."""
 
-    A: Matrix
-    U: Matrix
-    B: Matrix
-    V: Matrix
-    V_inverse: Matrix
+    c: GLM | Component
+    m: Any  # the component in the judge's numbers
+    back: Matrix  # V^-1
     U_back: Matrix  # U V^-1
-    B_back: Matrix  # V^-1 B
-    exchange: Matrix  # U V^-1 B
     hat: str = ""
 
 
-def _half(m: GLM | Component) -> _Half:
-    hat = "^" if isinstance(m, Component) and m.colour == "k" else ""
-    back = linalg.inverse(m.V)
-    U_back = linalg.matmul(m.U, back)
-    return _Half(
-        m.A, m.U, m.B, m.V, back, U_back, linalg.matmul(back, m.B), linalg.matmul(U_back, m.B), hat
-    )
+def _half(c: GLM | Component) -> _Half:
+    hat = "^" if isinstance(c, Component) and c.colour == "k" else ""
+    back = linalg.inverse(c.V)
+    return _Half(c, judged_component(c), back, linalg.matmul(c.U, back), hat)
 
 
-def _permuted(rows: Matrix, order: Sequence[int]) -> Matrix:
-    return tuple(rows[i] for i in order)
-
-
-def _columns_permuted(rows: Matrix, order: Sequence[int]) -> Matrix:
-    return tuple(tuple(row[j] for j in order) for row in rows)
-
-
-def _stage_residual(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> Matrix:
-    exchanged = _columns_permuted(_permuted(half.A, rows), columns)
-    return linalg.sub(linalg.add(half.A, exchanged), half.exchange)
+def _turned(half: _Half, L: Matrix, rows: Sequence[int], columns: Sequence[int]) -> Any:
+    """Return what of a reversal must vanish, as the judge has it."""
+    space = inward([half.back, L])
+    turned = fast_judge().rules_symmetry.Turned
+    return turned(half.m, *space, list(columns), list(rows))
 
 
 def _value_residuals(half: _Half, L: Matrix, rows: Sequence[int], columns: Sequence[int]) -> Named:
     x = half.hat
-    V_L = linalg.matmul(half.V, L)
-    L_V = linalg.matmul(L, half.V)
-    return [
-        (f"L{x} L{x} - I", linalg.sub(linalg.matmul(L, L), linalg.identity(len(L)))),
-        (
-            f"L{x} V{x}^-1 L{x} - V{x}",
-            linalg.sub(linalg.matmul(L, half.V_inverse, L), half.V),
-        ),
-        (
-            f"B{x} - V{x} L{x} B{x} P",
-            linalg.sub(half.B, linalg.matmul(V_L, _columns_permuted(half.B, columns))),
-        ),
-        (
-            f"U{x} - P U{x} L{x} V{x}",
-            linalg.sub(half.U, linalg.matmul(_permuted(half.U, rows), L_V)),
-        ),
-    ]
+    with consulted():
+        found = _turned(half, L, rows, columns)
+        return [
+            (f"L{x} L{x} - I", outward(found.of_L())),
+            (f"L{x} V{x}^-1 L{x} - V{x}", outward(found.of_V())),
+            (f"B{x} - V{x} L{x} B{x} P", outward(found.of_B())),
+            (f"U{x} - P U{x} L{x} V{x}", outward(found.of_U())),
+        ]
 
 
 def _observed_L(half: _Half, rows: Sequence[int]) -> Matrix | None:
     """Solve ``(P U V^k) L = U V^(-1-k)`` for L, k = 0, 1, .. until the rows determine it."""
-    left, right = list(_permuted(half.U, rows)), list(half.U_back)
-    r = len(half.V)
+    left, right = [half.c.U[i] for i in rows], list(half.U_back)
+    r = len(half.c.V)
     for _ in range(r):
         chosen = independent_rows(tuple(left), r)
         if len(chosen) == r:
             a = tuple(left[i] for i in chosen)
             return linalg.solve(a, tuple(right[i] for i in chosen))
-        s = len(half.U)
-        left += linalg.matmul(tuple(left[-s:]), half.V)
-        right += linalg.matmul(tuple(right[-s:]), half.V_inverse)
+        s = len(half.c.U)
+        left += linalg.matmul(tuple(left[-s:]), half.c.V)
+        right += linalg.matmul(tuple(right[-s:]), half.back)
     return None
 
 
-def _all_L(
-    c: Component, half: _Half, rows: Sequence[int], columns: Sequence[int]
-) -> tuple[list[Matrix], bool]:
+def _all_L(half: _Half, rows: Sequence[int], columns: Sequence[int]) -> tuple[list[Matrix], bool]:
     """Return candidates for L where the stages do not see all values: all conditions together.
 
     The affine solutions are walked with factors 0, 1 and -1; none is a proof of absence. The second
     result tells whether no other L satisfies the conditions than the one given.
     """
     with consulted() as judge:
-        part, back = judged_component(c), as_numbers(half.V_inverse)
-        equations, right = outward(judge.rules_symmetry.conditions(part, back, rows, columns))
+        back = as_numbers(half.back)
+        equations, right = outward(judge.rules_symmetry.conditions(half.m, back, rows, columns))
     solution = solve_affine(equations, right)
     if solution.failed is not None:
         return [], True
     found: list[Matrix] = []
-    r = len(half.V)
+    r = len(half.c.V)
     for factors in islice(product((0, 1, -1), repeat=len(solution.directions)), 81):
         flat = list(solution.point)
         for t, direction in zip(factors, solution.directions, strict=True):
@@ -183,11 +159,11 @@ def _all_L(
 
 
 def _judge_half(
-    c: Component, half: _Half, rows: Sequence[int], columns: Sequence[int]
+    half: _Half, rows: Sequence[int], columns: Sequence[int]
 ) -> tuple[bool | None, Matrix | None, float, str]:
     """Find L for one half and given permutations: decision, L, residual, witness."""
     L = _observed_L(half, rows)
-    candidates, only = ([L], True) if L is not None else _all_L(c, half, rows, columns)
+    candidates, only = ([L], True) if L is not None else _all_L(half, rows, columns)
     if not candidates:
         return False, None, 0.0, f"no matrix L{half.hat} satisfies the linear conditions"
     first = None
@@ -268,14 +244,16 @@ def _stage_residuals(
         P, Q = (Q, P) if h else (P, Q)
         name = f"A{h} + {P} A{h} {Q} - U{h} V{h}^-1 B{h}"
         columns = exchanges[m.palette[c.colour][0]]
-        found.append((name, _stage_residual(x, exchanges[c.colour], columns)))
+        with consulted():
+            gap = _turned(x, (), exchanges[c.colour], columns).of_A()
+            found.append((name, outward(gap)))
     return found
 
 
 def _at(m: Method, halves: Sequence[_Half], exchanges: Mapping[str, tuple[int, ...]]) -> Symmetry:
     """Return what given exchanges of stages make of the conditions."""
     found = [
-        _judge_half(c, x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
+        _judge_half(x, exchanges[c.colour], exchanges[m.palette[c.colour][0]])
         for c, x in zip(m.components, halves, strict=True)
     ]
     judged = [(holds, size, witness) for holds, _, size, witness in found]
