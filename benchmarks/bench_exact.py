@@ -4,7 +4,6 @@ from glmref.catalogue.lookup import load
 from glmref.exact.expression import parse
 from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import verify_file
-from glmref.theory.error_constants import conjugate_error
 from glmref.theory.order import order_of
 
 
@@ -61,14 +60,6 @@ class Starting(OfMethod):
 
     def time_starting_order(self, name):
         Kernel(self.method).range("starting-order")
-
-
-class ErrorConstants:
-    def setup(self):
-        self.result = order_of(load("g6245-w3"), principal="identity")
-
-    def time_least_squares(self):
-        conjugate_error(self.result)
 
 
 class Proofs:

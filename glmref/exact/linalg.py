@@ -168,7 +168,7 @@ def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
     return None
 
 
-def _reduce(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
+def reduced(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
     """Return Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
     rows = [list(row) for row in a]
     pivots: list[int] = []
@@ -205,7 +205,7 @@ def solve(a: Matrix, right: Matrix) -> Matrix:
         When ``a`` is singular.
     """
     size = len(a)
-    rows, pivots = _reduce([(*r, *s) for r, s in zip(a, right, strict=True)], size)
+    rows, pivots = reduced([(*r, *s) for r, s in zip(a, right, strict=True)], size)
     if len(pivots) < size:
         raise ExactnessError(f"a matrix of size {size} and rank {len(pivots)} cannot be inverted")
     return tuple(tuple(row[size:]) for row in rows)
@@ -224,13 +224,13 @@ def inverse(a: Matrix) -> Matrix:
 
 def rank(a: Matrix) -> int:
     """Rank."""
-    return len(_reduce(a, len(a[0]))[1])
+    return len(reduced(a, len(a[0]))[1])
 
 
 def nullspace(a: Matrix) -> list[Vector]:
     """Return a basis of ``{x : a x = 0}``: a vector for each free column, its entry there 1."""
     columns = len(a[0])
-    rows, pivots = _reduce(a, columns)
+    rows, pivots = reduced(a, columns)
     return _directions(dict(zip(pivots, rows, strict=False)), columns)
 
 

@@ -123,16 +123,6 @@ def hamiltonian_defects(field: Series, order: int) -> list[tuple[Tree, Any]]:
     return [(t, plus(field[t], field[s])) for t, s in edges(order, _colours(field.palette))]
 
 
-def symplectic_defects(series: Series, order: int) -> list[tuple[Tree, Any]]:
-    """Return ``a(u o v) + a(v o u) - a(u) a(v)`` of an order with the tree u o v."""
-    found = []
-    for t, s in edges(order, _colours(series.palette)):
-        u, v = next((u, v) for u, v in halves(t) if v * u is s)
-        right = times(times(-1, series[u]), series[v])
-        found.append((t, plus(plus(series[t], series[s]), right)))
-    return found
-
-
 def hamiltonian_reach(field: Series) -> Reach:
     """Return through which order a field is Hamiltonian."""
     return _reach(field.order, lambda n: [(str(t), x) for t, x in hamiltonian_defects(field, n)])
@@ -176,33 +166,10 @@ def _change_equations(order: int, colours: Colours) -> tuple[tuple[Tree, ...], M
                     row[at[part]] += ways
         row[len(unknowns) + i] = -1
         rows.append(row)
-    return _eliminated(unknowns, rows)
-
-
-def _eliminated(
-    unknowns: tuple[Tree, ...], rows: list[list[int]]
-) -> tuple[tuple[Tree, ...], Matrix, int]:
-    """Return Gauss-Jordan elimination in the columns of the unknowns, free unknowns zero."""
     size = len(unknowns)
-    left: list[list[Fraction]] = [[Fraction(x) for x in row] for row in rows]
-    solved: list[tuple[int, list[Fraction]]] = []
-    for j in range(size):
-        at = next((i for i, row in enumerate(left) if row[j]), None)
-        if at is None:
-            continue
-        pivot = left.pop(at)
-        pivot = [x / pivot[j] if x else x for x in pivot]
-        left = [_less(row, pivot, j) for row in left]
-        solved = [(k, _less(row, pivot, j)) for k, row in solved]
-        solved.append((j, pivot))
-    known = tuple(unknowns[j] for j, _ in solved)
-    matrix = [row[size:] for _, row in solved] + [row[size:] for row in left]
-    return known, tuple(tuple(map(Exact, row)) for row in matrix), len(solved)
-
-
-def _less(row: list[Fraction], pivot: list[Fraction], j: int) -> list[Fraction]:
-    factor = row[j]
-    return [x - factor * y if y else x for x, y in zip(row, pivot, strict=True)] if factor else row
+    reduced, pivots = linalg.reduced([list(map(Exact, row)) for row in rows], size)
+    matrix = tuple(tuple(row[size:]) for row in reduced)
+    return tuple(unknowns[j] for j in pivots), matrix, len(pivots)
 
 
 @dataclass(frozen=True)

@@ -58,8 +58,7 @@ class OrderResult:
     residual: Scalar | None = None
     #: Residuals of all trees of order p + 1, the error constants. For a method that needs no
     #: finishing these are the coefficients of the local error, by tree. With a free principal part
-    #: the parts of order p are chosen so that the trees with a leaf at the root have none: see
-    #: :mod:`.error_constants` for the least choice.
+    #: the parts of order p are chosen so that the trees with a leaf at the root have none.
     residuals: Mapping[Tree, Scalar] = field(default_factory=dict)
     #: The starting series through order p, vectors with r entries; ``None`` at order 0. Principal
     #: parts of order p are free, and are zero here.

@@ -49,16 +49,6 @@ class Growth:
         """The growth parameter: that matrix where it is one number, else ``None``."""
         return self.matrix[0][0] if self.multiplicity == 1 else None
 
-    @property
-    def mu_q(self) -> Matrix:
-        """How components of p feed into those of q."""
-        return self.matrices["mu_q"]
-
-    @property
-    def mu_p(self) -> Matrix:
-        """How components of q feed into those of p."""
-        return self.matrices["mu_p"]
-
 
 @dataclass(frozen=True, eq=False)
 class Parasitism:

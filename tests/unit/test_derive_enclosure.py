@@ -14,7 +14,7 @@ from glmref.catalogue import lookup as catalogue
 from glmref.catalogue.lookup import load
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError, ExactnessError
-from glmref.exact import Exact, linalg
+from glmref.exact import linalg
 from glmref.exact.expression import parse
 from glmref.exact.judging import Fraction as rational
 from glmref.exact.judging import consulted, newton
@@ -28,7 +28,6 @@ from glmref.prove.facts import facts_of
 from glmref.prove.implications import implied_by
 from glmref.prove.starting import texts_of
 from glmref.prove.verifier import verify
-from glmref.theory.error_constants import commutator_row
 from glmref.theory.trees import parse_tree, trees
 from tests.bseries import order_residuals
 from tests.build import refused
@@ -140,15 +139,6 @@ def test_without_a_growth_equation_nothing_is_said_about_parasitism() -> None:
     doc["constants"]["gamma3"] = doc["unknowns"].pop("gamma3")
     with pytest.raises((DataError, ExactnessError)):
         prove(doc)  # a decimal is no constant: it would be a ball in an exact place
-
-
-def test_starting_series_is_unique_order_by_order() -> None:
-    # Full column rank at orders 2..5; at order 1 the kernel is the flow itself.
-    for n in (1, 2, 3, 4, 5):
-        place = {t: j for j, t in enumerate(trees(n))}
-        rows = [commutator_row(t, place) for t in trees(n + 1)]
-        matrix = tuple(tuple(Exact(row.get(j, 0)) for j in range(len(place))) for row in rows)
-        assert linalg.rank(matrix) == (len(place) if n > 1 else 0)
 
 
 def test_compositions_of_order_4_have_residuals_of_order_5_in_a_plane() -> None:

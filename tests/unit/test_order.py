@@ -8,7 +8,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.errors import ExactnessError, UsageError
-from glmref.exact import Ball, exact
+from glmref.exact import Ball
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
 from glmref.findings import Proof
@@ -16,15 +16,12 @@ from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.prove.kernel import Kernel
 from glmref.theory.error_constants import (
-    _solve_rational,
-    commutator_row,
-    conjugate_error,
     error_norm,
 )
 from glmref.theory.order import highest_order, order_of
 from glmref.theory.series import compose, flow
 from glmref.theory.starting_series import StartingSeries
-from glmref.theory.trees import parse_tree, trees
+from glmref.theory.trees import parse_tree
 from tests.build import conjugated_rk4, refused
 from tests.literature.exactly import after_step, first_difference
 
@@ -133,28 +130,6 @@ def test_error_constants_of_rk4():
     assert error_norm(result.residuals) == pytest.approx(0.0145045823, rel=1e-8)
 
 
-def test_what_conjugation_cannot_remove_is_the_same_from_both_starts():
-    method = load("gsymplectic-n")
-    free, fixed = order_of(method), order_of(method, principal="identity")
-    least = error_norm(conjugate_error(free))
-    assert least > 0
-    assert error_norm(conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
-    assert least < error_norm(fixed.residuals)
-    five = order_of(load("butcher-effective-5"), principal="identity")
-    assert error_norm(conjugate_error(five)) == 0.0
-
-
-@pytest.mark.parametrize("name", ["rk4", "gsymplectic-n", "gauss-2", "heun-3", "kutta-3", "rk38"])
-def test_what_conjugation_leaves_is_orthogonal_to_what_it_can_change(name):
-    result = order_of(load(name), principal="identity")
-    moved = conjugate_error(result)
-    place = {s: j for j, s in enumerate(trees(result.order))}
-    for j in place.values():
-        along = [commutator_row(t, place).get(j, 0) * x / t.symmetry**2 for t, x in moved.items()]
-        assert sum(along, start=exact(0)) == 0
-    assert error_norm(moved) <= error_norm(result.residuals)
-
-
 def test_published_digits_are_enclosed():
     def d(text):
         return Ball.decimal(text, 10)
@@ -251,15 +226,6 @@ def test_trees_are_compared_as_far_as_their_number_allows():
     three, four = (dict.fromkeys("123", "123"), dict.fromkeys("1234", "1234"))
     found = [highest_order(x) for x in (ROOTED, GENERAL, three, four, SEPARABLE)]
     assert found == [12, 8, 6, 5, 9]
-
-
-def test_the_least_squares_of_a_conjugation_solve_their_normal_equations():
-    rows = [[F(4), F(1), F(0)], [F(1), F(3), F(-1)], [F(0), F(-1), F(2)]]
-    right = [exact(2).sqrt(), 3, F(1, 2)]
-    found = _solve_rational(rows, right)
-    assert [sum(a * x for a, x in zip(row, found, strict=True)) - b == 0
-            for row, b in zip(rows, right, strict=True)] == [True] * 3  # fmt: skip
-    assert rows[0] == [4, 1, 0]  # as it was
 
 
 def test_an_order_that_could_not_be_looked_for_is_not_decided(monkeypatch):

@@ -79,8 +79,8 @@ def test_growth_parameters_are_the_weighted_squares_of_the_couplings():
         [["1", "0"], ["0", "-1"]], "G"
     ))  # fmt: skip
     (found,) = growth(p).growths
-    assert found.mu_q[0][0] == -(1 - 4 + 9)
-    assert found.mu_p[0][0] == -(Fraction(1, 18) + Fraction(1, 2))
+    assert found.matrices["mu_q"][0][0] == -(1 - 4 + 9)
+    assert found.matrices["mu_p"][0][0] == -(Fraction(1, 18) + Fraction(1, 2))
 
 
 @pytest.mark.parametrize(

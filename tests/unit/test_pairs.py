@@ -20,7 +20,6 @@ from glmref.method.families import splitting
 from glmref.prove.beside import known_beside
 from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import facts_for
-from glmref.theory.error_constants import conjugate_error, error_norm
 from glmref.theory.order import OrderResult, order_of
 from glmref.theory.stability import oscillator, parasitic_curvature
 from glmref.theory.trees import counted, is_nystrom, parse_tree, trees
@@ -130,18 +129,6 @@ def test_doubles_taken_as_exact_miss_the_conditions_by_rounding_only(name, order
     assert order_of(method).order < order
     higher = order_residuals(method, order + 1, free=True)
     assert max(x.magnitude() for t, x in higher.items() if t.order == order + 1) > 1e-6
-
-
-def test_what_conjugation_cannot_remove_from_a_pair():
-    euler = symplectic_euler(separable=True)
-    result = order_of(euler, principal="identity")
-    assert error_norm(result.residuals) > 0.5
-    assert error_norm(conjugate_error(result)) == 0.0
-    verlet = load("stormer-verlet")
-    free, fixed = order_of(verlet), order_of(verlet, principal="identity")
-    least = error_norm(conjugate_error(free))
-    assert error_norm(conjugate_error(fixed)) == pytest.approx(least, rel=1e-12)
-    assert least < error_norm(fixed.residuals)
 
 
 def test_a_pair_that_is_not_preconsistent_says_why():

@@ -78,7 +78,9 @@ def test_one_step_pairs_have_no_parasitic_components():
 def test_pair_of_n_grows_like_n():
     n = glmref.load("gsymplectic-n")
     found = growth(glmref.load("gsymplectic-n-pair"))
-    assert found.free is False and found.growths[0].mu_q == ((growth_parameters(n)[0],),)
+    assert found.free is False and found.growths[0].matrices["mu_q"] == (
+        (growth_parameters(n)[0],),
+    )
 
 
 def separable_pair(w, v):
@@ -96,7 +98,7 @@ def test_coupled_growth_of_a_separable_pair():
     two, three = exact(2), exact(3)
     found = growth(separable_pair([-two, two], [three]))
     (g,) = found.growths
-    assert g.mu_q == ((4,),) and g.mu_p == ((9,),) and len(g.matrices) == 2
+    assert g.matrices["mu_q"] == ((4,),) and g.matrices["mu_p"] == ((9,),) and len(g.matrices) == 2
     assert growth(separable_pair([exact(0)] * 2, [exact(0)])).free is True
 
 
