@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -12,21 +13,11 @@ Document = dict[str, Any]
 Array = Any
 ENTRIES = [Fraction(x) for x in "0 0 0 1 1 1/2 1/2 -1 1/3 2/3 1/4 2 1/6".split()]
 NEAR = ("+1/1" + "0" * 30, "-1/1" + "0" * 55)
-#: Eigenvalues of V.
+#: Eigenvalues of V, or V with a turn or a Jordan block.
 SPECTRA = (
-    "1",
-    "1 -1",
-    "1 1",
-    "1 0",
-    "1 1/2",
-    "-1",
-    "1 1 -1",
-    "1 -1 -1",
-    "1 2",
-    "1 1 1/2",
-    "1 0 -1",
-    "1 1 1",
-)
+    "1", "1 -1", "1 1", "1 0", "1 1/2", "-1", "1 1 -1", "1 -1 -1", "1 2", "1 1 1/2", "1 0 -1", "1 1 1", "1 9/8",
+    "1 1;0 1", "1 0 0;0 0 -1;0 1 0", "1 0 0;0 -1 1;0 0 -1", "1 0 0;0 1/2 1;0 0 1/2", "1 0 0;0 0 1;0 0 0",
+)  # fmt: skip
 KINDS = [
     *["glm"] * 8, *["rk"] * 3, *["lmm"] * 2, *["partitioned"] * 4, "one_leg", "partitioned_rk", "splitting",
     "additive", "nystrom", "rosenbrock", "ends", "decimals",
@@ -52,10 +43,10 @@ OF_KEYS = {
 
 
 class Draw:
-    """A stream of documents."""
+    """A stream of documents, in which so many entries stand beside what they were."""
 
-    def __init__(self, rng: random.Random) -> None:
-        self.rng = rng
+    def __init__(self, rng: random.Random, near: float = 0.004) -> None:
+        self.rng, self.near = rng, near
 
     def chance(self, x: float) -> bool:
         return self.rng.random() < x
@@ -76,20 +67,22 @@ class Draw:
         return b
 
     def text(self, value: Any, key: str = "") -> Any:
-        """Return numbers as entries, now and then beside what they were."""
+        """Return numbers as entries."""
         if isinstance(value, dict):
             return {k: self.text(x, k) for k, x in value.items()}
         if isinstance(value, np.ndarray | list):
             return [self.text(x) for x in value]
         if key in ("class", "name", "first", "digits", "separable") or isinstance(value, str):
             return value
-        return f"{value}{self.rng.choice(NEAR)}" if self.chance(0.004) else str(value)
+        return f"{value}{self.rng.choice(NEAR)}" if self.chance(self.near) else str(value)
 
     def component(self) -> Document:
         """Return A, U, B, V: a spectrum in a random basis, U u = 1 and w B 1 = w u often."""
-        rng, spectrum = self.rng, [Fraction(x) for x in self.rng.choice(SPECTRA).split()]
-        r, s = len(spectrum), rng.choice((1, 1, 2, 2, 3))
-        V, T, inverse = np.diag(spectrum), *(np.eye(r, dtype=object) * Fraction(1) for _ in "TI")
+        rng, rows = self.rng, self.rng.choice(SPECTRA).split(";")
+        V = np.array([[Fraction(x) for x in row.split()] for row in rows])
+        V = V if len(rows) > 1 else np.diag(V[0])
+        r, s, spectrum = len(V), rng.choice((1, 1, 2, 2, 3)), np.diag(V)
+        T, inverse = (np.eye(r, dtype=object) * Fraction(1) for _ in "TI")
         if r > 1 and self.chance(0.3):
             V[0, rng.randrange(1, r)] = self.entry()
         A, U, B = self.matrix(s, s, " <=="), self.matrix(s, r), self.matrix(r, s)
@@ -97,7 +90,7 @@ class Draw:
             U[:, 0] = Fraction(1)
             for k in (k for k, x in enumerate(spectrum) if x == 1):
                 B[k, -1] += rng.choice((0, 0, 1)) * (k > 0) + int(k == 0) - B[k].sum()
-        if self.chance(0.3) and not any(V[0, 1:]) and all(abs(x) == 1 for x in spectrum):
+        if self.chance(0.3) and (abs(V) == np.eye(r)).all():
             # G-symplectic for G = diag(+-1): a sweep of equal weights
             G = np.diag([Fraction(1)] + [Fraction(rng.choice((1, -1))) for _ in range(r - 1)])
             X = np.vstack([[Fraction(1)] * s, self.matrix(r - 1, s).reshape(r - 1, s)])
@@ -124,9 +117,9 @@ class Draw:
             return {"A": A - b, "b": -b}
         return {"A": self.matrix(*A.shape, "<"), "b": self.matrix(1, len(b))[0]}
 
-    def document(self) -> Document:
-        """Return a document of any class."""
-        found = getattr(self, "_" + self.rng.choice(KINDS))()
+    def document(self, kinds: Sequence[str] = KINDS) -> Document:
+        """Return a document of one of these kinds."""
+        found = getattr(self, "_" + self.rng.choice(kinds))()
         return {"format": "glmref-method-2", "name": "drawn", **self.text(found)}
 
     def _glm(self) -> Document:
