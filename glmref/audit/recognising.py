@@ -21,7 +21,7 @@ from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
 from .entries import LOOSE, NAMES, OF_FLOWS, Array, Words, arrays, of_subject, role_of
 from .flows import flows_of, known_numbers
-from .folding import flattened
+from .folding import Entries, flattened
 from .inline import inline_sums, multiples
 from .kinds import only_numbers, others
 from .lexer import Language, Remark, Token
@@ -511,6 +511,8 @@ def tables(
         found += _of_arithmetic(found, everything, collector)
     if about and not found:
         found += _by_function(collector.top)
+    if about:
+        found += _not_folded(list(found), everything, language)
     if strong or _STORED.search(text):
         found += _left_over(list(found), everything, language)
     if OF_FLOWS.search(text):
@@ -706,6 +708,36 @@ def _left_over(given: list[Table], blocks: list[Block], language: Language) -> I
                 )
                 found = [*found, table]
                 yield table
+
+
+#: Names of matrices of which more than one letter says so, or a capital: A, A_implicit, aim.
+_CALLED_A = re.compile(r"(?:^|_|(?<=[a-z0-9]))A(?![A-Z])|^a_?(?:ex|im)", re.ASCII)
+
+
+def _not_folded(given: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
+    """Yield as unread each matrix A beside weights that is computed in a way that is not read."""
+    for block in blocks:
+        rows: list[tuple[str, int, str, list[Block]]] = [
+            (x.name, x.line, "it is the value of a call", [block])
+            for x in block.blocks if x.kind == "record"
+        ]  # fmt: skip
+        for x in block.items:
+            entries = flattened(list(x.value.values())) if isinstance(x.value, Entries) else []
+            why = next((str(y) for y in (x.value, *entries) if isinstance(y, Unread)), "")
+            around = [block, *([block.parent] if entries and block.parent else [])]
+            rows += [(x.name, x.line, why, around)] if why else []
+        for name, line, why, around in rows:
+            if role_of(name)[1] != "A" or not _CALLED_A.search(name):
+                continue
+            weights = any(
+                y.flat and y.role in ("b", "embedded") and len(y.value) > 1
+                and _near(sum(map(size, y.value)), 1)
+                for at in around for y in arrays(at, language)
+            )  # fmt: skip
+            if weights and not any(y.line <= line <= max(y.line, y.last) or (
+                    y.source == name and y.block in around) for y in given):  # fmt: skip
+                why = f"the matrix `{name}` is not read: {why}"
+                yield Table(name, line, unread=why, general=True, last=line, block=block)
 
 
 #: Roles of lists that are coefficients of a method where another one stands beside.
@@ -989,7 +1021,8 @@ def _of_block(
                 table = Table(_title(block, array), array.line, unread=why)
                 table.key = key_of(array.value)
                 unread.append(table)
-    return [*(x.table for x in other), *_built(block, found), *unread]
+    built = _built(block, found)
+    return [*(x.table for x in other), *built, *_passed_over(block, made, built), *unread]
 
 
 def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
@@ -1219,9 +1252,9 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
 #: Names of the number of steps that a method looks at.
 _STEPS = frozenset(("steps", "nsteps", "n_steps", "num_steps"))
 #: Names that embedded weights do not have.
-_ESTIMATE = re.compile(r"(?:rk_?)?E(?:rr\w*)?")
+_ESTIMATE = re.compile(r"(?:^|_)(?:rk_?)?E(?:rr\w*)?$")
 #: Names that weights of an error estimate do not have.
-_EMBEDDED = re.compile(r"b_?(?:hat|star|emb\w*|low\w*)", re.IGNORECASE)
+_EMBEDDED = re.compile(r"(?:^|_)b_?(?:hat|star|emb\w*|low\w*)$", re.IGNORECASE)
 
 
 def _further(table: Table, x: Candidate, near: list[Array]) -> None:
@@ -1249,13 +1282,13 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 continue  # a stand-in: no estimate has equal weights
             if abs(total) < (0.5 if explicit else LOOSE):
                 table.errors.append(row)
-            elif explicit and _ESTIMATE.fullmatch(y.name) and _near(total, 1):
+            elif explicit and _ESTIMATE.search(y.name) and _near(total, 1):
                 table.errors.append(row)  # embedded weights in their place
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
             named = role_of(y.name)[1] == "embedded"
-            if abs(total) < LOOSE and not _EMBEDDED.fullmatch(y.name):
+            if abs(total) < LOOSE and not _EMBEDDED.search(y.name):
                 table.errors.append(row)
             elif _near(total, 1) or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE)):
                 table.rows.append((y.name, row, lower))
@@ -1265,16 +1298,40 @@ _DENSE = re.compile(r"^P$|_P$|dense|interp|contin", re.IGNORECASE)
 
 
 def _of_dense_output(y: Array, weights: Sequence[Any]) -> list[tuple[str, Rows]]:
-    """Return a matrix whose rows, or columns, mostly sum to weights, by stages."""
-    rows = [r for r in y.value if isinstance(r, list) and len(r) == len(y.value[0])]
-    if len(rows) < len(y.value) or any(not isinstance(v, Number) for r in rows for v in r):
+    """Return a matrix (s, d) of b_i(theta), by stages, whose rows, or columns, may be ragged.
+
+    Most of its rows sum to the weights, or all columns but one to 1 (of theta) and 0 (of theta^2,
+    ..); where all rows do and some columns do not, its functions of theta are others.
+    """
+    s, value = len(weights), [x if isinstance(x, list) else [x] for x in y.value]
+    if any(not isinstance(v, Number) for r in value for v in r):
         return []
+    width = max(map(len, value))
+    rows = [[*r, *([ZERO] * (width - len(r)))] for r in value]
     for made in (rows, [list(r) for r in zip(*rows, strict=True)]):
-        pairs = list(zip(made, weights, strict=False))
-        good = sum(abs(sum(map(size, r)) - size(w)) < 1e-6 for r, w in pairs)
-        if len(weights) <= len(made) and good > 2 and good >= MOST_ROWS * len(weights):
-            return [(y.name, made)]
+        made += [[ZERO] * len(made[0])] * (len(made) == s - 1)
+        good = sum(abs(sum(map(size, r)) - size(w)) < 1e-6
+                   for r, w in zip(made, weights, strict=False))  # fmt: skip
+        sums = [sum(map(size, r)) for r in zip(*made, strict=True)]
+        off = min(
+            sum(abs(x - (k == at)) > LOOSE for k, x in enumerate(sums)) for at in (0, len(sums) - 1)
+        )
+        most = good > 2 and good >= MOST_ROWS * s
+        if len(made) >= s and (off < 2 or (most and good < s)):
+            return [(y.name, made if _near(sums[0], 1) else [r[::-1] for r in made])]
     return []
+
+
+def _passed_over(block: Block, made: Sequence[Array], found: Sequence[Table]) -> Iterator[Table]:
+    """Yield as unread what is called a dense output beside a method, and is none of its powers."""
+    given = [x for x in found if not x.unread and x.kind == "rk"]
+    read = {name for x in given for name, _ in x.dense} | {x.source for x in given}
+    sizes = {n for x in given for n in (len(x.b[0]) - 1, len(x.b[0]))}
+    for y in made if given else ():
+        shape = {len(y.value), max((len(r) for r in y.value if isinstance(r, list)), default=0)}
+        if not y.flat and _DENSE.search(y.name) and y.name not in read and shape & sizes:
+            why = f"`{y.name}` is called as a dense output is; powers of theta do not have its sums"
+            yield Table(_title(block, y), y.line, unread=y.lost or why, last=y.last)
 
 
 def _lower_order(block: Block) -> int | None:

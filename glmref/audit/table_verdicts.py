@@ -154,7 +154,8 @@ def _meant(
         return status
     explained = explained or (table.kind == "rosenbrock" and found == 0)  # by four names
     explained = explained or any(found == 0 or gap > method.coarse for _, gap in table.identities)
-    rows = any("exchanged" in x or "embedded weights" in x for x in remarks)
+    beside = ("exchanged", "embedded weights", "dense output")
+    rows = any(word in x for word in beside for x in remarks)
     entry = len(record.get("correction", ())) == 1 and (
         one_row_apart(method) or method.kind == "additive"
     )
@@ -315,13 +316,29 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
 
 
 def _dense(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
-    """Ask about rows of a dense output whose sum, its weight at the end of the step, is not b."""
+    """Ask about a dense output whose end is not b, or which is of order 1.
+
+    The sum of a row is its weight at the end of the step.
+    """
     for name, rows in table.dense:
+        said = []
         for k, (row, x) in enumerate(zip(rows, method.b[0], strict=False), 1):
             gap = complex(sum(vector(row), Exact(0)) - x).real
             if abs(gap) > method.coarse:
-                remarks.append(f"row {k} of {name} sums to b[{k}] {gap:+.3g}")
-                status = "question" if status in _GOOD else status
+                said.append(f"row {k} of {name}, a dense output, sums to b[{k}] {gap:+.3g}")
+        c = [sum(row, Exact(0)) for row in method.A[0]]
+        moments = [
+            complex(sum((x * y for x, y in zip(column, c, strict=False)), Exact(0))).real
+            for column in zip(*map(vector, rows), strict=True)
+        ]
+        wanted = [0.5 * (k == 1) for k in range(len(moments))]
+        if not said and len(moments) > 2 and (table.order or 0) > 2 and len(rows) == len(c):
+            said = [f"the dense output {name} has order 1: the sum of b_i(theta) c_i has {x:.3g} "
+                    f"theta^{k}, not {y:g}" for k, (x, y) in
+                    enumerate(zip(moments, wanted, strict=True), 1)
+                    if abs(x - y) > method.coarse]  # fmt: skip
+        remarks += said
+        status = "question" if said and status in _GOOD else status
     return status
 
 
