@@ -76,26 +76,27 @@ class Draw:
             return value
         return f"{value}{self.rng.choice(NEAR)}" if self.chance(self.near) else str(value)
 
-    def component(self) -> Document:
+    def component(self, s: int = 0, slopes: int = 0, spectrum: str = "") -> Document:
         """Return A, U, B, V: a spectrum in a random basis, U u = 1 and w B 1 = w u often."""
-        rng, rows = self.rng, self.rng.choice(SPECTRA).split(";")
+        rng, rows = self.rng, (spectrum or self.rng.choice(SPECTRA)).split(";")
         V = np.array([[Fraction(x) for x in row.split()] for row in rows])
         V = V if len(rows) > 1 else np.diag(V[0])
-        r, s, spectrum = len(V), rng.choice((1, 1, 2, 2, 3)), np.diag(V)
+        r, s, ones = len(V), s or rng.choice((1, 1, 2, 2, 3)), np.flatnonzero(np.diag(V) == 1)
+        n = slopes or s
         T, inverse = (np.eye(r, dtype=object) * Fraction(1) for _ in "TI")
         if r > 1 and self.chance(0.3):
             V[0, rng.randrange(1, r)] = self.entry()
-        A, U, B = self.matrix(s, s, " <=="), self.matrix(s, r), self.matrix(r, s)
+        A, U, B = self.matrix(s, n, " <=="), self.matrix(s, r), self.matrix(r, n)
         if self.chance(0.85):
             U[:, 0] = Fraction(1)
-            for k in (k for k, x in enumerate(spectrum) if x == 1):
+            for k in ones:
                 B[k, -1] += rng.choice((0, 0, 1)) * (k > 0) + int(k == 0) - B[k].sum()
-        if self.chance(0.3) and (abs(V) == np.eye(r)).all():
+        if s == n and self.chance(0.3) and (abs(V) == np.eye(r)).all():
             # G-symplectic for G = diag(+-1): a sweep of equal weights
             G = np.diag([Fraction(1)] + [Fraction(rng.choice((1, -1))) for _ in range(r - 1)])
             X = np.vstack([[Fraction(1)] * s, self.matrix(r - 1, s).reshape(r - 1, s)])
             S = X.T @ G @ X / s
-            A, U, B = np.tril(S, -1) + np.diag(np.diag(S) / 2), X.T @ G * spectrum, X / s
+            A, U, B = np.tril(S, -1) + np.diag(np.diag(S) / 2), X.T @ G @ V, X / s
         if r > 1 and self.chance(0.5):  # another basis
             i, j, x = *rng.sample(range(r), 2), rng.choice((1, -1, 2, 5))
             T[i, j], inverse[i, j] = Fraction(x), Fraction(-x)
@@ -103,6 +104,14 @@ class Draw:
             k, x = rng.randrange(r), rng.choice((2, -1, 7, 1000))
             T[k], inverse[:, k] = T[k] * x, inverse[:, k] / x
         return {"A": A, "U": U @ inverse, "B": T @ B, "V": T @ V @ inverse}
+
+    def halves(self) -> tuple[Document, Document]:
+        """Return two components, of which each calls the slopes of the other's stages."""
+        n, m = self.rng.choice(((1, 1), (1, 1), (2, 2), (2, 2), (3, 3), (2, 1), (1, 2)))
+        q = self.component(n, m, spectrum := self.rng.choice(SPECTRA))
+        if n == m and self.chance(0.5):
+            return q, q
+        return q, self.component(m, n, spectrum if self.chance(0.5) else "")
 
     def start(self, r: int) -> Document:
         """Return a start, often with values of the solution only."""
@@ -172,15 +181,14 @@ class Draw:
         return {"class": "partitioned-rk", "A": A, "b": b, "A_hat": hat, "b_hat": b}
 
     def _partitioned(self) -> Document:
-        q, rng = self.component(), self.rng
-        p = q if self.chance(0.6) else self.component()
-        p = p if len(q["A"]) == len(p["A"]) else q
-        found: Document = {"class": "partitioned", "q": q, "p": p, "separable": self.chance(0.6)}
+        (q, p), rng = self.halves(), self.rng
+        separable = q["A"].shape != p["A"].shape or self.chance(0.6)
+        found: Document = {"class": "partitioned", "q": q, "p": p, "separable": separable}
         if self.chance(0.2):
             found["G"] = [rng.choice((1, -1)) for _ in q["V"]]
-            for key in ("D_P", "D_Q"):
+            for key, half in (("D_P", q), ("D_Q", p)):
                 if self.chance(0.5):
-                    found[key] = self.matrix(1, len(q["A"]))[0]
+                    found[key] = self.matrix(1, half["B"].shape[1])[0]
         if self.chance(0.3):
             a, b = self.start(len(q["V"])), self.start(len(p["V"]))
             b = b if len(a["A"]) == len(b["A"]) else a

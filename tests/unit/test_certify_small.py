@@ -21,9 +21,9 @@ from glmref.prove.field import equation_numbers
 from glmref.prove.verifier import facts_for
 from tests.adversary.deceive import shipped
 from tests.build import SOURCE
+from tests.oracle.draw import Draw
 
 HEAD = {"format": "glmref-method-1", "name": "x", "source": SOURCE}
-Rows = list[list[Any]]
 
 
 def written(d: dict[str, Any], claim: str, declared: Any) -> dict[str, Any] | str:
@@ -53,66 +53,15 @@ def test_a_constant_may_have_any_name(name: str) -> None:
     assert proved({**method, "constants": {name: "(1/2)"}}, "order", 2)[0]
 
 
-def some(draw: random.Random, *more: int) -> Fraction:
-    return Fraction(draw.choice((-1, 0, 1, 2, *more)), draw.choice((1, 2, 3)))
-
-
-def product(*factors: Rows) -> Rows:
-    found, *rest = factors
-    for x in rest:
-        columns = list(zip(*x, strict=True))
-        found = [[sum(map(Fraction.__mul__, row, y), Fraction(0)) for y in columns]
-                 for row in found]  # fmt: skip
-    return found
-
-
-def blocks(
-    draw: random.Random, stages: int, slopes: int, values: tuple[Rows, Rows, Rows]
-) -> dict[str, Any]:
-    """A component: its values are those of V, moved by T; stages may not see some of them."""
-    V, T, back = values
-    r, one = len(V), Fraction(1)
-    idle = draw.choice((True, True, False))
-    A = [[some(draw) if j < i or draw.random() < 0.2 else 0 * one for j in range(slopes)]
-         for i in range(stages)]  # fmt: skip
-    U = [[one, *(0 * one if idle else some(draw) for _ in range(r - 1))] for _ in range(stages)]
-    b = [some(draw) for _ in range(slopes - 1)]
-    b.append(one - sum(b) if draw.random() < 0.9 else some(draw))
-    idle = draw.choice((True, False))
-    B = [b, *([0 * one if idle else some(draw) for _ in range(slopes)] for _ in range(r - 1))]
-    found = {"A": A, "U": product(U, T), "B": product(back, B), "V": product(back, V, T)}
-    return {k: [[str(x) for x in row] for row in M] for k, M in found.items()}
-
-
-def values(draw: random.Random, r: int) -> tuple[Rows, Rows, Rows]:
-    """V with the eigenvalue 1 and others, T, and its inverse."""
-    unit = [[Fraction(int(i == j)) for j in range(r)] for i in range(r)]
-    V = [list(row) for row in unit]
-    for k in range(1, r):
-        V[k][k] = Fraction(draw.choice((-2, -2, 0, 1, 2, 4)), 2)
-    if r == 3 and draw.random() < 0.4:
-        V[1][2] = Fraction(1)  # a block where the two agree
-    T, back = [list(row) for row in unit], [list(row) for row in unit]
-    if r > 1 and draw.random() < 0.6:
-        i, j = draw.sample(range(r), 2)
-        T[i][j] = some(draw)
-        back[i][j] = -T[i][j]
-    return V, T, back
-
-
 def single(seed: int) -> dict[str, Any]:
-    draw = random.Random(seed)
-    s, r = draw.choice((1, 2, 2, 3)), draw.choice((1, 2, 2, 3))
-    return {"class": "glm", **blocks(draw, s, s, values(draw, r))}
+    draw = Draw(random.Random(seed), near=0)
+    return {"class": "glm", **draw.text(draw.component())}
 
 
 def pair(seed: int) -> dict[str, Any]:
-    draw = random.Random(f"pair {seed}")
-    n, m = draw.choice(((1, 1), (2, 1), (1, 2), (2, 2)))
-    both = values(draw, draw.choice((1, 2, 2)))
-    other = both if draw.random() < 0.7 else values(draw, draw.choice((1, 2)))
-    return {"class": "partitioned", "separable": True, "q": blocks(draw, n, m, both),
-            "p": blocks(draw, m, n, other)}  # fmt: skip
+    draw = Draw(random.Random(f"pair {seed}"), near=0)
+    q, p = map(draw.text, draw.halves())
+    return {"class": "partitioned", "separable": True, "q": q, "p": p}
 
 
 def rounded(d: dict[str, Any], letters: str) -> dict[str, Any]:
@@ -212,7 +161,7 @@ def test_a_pair_whose_u_is_not_determined_is_reducible() -> None:
             assert not judge.verdict(found)[0]
 
 
-@pytest.mark.parametrize("seed", [171, 291, 384, 393])
+@pytest.mark.parametrize("seed", [42, 60, 100, 228])
 def test_one_rank_that_is_decided_shows_that_a_pair_is_reducible(seed: int) -> None:
     """Decimals leave open how many values are reached, or seen; the other rank is less."""
     assert proved(rounded(pair(seed), "AB"), "reducible", True)[0]
@@ -380,7 +329,7 @@ def test_an_exact_start_of_a_pair_is_judged_on_the_trees_of_its_claim(claim, tre
 @pytest.mark.parametrize("letters", ["A", "B", "AB"])
 def test_abscissae_that_are_certainly_others(letters: str) -> None:
     """The abscissae before the entries were rounded are not refuted by the same part."""
-    for seed in range(4):
+    for seed in (1, 2, 10, 27):
         d = rounded(single(seed), letters)
         found = written(d, "abscissae", ["9"] * len(d["A"]))
         assert isinstance(found, dict)
