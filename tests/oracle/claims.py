@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -48,8 +48,8 @@ class Oracle:
     def judge(self, claim: str, declared: Any) -> bool | None:
         """Return whether a claim holds."""
         try:
-            rule = getattr(self, "_" + claim.replace("-", "_"))
-            found = rule() if isinstance(declared, int) else rule(declared)
+            rule = RULES.get(claim) or getattr(Oracle, "_" + claim.replace("-", "_"))
+            found = rule(self) if isinstance(declared, int) else rule(self, declared)
             if isinstance(found, Starting):
                 return self._compare(found, declared)
             if isinstance(found, list):  # what is to vanish
@@ -74,32 +74,14 @@ class Oracle:
             self.starts[identity, nystrom] = Starting(timed, self.margin, identity, nystrom)
         return self.starts[identity, nystrom]
 
-    def _order(self) -> Starting:
-        return self.start(self.method.one)
-
-    def _order_identity(self) -> Starting:
-        return self.start(True)
-
-    def _effective_order(self) -> Starting:
-        return self.start(False)
-
-    def _nystrom_order(self) -> Starting:
-        return self.start(True, True)
-
-    def _w_order(self) -> Starting:
-        return Starting(self.file._rosenbrock(None, lambda t: True), self.margin, True)
-
     @staticmethod
-    def _reached(q: int, start: Starting) -> int:
+    def reached(q: int, start: Starting) -> int:
         """Return an order that cannot be more than the one of the method, which must be known."""
         if start.most is None and q == start.order:
             raise Undecided("the order is beyond reach")
         return q
 
-    def _stage_order(self) -> int:
-        return self._reached(stage_order(self._order()), self._order())
-
-    def _starting_order(self, nystrom: bool = False) -> int:
+    def starting_order(self, nystrom: bool = False) -> int:
         start, d = self.start(self.method.pair, nystrom), self.document.get("starting")
         hats = {"f": "", "k": "_hat"} if self.method.pair else {"o": ""}
         if d is None and not self.method.pair:
@@ -109,17 +91,14 @@ class Oracle:
                 ("A", [["0"]]), ("B", [["0"]] * r), ("u", ["1"] + ["0"] * (r - 1)))}  # fmt: skip
         u = {c: self.file.read(d["u" + h]) for c, h in hats.items()}
         run = Series({c: self._plain(d, h) for c, h in hats.items()})
-        return self._reached(starting_order(start, run, u), start)
+        return self.reached(starting_order(start, run, u), start)
 
     def _plain(self, block: Mapping[str, Any], hat: str = "") -> Part:
         A, B = (self.file.read(block[x + hat]) for x in "AB")
         return Part(A, A[:, :0], B, B[:, :0])
 
-    def _nystrom_starting_order(self) -> int:
-        return self._starting_order(nystrom=True)
-
     def _finishing_order(self) -> int:
-        d, start, read = self.document, self._order(), self.file.read
+        d, start, read = self.document, self.start(self.method.one), self.file.read
         if "finishing" not in d or "starting" not in d or not start.order:
             return 0
         w, run = start.w["o"], Series({"o": self._plain(d["starting"])})
@@ -131,7 +110,7 @@ class Oracle:
                 finish.eta[t] = array([w @ run.values(t)])
                 if not self.margin.zero(finish.values(t)[0]):
                     return q - 1
-        return self._reached(start.order, start)
+        return self.reached(start.order, start)
 
     def _embedded_order(self, declared: Mapping[str, int]) -> bool | None:
         if self.kind == "glm":
@@ -161,9 +140,6 @@ class Oracle:
     def ones(self, c: str) -> tuple[Array | None, Array]:
         """Return u and what may be added to it."""
         return ones_of(self.method, self.margin, c)
-
-    def _preconsistent(self) -> bool:
-        return all(self.ones(c)[0] is not None for c in self.parts)
 
     def _consistent(self) -> bool:
         answers = []
@@ -233,7 +209,7 @@ class Oracle:
             b = rows @ array([theta**k for k in range(degree)])
             step = single(runge_kutta(A / theta, b))
             starts.append(Starting(step, self.margin, True, limit=8))
-        return self._reached(*min(((start.order, start) for start in starts), key=lambda x: x[0]))
+        return self.reached(*min(((start.order, start) for start in starts), key=lambda x: x[0]))
 
     def _embedded_difference(self) -> list[Number]:
         if self.kind == "glm":
@@ -288,7 +264,7 @@ class Oracle:
             [mp.im(x) for x in (*D, *E)],
         ])  # fmt: skip
 
-    def _power(self, defect: Any) -> int | None:
+    def power(self, defect: Any) -> int | None:
         m = self.parts.get("o")
         if m is None or not self.method.one or "digits" in self.document:
             raise Undecided("a method that carries several values, or decimals")
@@ -296,13 +272,6 @@ class Oracle:
         if not self.margin.zeros(ones) or any(map(mp.im, flat([m.A, m.B]))):
             raise Undecided("a step that is not consistent, or not real")
         return power(defect, m)
-
-    def _hamiltonian_to_order(self) -> int:
-        found = self._power(symplectic_defect)
-        return -1 if found is None else found  # none is the largest
-
-    def _energy_order(self) -> int | None:
-        return self._power(energy_defect)
 
     def _conjugate_symplectic_order(self) -> int:
         self._conjugate_symplectic()  # orders in other variables
@@ -347,10 +316,7 @@ class Oracle:
         forms = self.margin.null(array(system).reshape(-1, len(units)))
         return any(not self.margin.zero(x) for x in forms @ array(energies))
 
-    def _symmetric(self) -> bool:
-        return self._is_symmetric(self.method)
-
-    def _is_symmetric(self, method: Method) -> bool:
+    def is_symmetric(self, method: Method) -> bool:
         """Return whether the step run backwards is the step, up to L and the order of the stages."""
         backward = {}
         for c, m in method.parts.items():
@@ -429,7 +395,7 @@ class Oracle:
         if not rows.size:
             raise Undecided("no value is left")
         U, V = (self.margin.solve(rows.T, M.T).T for M in (U, rows @ V))
-        return self._is_symmetric(single(Part(m.A, U, rows @ B, V)))
+        return self.is_symmetric(single(Part(m.A, U, rows @ B, V)))
 
     # spectra
 
@@ -439,6 +405,10 @@ class Oracle:
         if not self.file.exact_V:
             raise Undecided("V in decimals")
         return {c: self._circle(m.V) for c, m in self.parts.items()}
+
+    @property
+    def zero_stable(self) -> bool:
+        return all(x is not None for x in self.spectra.values())
 
     def _circle(self, V: Array) -> list[tuple[Number, int]] | None:
         found, outside = [], False
@@ -452,9 +422,6 @@ class Oracle:
                 raise Undecided("an eigenvalue near the circle")
             outside = outside or off > 0.5 * mp.mpf(10) ** -20
         return None if outside else found
-
-    def _zero_stable(self) -> bool:
-        return all(x is not None for x in self.spectra.values())
 
     def _groups(self) -> list[tuple[Number, Array, bool]]:
         """Return (zeta, growth matrix, whether it is the one at 1)."""
@@ -474,7 +441,7 @@ class Oracle:
         return sorted(found, key=lambda g: angle(g[0]))
 
     def _parasitism_free(self) -> bool:
-        if not self._zero_stable():
+        if not self.zero_stable:
             return False
         if self.method.pair and (not self.method.separable or any(
                 n > 1 for x in self.spectra.values() for z, n in x or () if abs(z - 1) < 1e-20)):  # fmt: skip
@@ -499,7 +466,7 @@ class Oracle:
         return bool(most <= 1e-60)
 
     def _growth(self, declared: list[str]) -> bool:
-        if not self._zero_stable():
+        if not self.zero_stable:
             return False
         given, groups = list(Reader({})(declared)), self._groups()
         if self.method.pair:
@@ -591,6 +558,24 @@ class Oracle:
         if sizes[1] < sizes[0] / 2 or sizes[1] < mp.mpf(10) ** (75 + 10 - mp.dps):
             raise Undecided("a slow limit, or one of rounding errors")
         return False
+
+
+#: What a claim is read from directly; the others are methods of their names.
+RULES: dict[str, Callable[[Oracle], Any]] = {
+    "order": lambda o: o.start(o.method.one),
+    "order-identity": lambda o: o.start(True),
+    "effective-order": lambda o: o.start(False),
+    "nystrom-order": lambda o: o.start(True, True),
+    "w-order": lambda o: Starting(o.file.rosenbrock(counts=lambda t: True), o.margin, True),
+    "stage-order": lambda o: o.reached(stage_order(o.start(o.method.one)), o.start(o.method.one)),
+    "starting-order": lambda o: o.starting_order(),
+    "nystrom-starting-order": lambda o: o.starting_order(nystrom=True),
+    "preconsistent": lambda o: all(o.ones(c)[0] is not None for c in o.parts),
+    "zero-stable": lambda o: o.zero_stable,
+    "symmetric": lambda o: o.is_symmetric(o.method),
+    "energy-order": lambda o: o.power(energy_defect),
+    "hamiltonian-to-order": lambda o: -1 if (n := o.power(symplectic_defect)) is None else n,
+}
 
 
 def flat(values: list[Any]) -> Array:

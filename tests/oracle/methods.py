@@ -102,7 +102,7 @@ class File:
         mp.dps = max(DIGITS, digits + 40)
         self.document, self.base, self.read = document, base, Reader(document)
         self.kind = document["class"]
-        made = getattr(self, "_" + self.kind.replace("-", "_"))()
+        made = getattr(self, self.kind.replace("-", "_"))()
         self.method: Method = made if isinstance(made, Method) else single(made)
         for block in (document.get("starting", {}), document.get("finishing", {})):
             for rows in block.values():
@@ -134,14 +134,14 @@ class File:
     def finish(self, block: Mapping[str, Any]) -> Part:
         return runge_kutta(self.read(block["A"]), self.read(block["b"]))
 
-    def _glm(self) -> Method:
+    def glm(self) -> Method:
         output = {"o": self.get("output")} if "output" in self.document else {}
         return single(self.blocks(self.document), output=output)
 
-    def _rk(self) -> Part:
+    def rk(self) -> Part:
         return runge_kutta(*self.get("A", "b"))
 
-    def _composition(self) -> Part:
+    def composition(self) -> Part:
         if self.base is None:
             raise ValueError("a composition needs its base")
         if "c" in self.base:
@@ -153,7 +153,7 @@ class File:
             np.kron(steps, b),
         )
 
-    def _lmm(self) -> Part:
+    def lmm(self) -> Part:
         """Return the form with the values y and h f that the formula needs, newest first."""
         alpha, beta = self.get("alpha", "beta")
         k = len(alpha) - 1
@@ -171,7 +171,7 @@ class File:
             V[n], B[n] = 0, 1
         return Part(beta[k:][None], formula[None] if implicit else eye(len(names))[:1], B, V)
 
-    def _one_leg(self) -> Part:
+    def one_leg(self) -> Part:
         alpha, beta = self.get("alpha", "beta")
         k = len(alpha) - 1
         V = array(np.eye(k, k=-1, dtype=int))
@@ -179,7 +179,7 @@ class File:
         U = beta[k - 1 :: -1] + V[0] * beta[k]
         return Part(beta[k:][None] / alpha[k], U[None], eye(k)[:, :1] / alpha[k], V)
 
-    def _sweep(self) -> Part:
+    def sweep(self) -> Part:
         (X, D, V), G = self.get("X", "D", "V"), self.form()
         texts = self.document.get("enclosure", {}).get("equations", ())
         named = [int(x.split()[1]) - 1 for x in texts if x.startswith("explicit")]
@@ -188,22 +188,22 @@ class File:
         diagonal[named] = 0
         return Part(np.tril(S, -1) + np.diag(diagonal), X.star @ G @ V, X * D, V)
 
-    def _partitioned(self) -> Method:
+    def partitioned(self) -> Method:
         d, ends = self.document, {"f": self.document["q"], "k": self.document["p"]}
         output = {c: self.read(x["output"]) for c, x in ends.items() if "output" in x}
         return pair(*map(self.blocks, ends.values()), d.get("separable") is True, output=output)
 
-    def _partitioned_rk(self) -> Method:
+    def partitioned_rk(self) -> Method:
         hat = runge_kutta(*self.get("A_hat", "b_hat"))
-        return pair(self._rk(), hat, self.document.get("separable") is True)
+        return pair(self.rk(), hat, self.document.get("separable") is True)
 
-    def _splitting(self) -> Method:
+    def splitting(self) -> Method:
         a, b = self.get("a", "b")
         i, j, head = np.arange(len(a)), np.arange(len(b))[:, None], self.document["first"] == "q"
         before = array((i <= j if head else i < j).astype(int))  # a_i stands before b_j
         return pair(runge_kutta(before * a, a), runge_kutta((1 - before).T * b, b), True)
 
-    def _pair_sweep(self) -> Method:
+    def pair_sweep(self) -> Method:
         d, (b, c, V, W) = self.document, self.get("b", "c", "V", "V_hat")
         P, Q = (np.array([n for n, y in enumerate(d["stages"]) if y == x]) for x in "PQ")
         G, pairs = self.form(), ((b, self.read(d["w"])), (c, self.read(d["v"])))
@@ -212,12 +212,12 @@ class File:
         return pair(Part((S * before).T * b, Y.T @ G.T @ V, X * b, V),
                     Part(S * (1 - before) * c, X.T @ G @ W, Y * c, W), True)  # fmt: skip
 
-    def _additive(self) -> Method:
+    def additive(self) -> Method:
         parts = {str(n): runge_kutta(self.read(x["A"]), self.read(x["b"]))
                  for n, x in enumerate(self.document["parts"], 1)}  # fmt: skip
         return Method(parts, dict.fromkeys(parts, "".join(parts)))
 
-    def _nystrom(self, row: Mapping[str, Any] | None = None) -> Method:
+    def nystrom(self, row: Mapping[str, Any] | None = None) -> Method:
         """Return the pair with the weights of a row: stages P_0 = p and P_l = p + h g_l."""
         row = row or self.document
         (A, c), b, b_p = self.get("A", "c"), self.read(row["b"]), self.read(row["b_prime"])
@@ -231,7 +231,7 @@ class File:
             b_q, b_p = np.pad(b_q, (0, s)), np.pad(b_p, (s + 1, 0))
         return pair(runge_kutta(A_q, b_q), runge_kutta(A_p, b_p), "A_prime" not in self.document)
 
-    def _rosenbrock(self, row: Mapping[str, Any] | None = None,
+    def rosenbrock(self, row: Mapping[str, Any] | None = None,
                     counts: Callable[[Tree], bool] = of_rosenbrock) -> Method:  # fmt: skip
         """Return the additive method with the weights of a row, stages of f - J before those of J."""
         alpha, gamma = self.get("alpha", "gamma")
@@ -267,9 +267,9 @@ class File:
 
     def _row(self, row: Mapping[str, Any]) -> Method:
         if self.kind == "nystrom":
-            return self._nystrom(row)
+            return self.nystrom(row)
         if self.kind == "rosenbrock":
-            return self._rosenbrock(row)
+            return self.rosenbrock(row)
         parts = self.method.parts
         if self.kind == "additive":
             rows = dict(zip(parts, map(self.read, row["b"]), strict=True))

@@ -1,18 +1,15 @@
-"""``python -m tests.oracle --count N --seed S``: draw statements, and compare three opinions on them.
+"""Drawn statements, and three opinions on each: they may leave it open, but never contradict.
 
 What the kernel finds, the judge's verdict and its answer to the certificates in both directions, and
-the oracle may leave a statement open, but never contradict each other.
+the oracle (:mod:`tests.oracle`).
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import random
-import sys
-import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from glmref.catalogue.claims import CLAIMS
@@ -23,11 +20,14 @@ from glmref.prove.verifier import facts_for
 from glmref.system.budget import limited
 from tests.adversary.both_ways import accepted, contradicts
 from tests.build import SOURCE
+from tests.oracle.claims import Oracle
+from tests.oracle.draw import Draw, claims_of
+from tests.oracle.numbers import Undecided
 
-from .claims import Oracle
-from .draw import Draw, claims_of
-from .numbers import Undecided
+from .tally import Tally
 
+#: Statements.
+COUNT = 30_000
 WORDS = {Verdict.HOLDS: True, Verdict.FAILS: False}
 
 
@@ -73,41 +73,17 @@ def compared(document: dict[str, Any], claims: dict[str, Any],
         yield from (f"{claim} = {declared}: {x}" for x in reasons)
 
 
-def run(count: int, seed: int, tell: bool = True,
-        seconds: float = float("inf")) -> tuple[Counter[str], list[str]]:  # fmt: skip
-    """Draw documents until so many statements were compared; return counts and contradictions.
-
-    The last document is drawn before `seconds` of processor time have passed.
-    """
-    totals: Counter[str] = Counter()
-    against: list[str] = []
-    number, end = 0, time.process_time() + seconds
-    while totals["statements"] < count and number < count and time.process_time() < end:
+def attack(count: int, seed: int, say: Callable[[str], None] = lambda line: None) -> Tally:
+    """Draw documents until so many statements were compared."""
+    tally = Tally()
+    for number in range(count):
+        if tally.outcomes["statements"] >= count:
+            break
         rng = random.Random(f"{seed} {number}")
         document = Draw(rng).document()
-        for text in compared(document, claims_of(document, rng), totals):
-            against.append(f"{text}\n  {json.dumps(document)}")
-            if tell:
-                print(f"seed {seed}, document {number}: {against[-1]}", flush=True)
-        number += 1
-        if tell and number % 500 == 0:
-            print(
-                number, "documents,", len(against), "contradictions:", dict(totals), file=sys.stderr
-            )
-    return totals, against
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Run the comparison; the exit code is 1 where there is a contradiction."""
-    parser = argparse.ArgumentParser(prog="python -m tests.oracle", description=__doc__)
-    parser.add_argument("--count", type=int, default=30_000, help="statements")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the documents")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="processor time")
-    totals, against = run(**vars(parser.parse_args(arguments)))
-    for key, n in [*totals.most_common(), ("contradictions", len(against))]:
-        print(f"{n:8} {key}")
-    return int(bool(against))
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+        for text in compared(document, claims_of(document, rng), tally.outcomes):
+            tally.violations.append(f"document {number}: {text}\n  {json.dumps(document)}")
+            say(tally.violations[-1])
+        if number % 500 == 499:
+            say(f"{number + 1} documents: {dict(tally.outcomes)}")
+    return tally
