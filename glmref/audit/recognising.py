@@ -683,7 +683,8 @@ _STORED = Words("williamson carpenter", {"storage": "(?:low|2n).?storage", "ssp"
 def _left_over(given: list[Table], blocks: list[Block], language: Language) -> Iterator[Table]:
     """Yield as unread two lists or more, as long as one another, that no table of a block has.
 
-    Both are called as coefficients are, alpha and beta or a and c, and have fractions.
+    Both are called as coefficients are, alpha and beta or a and c, and have fractions; those of one
+    are at most 1 in size, as nodes, rows of alpha and factors of registers are.
     """
     found, read = given, [y for y in given if not y.unread]
     seen = {key_of(z) for y in read for z in (*y.b, *y.c, *(w for _, w, _ in y.rows)) if z}
@@ -699,7 +700,8 @@ def _left_over(given: list[Table], blocks: list[Block], language: Language) -> I
             low, high = (f(y.line for y in (x, *near)) for f in (min, max))
             taken = any(y.line <= high + 1 and low <= max(y.line, y.last) for y in found)
             key = key_of([y.value for y in (x, *near)])
-            if near and not taken and not {key, key_of(x.value)} & seen:
+            bounded = any(max(map(abs, map(size, y.value))) <= 1 for y in (x, *near))
+            if near and bounded and not taken and not {key, key_of(x.value)} & seen:
                 seen.add(key)
                 names = " and ".join(dict.fromkeys(y.name for y in (x, *near)))
                 table = Table(_title(block, x), x.line, general=True, last=high, block=block)
