@@ -8,7 +8,6 @@ import pytest
 
 from campaigns.audited_codes import PAGE, SHORT, without
 from glmref.audit.lexer import LANGUAGES
-from glmref.audit.readers import read
 from glmref.audit.recognising import tables
 from glmref.audit.table_verdicts import judge
 from glmref.catalogue.audits import STATUSES, audited_codes, named
@@ -128,5 +127,5 @@ def test_the_rows_of_beta_that_are_printed_give_lambert65_its_order(page) -> Non
 def test_the_weights_that_are_printed_for_thermostats_have_order_4() -> None:
     letter = (PAGE.parent / "gromacs-openmm-jax-md.md").read_text("utf-8")
     lists = re.findall(r"^ +[35]: +(.*)$", letter, re.M)
-    text = "// Suzuki\n" + "\n".join("{" + x + "}" for x in lists)
-    assert [judge(x)["found"] for x in read(text, "weights", {})] == [4, 4]
+    text = "// Suzuki\n" + "\n".join(f"double w{len(x)}[] = {{{x}}};" for x in lists)
+    assert [judge(x)["found"] for x in tables(text, LANGUAGES["c"])] == [4, 4]

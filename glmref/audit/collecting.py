@@ -43,6 +43,8 @@ _SPELT = {x: Exact(k) for k, x in enumerate(
 _SPELT["half"] = Exact(1) / 2
 #: Brackets that are not paired, or one pair in another, and ends of statements.
 _UNPAIRED = re.compile(r"^[^()\[\]{};]*(?:\([^()\[\]{};]*\)[^()\[\]{};]*)*[()\[\]{};]")
+#: A list in a text that is compiled at run time.
+_DECLARED = re.compile(r"[A-Za-z_]\w*\[\w*\] *= *\{[-+\w., ]*\}")
 _CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
 
 
@@ -494,6 +496,10 @@ class Collector:
         row = self._unlabelled(row)
         if not row:
             return
+        for x in row if self.language.name == "c" else ():
+            for inside in _DECLARED.findall(x.text) if x.kind == "string" else ():
+                made, _ = tokens(inside, self.language)
+                self._statement([y._replace(line=x.line) for y in made])
         if self.block.name == "match":
             arms = [x for x in _parts(row) if any(y.text == "=>" for y in x)]
             for arm in arms:

@@ -16,12 +16,11 @@ from itertools import combinations, groupby
 
 from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner
-from .compositions import of_weights
 from .entries import OF_FLOWS
 from .lexer import Token
 from .nearest_method import Library
 from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form
-from .table import ZERO, Table
+from .table import ZERO, Table, of_weights
 from .values import Number, Unread
 
 #: Names of a step.

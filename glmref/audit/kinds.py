@@ -18,11 +18,10 @@ from ..exact import Exact
 from ..prove.schemes import reach
 from ..prove.wrong_entry import Trial
 from .collecting import Block
-from .compositions import of_weights
 from .entries import LOOSE, Array, Found, Words, bare_name, last_letter
 from .folding import flattened
 from .multistep import MULTISTEP, multistep
-from .table import ZERO, Rows, Table
+from .table import ZERO, Rows, Table, of_weights
 from .values import Number, Unread, size, whole_number
 
 _SPLITTING = Words(
@@ -713,5 +712,6 @@ _WEIGHTS = Words(
         "yosh": "yosh(?:ida)?(?![a-z])",
         "composition": "composition(?<!decomposition)",
         "sy_": "sy_(?<![a-z]sy_)",
+        "ys_": "ys_(?<![a-z]ys_)",
     },
 )

@@ -15,7 +15,6 @@ from typing import Any
 from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .code import Statement
-from .compositions import compositions
 from .kinds import imkg, transformed
 from .named import constants
 from .odeint import odeint
@@ -642,7 +641,6 @@ FORMATS: Mapping[str, Callable[..., Iterator[Table]]] = {
     "constants": constants,
     "principia": structs,
     "odeint": odeint,
-    "weights": compositions,
 }
 SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "json": (".json",),
@@ -652,7 +650,6 @@ SUFFIXES: Mapping[str, tuple[str, ...]] = {
     "constants": (".cc", ".C", ".cpp", ".hh"),
     "principia": (".hpp",),
     "odeint": (".hpp",),
-    "weights": (".c", ".cc", ".cpp", ".cu", ".cuh", ".h", ".hpp", ".py"),
 }
 
 

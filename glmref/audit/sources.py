@@ -39,7 +39,6 @@ _MARKS: Mapping[str, str] = {
     "constants": r"\b[ab]21\b",
     "principia": "FixedVector<double",
     "odeint": "class",
-    "weights": "(?i)suzuki|yoshida|(?:sy|ys)_|composition",
 }
 #: Languages that are not read; a file that may hold tables is said to be unread.
 _OTHERS = frozenset(".cs .kt .lua .nim .pas .scala .swift .zig".split())
@@ -301,7 +300,7 @@ def _tables(
 
 
 #: Readers that see more in the sources for which they were made than :mod:`.recognising` does.
-_MORE = ("petsc", "julia", "principia", "weights", "odeint", "constants")
+_MORE = ("petsc", "julia", "principia", "odeint", "constants")
 
 
 def _read(
@@ -324,22 +323,6 @@ def _read(
     )
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and marks(x, text)]
     special = [x for form in forms for x in read(text, form, declared)]
-    spans = [
-        (x.line - 3, max(x.last, x.line + 3)) for x in found
-        if (x.kind == "splitting" and not x.unread)
-        or (x.kind == "composition" and x.order is not None)
-    ]  # fmt: skip
-    special = [
-        x for x in special
-        if x.kind != "composition" or not any(low < x.line <= high for low, high in spans)
-    ]  # fmt: skip
-    made = [(x.line, len(x.b[0])) for x in special if x.kind == "composition"]
-    found = [
-        x for x in found
-        if not any(
-            abs(x.line - n) < 4 and (x.kind == "splitting" if x.unread else x.kind == "composition"
-                                     and len(x.b[0]) == m) for n, m in made)
-    ]  # fmt: skip
     lines = [*sorted(x.line for x in special if x.line > 1), len(text)]
     read_at = [x.line for x in found if not x.unread]
     for x in special:

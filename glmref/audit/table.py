@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from ..exact import Exact
@@ -79,3 +80,17 @@ def vector(value: Any, s: int = 0) -> list[Number]:
 
     add(value)
     return [*flat, *([ZERO] * (s - len(flat)))]
+
+
+def of_weights(name: str, line: int, weights: list[Number]) -> Table:
+    """Return Störmer's method composed with weights: half a drift, a kick, half a drift each.
+
+    A step h of a symmetric method of order 2 is replaced by steps w_1 h, .., w_m h. With the sum 1
+    and a palindrome the composition has order 4 exactly if the sum of the w_i^3 is 0 (Suzuki 1990;
+    Yoshida 1990). The base method of each code is another one; on Störmer's method the order
+    conditions are those of any symmetric base of order 2.
+    """
+    half = [weights[0].of(x.value / 2, x) for x in weights]
+    drifts = [half[0], *(x.of(x.value + y.value, y) for x, y in pairwise(half)), half[-1]]
+    kicks = [*weights, Number(Exact(0))]
+    return Table(name, line, "composition", b=[drifts, kicks])

@@ -31,7 +31,7 @@ from .output import (
 #: Repeated from :data:`glmref.audit.readers.FORMATS`, so that ``--help`` loads nothing.
 READ = (
     *("json", "csv", "petsc", "julia"),
-    *("constants", "principia", "odeint", "weights"),
+    *("constants", "principia", "odeint"),
 )
 
 
@@ -42,7 +42,7 @@ class Notation(Word):
         self, value: str, param: click.Parameter | None, ctx: click.Context | None
     ) -> str | None:
         """Return the word, or ``None`` where none is needed any more."""
-        once = ("python", "gsl", "kpp", "matlode")
+        once = ("python", "gsl", "kpp", "matlode", "weights")
         return None if value in once else super().convert(value, param, ctx)
 
 
