@@ -45,7 +45,7 @@ from ..theory.periodicity import periodicity
 from ..theory.reduction import without_idle_stages
 from ..theory.residues import rates_on_one_sign, residues
 from ..theory.stability_interval import imaginary_interval, real_interval
-from .digits import rounded_up
+from .digits import rounded_up, staircase_of
 from .facts import Facts, facts_of
 from .kernel import SMALL, Kernel
 from .ranges import Range
@@ -492,8 +492,6 @@ SHARES = 4
 SEARCH = 5.0
 #: Seconds of processor time for each question of stability.
 STABILITY = 2.0
-#: A step of the staircase is a jump of the residuals by this factor.
-JUMP = 100.0
 
 
 def staircase(facts: Facts) -> str:
@@ -527,10 +525,7 @@ def staircase(facts: Facts) -> str:
 
 def _steps(sizes: Sequence[Fraction], proved: int) -> str:
     """Return orders beyond the proved one, with the largest residual through each, rounded up."""
-    steps: list[str] = []
-    for n in range(len(sizes) - 2, proved, -1):  # of the last one nothing beyond is known
-        if 0 < sizes[n] < SMALL and sizes[n + 1] > JUMP * sizes[n]:
-            steps.append(f"order {n} to {rounded_up(sizes[n])}")
+    steps = staircase_of(sizes, proved)
     return ", ".join([*steps, f"order {proved} exactly"]) if steps else ""
 
 

@@ -40,6 +40,8 @@ ONE_BRANCH = 100
 LISTED = 8
 #: Larger residuals are no roundings; where an order has more than so many trees, the second.
 LARGE, ROUNDING, MANY = Fraction(1, 1000), Fraction(1, 10**9), 1500
+#: A step of a staircase is a jump of the residuals by this factor.
+JUMP = 100
 #: The exponent of the smallest residuals that are distinguished from 0 where none is declared.
 SMALLEST = 120
 
@@ -55,6 +57,20 @@ def step_below(size: str) -> Fraction:
 def rounded_up(x: Fraction) -> str:
     """Return a positive number rounded up to two digits, such as ``2.7e-83``; ``0`` of zero."""
     return f"{rounded_decimal(x, 2, ROUND_CEILING):.1e}" if x else "0"
+
+
+def staircase_of(sizes: Sequence[Fraction], proved: int) -> list[str]:
+    """Return orders beyond the proved one, with the largest residual through each, rounded up.
+
+    Parameters
+    ----------
+    sizes : Sequence[Fraction]
+        The largest residual through each order from 0; of the last nothing beyond is known.
+    proved : int
+        The order that holds exactly.
+    """
+    return [f"order {n} to {rounded_up(sizes[n])}" for n in range(len(sizes) - 2, proved, -1)
+            if 0 < sizes[n] < LARGE and sizes[n + 1] > JUMP * sizes[n]]  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ from ..system.budget import limited, spend
 from ..theory.coefficients import first_nonzero, is_zero
 from ..theory.starting_series import StartingSeries, component
 from ..theory.trees import Tree, is_nystrom
-from .digits import rounded_up
+from .digits import staircase_of
 from .kernel import HIGHEST
 
 _ZERO, _ONE = Exact(0), Exact(1)
@@ -131,12 +131,8 @@ class Reach:
 
     def staircase(self) -> str:
         """Return such as ``"order 4 to 2.1e-12, order 2 exactly"``; what is coarser is left out."""
-        steps: list[str] = []
-        worst = [self.size(n) for n in range(1, len(self.sizes) + 1)]
-        for n in range(len(worst), self.proved, -1):
-            beyond = worst[n] if n < len(worst) else float("inf")
-            if 0 < worst[n - 1] < 1e-3 and beyond > 100 * worst[n - 1]:
-                steps.append(f"order {n} to {rounded_up(Fraction(repr(worst[n - 1])))}")
+        worst = [min(self.size(n), 1.0) for n in range(len(self.sizes) + 1)]
+        steps = staircase_of([Fraction(repr(x)) for x in (*worst, 1.0)], self.proved)
         return ", ".join([*steps, f"order {self.proved} exactly"])
 
 

@@ -21,8 +21,8 @@ from glmref.judge import verdict
 from glmref.judge.fixed_point import Sizes
 from glmref.judge.trees import read_tree, show
 from glmref.prove import digits
-from glmref.prove.analysis import JUMP, _steps
-from glmref.prove.digits import LARGE, rounded_up, step_below
+from glmref.prove.analysis import _steps
+from glmref.prove.digits import JUMP, LARGE, rounded_up, step_below
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, parse_tree, trees, trees_up_to
