@@ -25,6 +25,11 @@ def matrix(rows: Sequence[Sequence[Entry]]) -> Matrix:
     return as_matrix(rows, "rows")
 
 
+def printed(rows: str) -> Matrix:
+    """Matrix of entries as they stand in print, a row in each line."""
+    return matrix([row.split() for row in rows.strip().splitlines()])
+
+
 def vector(values: Sequence[Entry]) -> Vector:
     """Vector of printed entries."""
     return as_vector(values, "values")
