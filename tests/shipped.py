@@ -6,17 +6,25 @@ family would take longer than the quick tests of several subpackages.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Container, Mapping
 from functools import cache
 from types import MappingProxyType
 from typing import Any
 
-from glmref.catalogue.files import document, names
+from glmref.catalogue.files import data_root, document, names
 from glmref.catalogue.keys import PAIRS
 from glmref.catalogue.lookup import load
 from glmref.exact.linalg import Matrix, Vector
 from glmref.method import GLM
 from glmref.method.entries import Entries, as_vector
+
+#: Statements that are false, and true ones with a wrong proof.
+HOSTILE: list[dict[str, Any]] = [
+    row
+    for path in sorted((data_root() / "hostile").glob("*.json"))
+    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
+]
 
 
 @cache

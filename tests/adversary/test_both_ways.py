@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
 
-from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
 from glmref.judge.claims import ORDERS, SECOND
+from tests.shipped import HOSTILE
 
 from .both_ways import (
     TRUTHS,
@@ -23,11 +22,7 @@ from .both_ways import (
     written,
 )
 
-ROWS: dict[str, dict[str, Any]] = {
-    row["name"]: row
-    for path in sorted((data_root() / "hostile").glob("*.json"))
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
-}
+ROWS = {row["name"]: row for row in HOSTILE}
 
 
 def subject_of(row: dict[str, Any]) -> Subject:

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
 
-from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document, names
 from tests.adversary.both_ways import written
 from tests.attack.oracle import attack
+from tests.shipped import HOSTILE
 
 from .claims import Oracle, opinion
 
-HOSTILE = [
-    row
-    for path in sorted((data_root() / "hostile").glob("*.json"))
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
-]
 FALSE = [row for row in HOSTILE if "truth" not in row]
 TRUE = [row for row in HOSTILE if row.get("truth") is True]
 

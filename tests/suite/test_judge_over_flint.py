@@ -9,18 +9,12 @@ from typing import Any
 import pytest
 
 from glmref import judge
-from glmref.catalogue.files import data_root
 from glmref.catalogue.lookup import document
 from glmref.cli.certifying import write_certificates
 from glmref.exact.judging import fast_judge, verdict
+from tests.shipped import HOSTILE
 
 from .test_judge import CERTIFICATES, REFUSED, changed
-
-HOSTILE = [
-    row
-    for path in sorted((data_root() / "hostile").glob("*.json"))
-    for row in json.loads(path.read_text(encoding="utf-8"))["rows"]
-]
 
 
 def test_it_is_another_copy_of_the_same_rules() -> None:
