@@ -33,10 +33,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol
 
 from ..errors import UsageError
-from .halves import GeneralHalf, integrals, ring_points, value_weights
+from .halves import GeneralHalf, Series, integrals, ring_points, value_weights
 from .multistep import partitioned
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
@@ -106,8 +106,24 @@ def start_levels(order: int) -> list[list[Fraction]]:
     return levels
 
 
-def picard_start(q: GeneralHalf, p: GeneralHalf, order: int) -> dict[str, Any]:
-    """Return a start of an even order: Picard iteration, whose stages serve both halves."""
+class Formula(Protocol):
+    """What a start needs of a linear multistep formula."""
+
+    @property
+    def U(self) -> list[Fraction]:
+        """The solution from the values."""
+        ...
+
+    def values(self, length: int) -> list[Series]:
+        """Return the values but the first as series in x = h D, times h y'."""
+        ...
+
+
+def picard_start(q: Formula, p: Formula | None = None, *, order: int) -> dict[str, Any]:
+    """Return a start of an even order: Picard iteration, whose stages serve both halves.
+
+    Without ``p`` there is one formula for the whole system.
+    """
     points: list[Fraction] = [_ZERO]
     rows: list[dict[int, Fraction]] = [{}]
     nodes = [0]
@@ -127,6 +143,8 @@ def picard_start(q: GeneralHalf, p: GeneralHalf, order: int) -> dict[str, Any]:
         "kind": "runge-kutta",
     }
     for hat, half in (("", q), ("_hat", p)):
+        if half is None:
+            continue
         u, B = value_weights(half.values(len(nodes)), half.U, points, nodes)
         found |= {f"A{hat}": A, f"B{hat}": B, f"u{hat}": u}
     return found
@@ -146,5 +164,5 @@ def general_document(
         raise UsageError(f"the halves have the orders {q.order} and {p.order}: give equal ones")
     if set(q.cosines) & set(p.cosines) or (q.minus_one and p.minus_one):
         raise UsageError("the halves must have no root but 1 in common")
-    start = picard_start(q, p, q.order)
+    start = picard_start(q, p, order=q.order)
     return partitioned(name, title, q.block(), p.block(), start, q.order)

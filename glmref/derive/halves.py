@@ -51,6 +51,11 @@ Series = list[Fraction]
 _ZERO, _ONE, _HALF = Fraction(0), Fraction(1), Fraction(1, 2)
 
 
+def series_product(a: Series, b: Series) -> Series:
+    """Return the series a b, of the length of a."""
+    return [sum((a[i] * b[k - i] for i in range(k + 1)), Fraction(0)) for k in range(len(a))]
+
+
 def quotient(a: Series, b: Series) -> Series:
     """Return the series a/b, with b[0] not 0, of the length of a."""
     out: Series = []

@@ -69,6 +69,7 @@ from .halves import (
     quotient,
     ring_points,
     row_times,
+    series_product,
     solve,
     turning,
     value_weights,
@@ -76,10 +77,6 @@ from .halves import (
 
 #: Distance of the points of the starting method, in steps, with one and with two kicks.
 SPACING, TWO_KICK_SPACING = Fraction(1), Fraction(1, 2)
-
-
-def _product(a: Series, b: Series) -> Series:
-    return [sum((a[i] * b[k - i] for i in range(k + 1)), Fraction(0)) for k in range(len(a))]
 
 
 def _fit(
@@ -199,8 +196,8 @@ class TwoKicks:
         """Return (E - V)^-1 of two series, V the block of a pair."""
         step = exponential(Fraction(1), len(u))
         determinant = [x * 2**k - 2 * c * x + (k == 0) for k, x in enumerate(step)]
-        upper = [x - y for x, y in zip(_product(step, u), u_, strict=True)]
-        lower = [x + y - 2 * c * z for x, y, z in zip(u, _product(step, u_), u_, strict=True)]
+        upper = [x - y for x, y in zip(series_product(step, u), u_, strict=True)]
+        lower = [x + y - 2 * c * z for x, y, z in zip(u, series_product(step, u_), u_, strict=True)]
         return quotient(upper, determinant), quotient(lower, determinant)
 
     def values(self, length: int) -> list[Series]:

@@ -30,7 +30,6 @@ from ..method.component import SEPARABLE
 from ..method.preconsistency import output, preconsistency_vector, stage_times
 from ..method.rounding import CLOSE, as_double, split_rows
 from ..method.stage_order import StageBlock, dependency_blocks
-from .arithmetic import solution_of
 from .tableau import as_balls
 
 Row = tuple[float, ...]
@@ -169,6 +168,12 @@ class StepForm:
         one = self.together and not self.same_point and len(self.blocks) == 1
         return one and not any(map(any, (row for x in self.components for row in x.M)))
 
+    @property
+    def formula(self) -> bool:
+        """Whether it is one multistep formula: its only stage is read from several values alone."""
+        one = len(self.components) == 1 and self.s == 1 and self.r > 1
+        return one and not any(map(any, self.M))
+
     def coming(self, component: int) -> tuple[Row, float]:
         """Return U y+ of :attr:`ahead`, without multiples of the solution, by y and an increment.
 
@@ -186,11 +191,11 @@ class StepForm:
 
     def point(self, values: np.ndarray) -> np.ndarray:
         """Return the point (..., d) of a step of :attr:`ahead` from values (..., r, d)."""
-        m = values.shape[-1] // 2
-        parts = [
-            solution_of(np.array(one.U[0]), values[..., k * m : (k + 1) * m])
-            for k, one in enumerate(self.components)
-        ]
+        parts, m = [], values.shape[-1] // 2
+        for k, one in enumerate(self.components):
+            half = values[..., k * m : (k + 1) * m]
+            terms = [u * half[..., j, :] for j, u in enumerate(one.U[0]) if u]
+            parts.append(np.add.accumulate(terms)[-1])
         return np.concatenate(parts, axis=-1)
 
     def place(self, stage: int) -> tuple[int, int]:
@@ -208,16 +213,17 @@ class StepForm:
     def kept(self, component: int) -> tuple[bool, ...]:
         """Return which values of a component are kept together with their rounding errors.
 
-        All but those that oscillate in a multistep method with merged kicks, or with stages that
-        are evaluated together. Their sums V y have factors like 2 cos(theta), whose products are
-        rounded and not put back, so that the error of the last addition alone is not worth its
-        operations; no multiple of the solution is among them, and their errors do not add up. Nor
-        do they at the root -1, which is turned by its sign.
+        All but those that oscillate in a multistep formula, or a pair of them with merged kicks or
+        with stages that are evaluated together. Their sums V y have factors like 2 cos(theta),
+        whose products are rounded and not put back, so that the error of the last addition alone is
+        not worth its operations; no multiple of the solution is among them, and their errors do not
+        add up. Nor do they at the root -1, which is turned by its sign.
         """
         V = self.components[component].V
         sign = 1.0 if self.together else -1.0
         kept = [True] * len(V)
-        for k, row in enumerate(V) if self.together or (component and len(self.kick) > 1) else ():
+        oscillating = self.together or self.formula or (component and len(self.kick) > 1)
+        for k, row in enumerate(V) if oscillating else ():
             before = [j for j, x in enumerate(row) if x]
             kept[k] = all(row[j] in (1.0, sign) and (j == k or kept[j]) for j in before)
         return tuple(kept)
@@ -238,48 +244,6 @@ class StepForm:
 
     def _kicks(self, force: np.ndarray, h: float) -> np.ndarray:
         return h * np.array(self.kick)[:, None] * force[..., None, :]
-
-    def names(self, *, compensated: bool) -> list[str]:
-        """Return the vectors that last from step to step, in their order in a kernel's state.
-
-        Values y, their rounding errors e, what is remembered of the step before.
-        """
-        names = [f"{x}{k}" for x in ("ye" if compensated else "y") for k in range(self.rows)]
-        return [*names, *(name for name, _ in self.memory), *(["P"] if self.ahead else [])]
-
-    def state(
-        self, values: np.ndarray, slope: np.ndarray, h: float, *, compensated: bool, moves: bool
-    ) -> np.ndarray:
-        """Return the vectors of :meth:`names` before the first step, (..., n, d).
-
-        From values (..., r, d) in the method's basis and the right-hand side at the first one,
-        (..., d): the force that a pair reuses, or the predictor's first guess (where it is not
-        finite: zero). ``moves`` says whether q' = p.
-        """
-        y, m = self.into(values), values.shape[-1] // 2
-        e, memory = np.zeros_like(y), []
-        for _, weight in self.memory:
-            guess = slope if weight is None else h * weight * slope
-            memory.append(guess if weight is None else np.where(np.isfinite(guess), guess, 0.0))
-        if self.ahead:
-            memory.append(self.point(y))
-        if self.kick:
-            p = (..., slice(len(self.components[1].V)), slice(m, None))
-            y[p], e[p] = self.kicked(y[p], slope[..., m:], h)
-            if self.leaps and moves:
-                memory[0] = np.concatenate([h * y[..., 0, m:], slope[..., m:]], axis=-1)
-        lasting = [y, e] if compensated else [y]
-        return np.concatenate([*lasting, *(x[..., None, :] for x in memory)], axis=-2)
-
-    def values(self, state: np.ndarray, h: float, *, compensated: bool) -> np.ndarray:
-        """Return the values (..., r, d) in the method's basis of a :meth:`state`."""
-        values, m = self.back(state[..., : self.rows, :]), state.shape[-1] // 2
-        if self.kick:
-            rows = len(self.components[1].V)
-            e = state[..., self.rows : self.rows + rows, m:] if compensated else 0.0
-            force = state[..., self.rows * (1 + compensated), m:]
-            values[..., :rows, m:] = self.unkicked(state[..., :rows, m:], e, force, h)
-        return values
 
     def into(self, values: np.ndarray) -> np.ndarray:
         """Return values of the method in the basis of this form, (..., r, d)."""

@@ -1,4 +1,4 @@
-"""Watch the parasitic part of a run with a symmetric multistep pair: free, from solutions it has.
+"""Watch the parasitic part of a run with explicit multistep formulas: free, from its solutions.
 
 A parasitic part of the solution is a sum of ``zeta^n a`` over the eigenvalues zeta of V but 1, with
 a that changes slowly. Among the solutions of :data:`WINDOW` successive steps it is what no
@@ -11,8 +11,9 @@ error constant C of ``U (z - V)^-1 B = (1 + C x^p + ..)/x``, z = exp(x). Both ar
 the solution, by which the energy is wrong in proportion.
 
 Before a run the matrix of a step on the system linearised at the start says whether h is too large:
-where roots of the two halves meet, eigenvalues leave the unit circle at once and not in proportion
-to h, as a solution or a parasitic part that grows at first order does.
+where roots of the two halves meet, or one that was inside reaches the unit circle, eigenvalues
+leave it at once and not in proportion to h, as a solution or a parasitic part that grows at first
+order does.
 
 References
 ----------
@@ -22,7 +23,6 @@ References
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -48,7 +48,7 @@ MOST_BETWEEN = 2**15
 FACTOR = 10.0
 #: With a Hamiltonian: growth of the energy error from that of the first steps at which a notice is
 #: given, how many these are, and how many solutions of a window it is computed of.
-_ENERGY, EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
+_ENERGY, _EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
 #: The growth that suffices where the parasitic part is larger than the truncation error, too.
 _ENERGY_TOO = 8.0
 #: The part of the truncation error that the parasitic part then has to be.
@@ -62,6 +62,8 @@ _OF_ENERGY = 0.1
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
 _SEPARATE = 1e-3
+#: Modulus of a root below which a parasitic part is gone in a few steps.
+_LEAST = 0.5
 #: x at which the error constant is read off: the terms dropped and rounding are below a tenth.
 _SMALL = 0.25
 #: The part of h at which growth is of first order; so much a step an eigenvalue may be off.
@@ -71,59 +73,53 @@ _MOST_ROWS = 200
 #: Units in the last place by which solutions are rounded, and by which rounding in n steps may
 #: have moved them, over sqrt(n).
 _ROUNDING, _WALK = 8.0, 0.25
-#: Columns up to which a product of matrices is too small for threads, which wait for each other.
-_COLUMNS = 16
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Maps from the window (WINDOW, d) of one half, for each number of coefficients.
+    """Maps from the window (WINDOW, d) of one half."""
 
-    The truncation error, C times the p-th differences; at each root a cosine part, then a sine
-    part; what neither polynomials nor roots describe. Rows of zeros stand for missing roots.
-    """
-
-    rows: np.ndarray  #: (sizes, all of these, WINDOW).
-    ends: tuple[int, ...]  #: Where the first three of them end.
-    refused: np.ndarray  #: (sizes, roots), infinite where a root is near the polynomials.
+    amplitudes: np.ndarray  #: (sizes, k, 2, WINDOW): cosine and sine part at each root.
+    allowed: np.ndarray  #: (sizes, k), whether the root is separate from the polynomials.
+    rest: np.ndarray  #: (sizes, WINDOW, WINDOW): what neither polynomials nor roots describe.
+    truncation: np.ndarray  #: (rows, WINDOW): C times the p-th differences.
 
 
-def _fit(roots: tuple[float, ...], most: int, order: int, constant: float) -> _Fit:
-    """Return the maps for roots exp(i angle), 0 < angle <= pi, at ``most`` of a half."""
+@lru_cache(maxsize=32)
+def _fit(roots: tuple[float, ...], order: int, constant: float) -> _Fit:
+    """Return the maps for roots exp(i angle), 0 < angle <= pi."""
     n, angles = np.arange(WINDOW), np.array(roots)
     x = (2 * n + 1) / WINDOW - 1
     waves = np.concatenate([np.cos(np.outer(n, angles)), np.sin(np.outer(n, angles))], axis=1)
     k = len(angles)
     waves[:, k:][:, angles > math.pi - 1e-9] = 0.0
-    truncation = np.zeros((WINDOW // 2 - order, WINDOW))
-    rows = np.zeros((len(_SIZES), len(truncation) + 2 * most + WINDOW, WINDOW))
-    ends = tuple(len(truncation) + part * most for part in range(3))
-    refused = np.zeros((len(_SIZES), most))
-    for size, row, near in zip(_SIZES, rows, refused, strict=True):
+    parts, allowed, rests, truncation = [], [], [], np.zeros((1, WINDOW))
+    for size in _SIZES:
         basis = np.polynomial.legendre.legvander(x, size - 1)
         found = np.linalg.pinv(np.concatenate([basis, waves], axis=1), rcond=1e-9)
-        cosine, sine = found[size:].reshape(2, k, WINDOW)
-        row[ends[0] : ends[0] + k], row[ends[1] : ends[1] + k] = cosine, sine
-        row[ends[2] :] = np.eye(WINDOW) - basis @ found[:size] - waves @ found[size:]
-        norms = np.sqrt(np.square(cosine).sum(axis=1) + np.square(sine).sum(axis=1))
-        near[:k][norms * math.sqrt(WINDOW) * _SEPARATE >= 1] = np.inf
-        if not near.any() or size == _SIZES[0]:
-            smooth = constant * np.diff(basis @ found[:size], n=order, axis=0)
-            truncation = smooth[WINDOW // 4 : -WINDOW // 4]
-    rows[:, : ends[0]] = truncation
-    return _Fit(rows, ends, refused)
+        part = found[size:].reshape(2, k, WINDOW).transpose(1, 0, 2)
+        separate = np.linalg.norm(part, axis=(1, 2)) * math.sqrt(WINDOW) * _SEPARATE < 1
+        parts.append(part)
+        allowed.append(separate)
+        rests.append(np.eye(WINDOW) - basis @ found[:size] - waves @ found[size:])
+        if separate.all() or size == _SIZES[0]:
+            smooth = basis @ found[:size]
+            truncation = constant * np.diff(smooth, n=order, axis=0)
+            truncation = truncation[WINDOW // 4 : -WINDOW // 4]
+    return _Fit(np.array(parts), np.array(allowed), np.array(rests), truncation)
 
 
-def _half(m: Component, times: Vector, order: int) -> tuple[tuple[float, ...], float]:
-    """Return the roots and the error constant of a half, whose stages are the solution at times."""
+def _half(m: Component, times: Vector, order: int) -> _Fit:
+    """Return the maps of one half of a pair, whose stages are the solution at some times."""
     B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.B, m.V))
-    angles = np.angle(np.linalg.eigvals(V))
-    roots = tuple(sorted(float(a) for a in angles if a > 1e-6))
+    found = np.linalg.eigvals(V)
+    roots = tuple(sorted({float(a) for a in np.angle(found[abs(found) > _LEAST]) if a > 1e-6}))
     slopes = B @ np.exp([_SMALL * float(c) for c in times])
     values = np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, slopes)
     transfer = np.array([float(x) for x in output(m)]) @ values
-    return roots, float(abs(transfer - 1 / _SMALL) / _SMALL ** (order - 1))
+    constant = abs(transfer - 1 / _SMALL) / _SMALL ** (order - 1)
+    return _fit(roots, order, float(constant))
 
 
 @lru_cache(maxsize=32)
@@ -131,60 +127,62 @@ def _fits(method: Method) -> tuple[_Fit, ...]:
     """Return the maps of the halves of a method, made once for all its runs."""
     order = method.claims[ORDER.key]
     assert isinstance(order, int)
-    halves = [_half(c, method.times[0], order) for c in method.carriers]
-    most = max(len(roots) for roots, _ in halves)
-    return tuple(_fit(roots, most, order, constant) for roots, constant in halves)
+    return tuple(_half(c, method.times[0], order) for c in method.carriers)
 
 
-@lru_cache(maxsize=64)
-def _best(method: Method, *sizes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the maps (2, rows, WINDOW) of both halves with these sizes, and what is refused."""
-    fits = list(zip(_fits(method), sizes, strict=True))
-    refused = [fit.refused[n].max(initial=0.0) for fit, n in fits]
-    return np.stack([fit.rows[n] for fit, n in fits]), np.array(refused)
+@lru_cache(maxsize=32)
+def _formula(method: Method) -> bool:
+    """Return whether a method is one explicit multistep formula, with roots but 0 and 1."""
+    (m,) = method.carriers
+    if not method.is_explicit or m.U != (output(m),):
+        return False
+    roots = np.linalg.eigvals([[float(x) for x in row] for row in m.V])
+    return bool((np.abs(np.angle(roots)[np.abs(roots) > _LEAST]) > 1e-6).any())
 
 
 def watched(method: Method, problem: Problem) -> bool:
-    """Return whether a run is watched: two multistep halves, evaluated at the solution itself."""
-    if not (method.parts == 2 and method.carried > 1 and method.shared) or problem.separable:
+    """Return whether a run is watched: multistep formulas, evaluated at the solution itself."""
+    if not isinstance(method.claims.get(ORDER.key), int) or method.carried == 1:
         return False
-    if not isinstance(method.claims.get(ORDER.key), int):
+    if method.parts == 1:
+        return problem.hamiltonian is not None and _formula(method)
+    if not method.shared or problem.separable:
         return False
     if method.is_explicit:
         return all(len(c.U) == 1 for c in method.carriers)
     return same_point(method) and explicit_after_velocity(method) and problem.semi_separable
 
 
-def over_both(q: Sequence[Any], p: Sequence[Any]) -> tuple[np.ndarray, ...]:
-    """Return A, U, B and V of a pair, block-diagonal, from those of its halves."""
-    blocks = (linalg.block_diagonal(*both) for both in zip(q, p, strict=True))
+def over_all(*parts: Sequence[Any]) -> tuple[np.ndarray, ...]:
+    """Return A, U, B and V, block-diagonal, from those of each part of the state."""
+    blocks = (linalg.block_diagonal(*each) for each in zip(*parts, strict=True))
     return tuple(np.array(block, dtype=float) for block in blocks)
 
 
 @lru_cache(maxsize=32)
-def _pair(method: Method) -> tuple[np.ndarray, ...]:
-    return over_both(*((c.A, c.U, c.B, c.V) for c in method.carriers))
+def _blocks(method: Method) -> tuple[np.ndarray, ...]:
+    return over_all(*((c.A, c.U, c.B, c.V) for c in method.carriers))
 
 
-def step_matrix(pair: Sequence[np.ndarray], J: np.ndarray, h: float) -> np.ndarray:
-    """Return the matrix of a step on y' = J y, J (2 m, 2 m), of a pair that shares its stages.
+def step_matrix(blocks: Sequence[np.ndarray], J: np.ndarray, h: float, parts: int) -> np.ndarray:
+    """Return the matrix of a step on y' = J y of a method whose parts share their stages.
 
-    ``pair`` has A, U, B and V of both halves, see :func:`over_both`.
+    ``blocks`` has A, U, B and V of all parts, see :func:`over_all`.
     """
-    m, s = len(J) // 2, len(pair[0]) // 2
-    A, U, B, V = (np.einsum("ij,kl->ikjl", M, np.eye(m)).reshape(len(M) * m, -1) for M in pair)
-    F = h * np.einsum("ij,akbl->aikbjl", np.eye(s), J.reshape(2, m, 2, m)).reshape(2 * s * m, -1)
+    n, m, s = parts, len(J) // parts, len(blocks[0]) // parts
+    A, U, B, V = (np.einsum("ij,kl->ikjl", M, np.eye(m)).reshape(len(M) * m, -1) for M in blocks)
+    F = h * np.einsum("ij,akbl->aikbjl", np.eye(s), J.reshape(n, m, n, m)).reshape(n * s * m, -1)
     return V + B @ F @ np.linalg.solve(np.eye(len(F)) - A @ F, U)
 
 
 def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
-    """Return the h up to which a pair is stable on y' = J y, where it is not at ``h``.
+    """Return the h up to which a method is stable on y' = J y, where it is not at ``h``.
 
     ``None`` where it is, and where it grows in proportion to h, as the solution itself may.
     """
 
     def growth(part: int) -> float:
-        step = step_matrix(_pair(method), J, h * part / _PART)
+        step = step_matrix(_blocks(method), J, h * part / _PART, method.parts)
         return max(float(np.abs(np.linalg.eigvals(step)).max()) - 1, _OFF)
 
     whole = growth(_PART)
@@ -196,8 +194,8 @@ def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
 
 @lru_cache(maxsize=256)
 def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
-    """Say up to which h a pair is stable on the system linearised at the start, where not at h."""
-    rows = problem.dimension // 2 * sum(len(c.V) for c in method.carriers)
+    """Say up to which h a method is stable on the system linearised at the start, if not at h."""
+    rows = problem.dimension // method.parts * sum(len(c.V) for c in method.carriers)
     if not isinstance(problem.f, Formula) or rows > _MOST_ROWS:
         return ()
     J = np.asarray(problem.jacobian(problem.t_span[0], np.array(problem.y0, dtype=float)))
@@ -216,6 +214,11 @@ def too_large(method: Method, problem: Problem, h: float) -> tuple[str, ...]:
 def _unit(steps: int) -> float:
     """Return what rounding may have moved a solution by, relative."""
     return _EPSILON * (_ROUNDING + _WALK * math.sqrt(steps))
+
+
+def _largest(rows: np.ndarray) -> float:
+    """Return the largest norm of a row."""
+    return math.sqrt(np.square(rows).sum(axis=1).max())
 
 
 def windows(steps: int, renew: int) -> list[int]:
@@ -237,59 +240,43 @@ def windows(steps: int, renew: int) -> list[int]:
         found.append(b)
 
 
-def _larger(some: list[float], others: list[float]) -> list[float]:
-    return list(map(max, some, others))
-
-
-def _above(found: list[float], least: list[float]) -> bool:
-    """Return whether it is larger in one half at least."""
-    return any(map(operator.gt, found, least))
-
-
 class Watch:
     """The parasitic part and the truncation error over the windows of one run."""
 
     def __init__(self, method: Method, problem: Problem) -> None:
-        self.method, self.fits = method, _fits(method)
-        self.scale = [0.0] * len(self.fits)  #: The largest truncation error of each half.
+        self.fits = _fits(method)
+        self.scale = np.zeros(len(self.fits))
         self.best = [0] * len(self.fits)  #: Number of the degree that was the best one last.
-        self.first: list[float] = []  #: The parasitic part of the first window.
+        self.first: np.ndarray | None = None  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
+        self.growing = method.parts > 1  #: Whether parasitic parts can grow at any step size.
         self.energy_error = 0.0  #: Of the first steps.
         self.alarm = 0.0  #: The error of the energy that was the last reason to look.
 
-    def parasitic(self, halves: np.ndarray) -> list[float]:
-        """Return the size of the parasitic part in both halves (2, WINDOW, m) of a window."""
+    def parasitic(self, halves: Sequence[np.ndarray], *, least: bool = True) -> np.ndarray:
+        """Return the size (2,) of the parasitic part in each half (WINDOW, d) of a window.
+
+        Not the ``least`` one over all degrees, but of one that was the best: a bound.
+        """
         found = []
         for n, (fit, y) in enumerate(zip(self.fits, halves, strict=True)):
-            squares = np.square(fit.rows @ y).sum(axis=2)
-            first, second, third = fit.ends
-            sizes = np.sqrt(squares[:, first:second] + squares[:, second:third]) + fit.refused
-            rest = np.sqrt(squares[:, third:].sum(axis=1) * (2 / WINDOW))
-            self.best[n] = int(np.maximum(sizes.max(axis=1), rest).argmin())
+            some = slice(None) if least else slice(self.best[n], self.best[n] + 1)
+            sizes = np.sqrt(np.square(fit.amplitudes[some] @ y).sum(axis=(2, 3)))
+            sizes[~fit.allowed[some]] = np.inf
+            rest = np.sqrt(np.square(fit.rest[some] @ y).sum(axis=(1, 2)) * (2 / WINDOW))
+            if least:
+                self.best[n] = int(np.maximum(sizes.max(axis=1), rest).argmin())
             found.append(max(float(sizes.min(axis=0).max()), float(rest.min())))
-        return found
+        return np.array(found)
 
-    def _sizes(self, halves: np.ndarray) -> np.ndarray:
-        """Return truncation error, a bound of the parasitic part, and size: (3, w, 2) of w windows.
-
-        The bound is the parasitic part by the degree that was the best one last. ``halves`` are
-        (2, WINDOW, w, m).
-        """
-        rows, refused = _best(self.method, *self.best)
-        columns, (_, _, *shape) = halves.reshape(2, WINDOW, -1), halves.shape
-        parts = [
-            rows @ columns[..., k : k + _COLUMNS] for k in range(0, columns.shape[-1], _COLUMNS)
-        ]
-        found = np.concatenate(parts, axis=-1).reshape(2, -1, *shape)
-        squares = np.einsum("njwd,njwd->jwn", found, found)
-        first, second, third = self.fits[0].ends
-        waves = (squares[first:second] + squares[second:third]).max(axis=0)
-        bound = np.maximum(waves, squares[third:].sum(axis=0) * (2 / WINDOW)) + refused
-        whole = np.einsum("njwd,njwd->jwn", halves, halves).max(axis=0)
-        return np.sqrt(np.stack([squares[:first].max(axis=0), bound, whole]))
+    def _above(self, halves: Sequence[np.ndarray], least: np.ndarray) -> np.ndarray | None:
+        """Return the parasitic part, ``None`` where none of it is above ``least``."""
+        if not (self.parasitic(halves, least=False) > least).any():  # a bound decides for less
+            return None
+        found = self.parasitic(halves)
+        return found if (found > least).any() else None
 
     def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
         """Return the errors (n,) of the energy at solutions (n, d), relative."""
@@ -301,74 +288,45 @@ class Watch:
         return np.abs(found[1:] - found[0]) / max(abs(found[0]), _TINY)
 
     def large(self, solutions: np.ndarray, step: int) -> bool:
-        """Return whether :meth:`first_large` finds one window (WINDOW, d) large."""
-        return self.first_large([solutions], [step]) is not None
+        """Return whether the parasitic part is large against the truncation error, or energy lost.
 
-    def first_large(self, windows: Sequence[np.ndarray], steps: Sequence[int]) -> int | None:
-        """Return the first of windows in which the parasitic part is large, or energy lost.
-
-        It is large against the truncation error. A window (WINDOW, d) has the solutions of
-        successive steps, the last with the number in ``steps``. What is after the first large
-        window is not looked at.
+        ``solutions`` (WINDOW, d) are those of successive steps, the last with number ``step``.
         """
-        finite = [bool(np.isfinite(x).all()) for x in windows]
-        until = finite.index(False) if not all(finite) else len(windows)
-        if not until:
-            return 0 if windows else None
-        whole = np.stack(windows[:until])
-        halves = whole.reshape(until, WINDOW, 2, -1).transpose(2, 1, 0, 3)
-        if not self.first:  # what the start leaves is in the error from the beginning
-            self.first = self.parasitic(halves[:, :, 0])
-            self.scale = _larger(self.scale, self.first)
-        sizes, errors = self._sizes(halves).tolist(), self._errors_in(whole, steps)
-        for k, one in enumerate(zip(*sizes, strict=True)):
-            if self._is_large(halves[:, :, k], one, errors[k], steps[k]):
-                return k
-        return until if until < len(windows) else None
-
-    def _errors_in(self, whole: np.ndarray, steps: Sequence[int]) -> list[np.ndarray]:
-        """Return errors of the energy in windows (w, WINDOW, d), at more steps of early ones."""
-        if self.hamiltonian is None:
-            return [np.zeros(0)] * len(whole)
-        each = [WINDOW // (_SAMPLES * (4 if n <= EARLY else 1)) for n in steps[: len(whole)]]
-        taken = [one[::n] for one, n in zip(whole, each, strict=True)]
-        ends = np.cumsum([len(x) for x in taken])[:-1]
-        return np.split(self._errors_of_energy(np.concatenate(taken)), ends)
-
-    def _is_large(
-        self, halves: np.ndarray, sizes: Sequence[list[float]], errors: np.ndarray, step: int
-    ) -> bool:
-        """Return whether a window is large, given :meth:`_sizes` and energies of it."""
-        truncation, bound, size = sizes
+        if not np.isfinite(solutions).all():
+            return True
+        halves = np.split(solutions, len(self.fits), axis=1)
+        truncation = [
+            _largest(fit.truncation @ y) for fit, y in zip(self.fits, halves, strict=True)
+        ]
+        size = np.array([_largest(y) for y in halves])
         unit = _unit(step)
-        now = [max(x, unit * y) for x, y in zip(truncation, size, strict=True)]
-        self.scale = _larger(self.scale, now)
-        visible = [FACTOR * x for x in self.scale]
+        now = np.maximum(np.array(truncation), unit * size)
+        if self.first is None:
+            # what the start leaves is in the error from the beginning
+            self.first = self.parasitic(halves)
+            now = np.maximum(now, self.first)
+        self.scale = np.maximum(self.scale, now)
         if self.hamiltonian is None:
-            return _above(bound, visible) and _above(self.parasitic(halves), visible)
-        if step <= EARLY:
-            self.energy_error = float(np.fmax.reduce(errors, initial=self.energy_error))
+            return self._above(halves, FACTOR * self.scale) is not None
+        if step <= _EARLY:
+            early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
+            self.energy_error = float(np.fmax.reduce(early, initial=self.energy_error))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        ordered = np.sort(errors).tolist()
-        middle = (ordered[(_SAMPLES - 1) // 2] + ordered[_SAMPLES // 2]) / 2
-        error = math.nan if math.isnan(ordered[-1]) else middle
+        errors = self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])
+        error = float(np.median(errors))
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
-        enough = [
-            max(FACTOR * x, FACTOR * unit * y, _VISIBLE * z)
-            for x, y, z in zip(self.first, size, self.scale, strict=True)
-        ]
+        enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
         # the energy is not in every direction a measure
-        whatever = [max(x, _OF_SOLUTION * y) for x, y in zip(enough, size, strict=True)]
+        whatever = np.maximum(enough, _OF_SOLUTION * size)
         known = max(self.energy_error, unit)
-        # a bound decides for less
-        if not _above(bound, enough if error > _ENERGY_TOO * known else whatever):
-            return False
-        found = self.parasitic(halves)
-        if _above(found, whatever) or not _above(found, enough):
-            return _above(found, whatever)
-        return error > (_ENERGY_TOO if _above(found, visible) else _ENERGY) * known
+        least = enough if error > _ENERGY_TOO * known else whatever
+        found = self._above(halves, least)
+        if found is None or (found > whatever).any():
+            return found is not None
+        factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
+        return error > factor * known
 
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
         """Return at which solutions (n, d) the energy says that the steps before be looked at.
@@ -381,7 +339,7 @@ class Watch:
             return found
         for k, error in enumerate(self._errors_of_energy(solutions)):
             least = _ENERGY_TOO * max(self.energy_error, _unit(steps[k]))
-            if steps[k] > EARLY and error > max(least, 2 * self.alarm):
+            if steps[k] > _EARLY and error > max(least, 2 * self.alarm):
                 self.alarm = float(error)
                 found.append(k)
         return found
@@ -389,9 +347,10 @@ class Watch:
     def notice(self, time: float, step: int) -> str:
         """Return the sentence on what was found at a step."""
         shear = "gauge='auto', " if self.canonical else ""
+        cures = f"{shear}renew=1000, " if self.growing else ""
         return (
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
             f"against the truncation error, or the energy wrong, and the orbit is being lost; give "
-            f"{shear}renew=1000, a smaller h, or an implicit method such as gauss-4, see "
+            f"{cures}a smaller h, or an implicit method such as gauss-4, see "
             f"docs/{self.page}.md"
         )

@@ -18,7 +18,7 @@ from glmref.engine.parasites import (
     MOST_BETWEEN,
     WINDOW,
     Watch,
-    over_both,
+    over_all,
     stable_up_to,
     step_matrix,
     too_large,
@@ -302,7 +302,7 @@ def test_the_matrix_of_a_step_is_its_derivative(name: str) -> None:
     method, h = method_of(name), 0.05
     J = one.jacobian(0.0, np.array(one.y0, dtype=float))
     q, p = method.carriers
-    found = step_matrix(over_both(*((c.A, c.U, c.B, c.V) for c in (q, p))), np.asarray(J), h)
+    found = step_matrix(over_all(*((c.A, c.U, c.B, c.V) for c in (q, p))), np.asarray(J), h, 2)
     rows = max(len(q.V), len(p.V))
     (whole,) = step_derivatives(method, one, h, np.zeros((1, rows, 4)))
     # values lie row by row with q and p beside each other; here all of q come first
@@ -334,30 +334,6 @@ def test_a_renewed_run_is_looked_at_where_its_energy_has_grown(
     monkeypatch.setattr(Watch, "alarming", lambda *_: [])
     late = solve(given, method, **options).suspect
     assert late is None or late > found.suspect + 200 * h
-
-
-@pytest.mark.parametrize(
-    ("name", "method", "h", "renew"),
-    [
-        ("discrete-schroedinger", "multistep-general-8b", 0.022, 0),
-        ("discrete-schroedinger", "multistep-general-8b", 0.022, 1000),
-        ("swinging-atwood", "multistep-general-8", 0.01, 300),
-        ("uneven-plane", "multistep-general-8c", 0.05, 0),
-        ("double-pendulum", "multistep-general-8c", 0.0139, 150),
-        ("point-vortices", "multistep-general-8b", 0.2, 1000),
-    ],
-)
-@pytest.mark.parametrize("energy", [True, False])
-def test_windows_looked_at_together_are_judged_as_one_by_one(
-    name: str, method: str, h: float, renew: int, energy: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    given = problem(name) if energy else replace(problem(name), hamiltonian=None)
-    found = []
-    for together in (16, 1, 3):
-        monkeypatch.setattr(running, "_TOGETHER", together)
-        run = solve(given, method, h=h, steps=60_000, every=500, renew=renew)
-        found.append((run.suspect, run.notices, run.outcome, run.steps, run.y.tobytes()))
-    assert found[0] == found[1] == found[2]
 
 
 def test_a_renewal_that_fails_is_looked_at_as_others_are() -> None:

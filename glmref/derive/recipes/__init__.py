@@ -41,6 +41,7 @@ _MODULES: Mapping[str, str] = {
     "pairs": "pairs",
     "multistep": "multistep",
     "general-multistep": "general_multistep",
+    "strong-multistep": "strong_multistep",
     "search": "searching",
 }
 
