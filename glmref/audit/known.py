@@ -48,6 +48,8 @@ _POWER, _MOST_DIGITS, _KNOWN = 60, 80, 100
 _BESIDE = 6
 #: Numerals of a text in any language, and the digits of a decimal that are compared.
 _WHOLE, _DECIMAL, _PREFIX = re.compile(r"\d+"), re.compile(r"\d*\.\d(?:_?\d){6,}"), 7
+#: What a decimal has from its point on; few texts have it, and it is found fast.
+_AFTER_POINT = re.compile(r"\.\d(?:_?\d){6}")
 
 
 @dataclass(frozen=True)
@@ -128,16 +130,18 @@ class Known:
 def may_hold_known(text: str) -> bool:
     """Return whether a text has the digits of a few numbers of known methods."""
     fractions, long, prefixes, plain = _written()
-    decimals = {re.sub(r"[._]", "", x).lstrip("0")[:_PREFIX] for x in _DECIMAL.findall(text)}
+    given = _DECIMAL.findall(text) if _AFTER_POINT.search(text) else ()
+    decimals = {re.sub(r"[._]", "", x).lstrip("0")[:_PREFIX] for x in given}
     found = len(prefixes & decimals)
     if found >= _FEW:
         return True
     whole = _WHOLE.findall(text)
-    about = of_subject(text)
-    if found + len(long.intersection(whole)) < _FEW and not about:
+    some = {*whole}  # a pair that is not there has two of them
+    about = any(len(words - some) < 3 for words, _ in plain) and of_subject(text)
+    if found + len(long & some) < _FEW and not about:
         return False
     near = {pair for k in range(1, 6) for pair in zip(whole, whole[k:], strict=False)}
-    if about and any(len(x - near) < 2 for x in plain):
+    if about and any(len(x - near) < 2 for _, x in plain):
         return True
     return found + len(fractions & near) >= _FEW
 
@@ -353,11 +357,13 @@ def _sorted() -> tuple[list[float], list[Constant]]:
 
 @cache
 def _written() -> tuple[
-    frozenset[tuple[str, str]], frozenset[str], frozenset[str], list[set[tuple[str, str]]]
-]:
+    frozenset[tuple[str, str]], frozenset[str], frozenset[str],
+    list[tuple[set[str], set[tuple[str, str]]]],
+]:  # fmt: skip
     """Return numerators and denominators, the longer of both, and first digits of decimals.
 
-    Those of methods whose numbers say so only together stand apart, by the method.
+    Those of methods whose numbers say so only together stand apart, by the method, after the words
+    that they are made of.
     """
     values = {x.value for x in _sorted()[1] if not x.plain}
     fractions = {(str(x.numerator), str(x.denominator)) for x in values}
@@ -365,7 +371,8 @@ def _written() -> tuple[
              for rows in _constants().values() if any(x.plain for x in rows)]  # fmt: skip
     decimals = (f"{float(x):.{_PREFIX + 3}e}".replace(".", "") for x in values)
     long = frozenset(max(x, key=len) for x in fractions)
-    return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals), plain
+    words = [({y for pair in x for y in pair}, x) for x in plain]
+    return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals), words
 
 
 def _equal(x: Figure) -> Iterator[Constant]:
