@@ -157,18 +157,23 @@ def audit(
         name = str(path.relative_to(root))
         if "number" not in row:
             left = [x for x in row.get("correction", ()) if (name, x["line"]) not in said]
+            said |= {(name, line) for line in _lines_of(row)}
             if left or "correction" not in row:
                 yield {"path": name, **row, **({"correction": left} if left else {})}
             continue
         _, done = next(judged)
         if not done.failure:
-            remarks = " ".join(done.value.get("remarks", ()))
-            said |= {(name, int(x)) for x in re.findall(r"\bline (\d+)\)", remarks)}
+            said |= {(name, line) for line in _lines_of(done.value)}
             said |= {(name, x.get("line", 0)) for x in done.value.get("correction", ())}
             yield {"path": name, **done.value}
         else:
             remark = f"the table is not understood: {done.message}"
             yield {"path": name, **_unread(row["line"], row["name"], remark)}
+
+
+def _lines_of(record: Mapping[str, Any]) -> set[int]:
+    """Return the lines that the remarks of a record name."""
+    return {int(x) for x in re.findall(r"\bline (\d+)\)", " ".join(record["remarks"]))}
 
 
 def _rows(
@@ -228,6 +233,8 @@ def _of_file(
             for table in _read(path, text, task["form"], task["declared"], task["given"]):
                 if table.name in completed:
                     rows.append(_unread(table.line, table.name, completed[table.name]))
+                elif table.unread:  # said at once: elsewhere the file would be read again
+                    rows.append(judge(table))
                 else:
                     rows.append({**task, "number": len(recognised), "name": table.name,
                                  "line": table.line})  # fmt: skip
