@@ -18,6 +18,7 @@ from glmref.judge.arithmetic import Interval
 from glmref.judge.command import main
 from glmref.judge.document import Method
 from glmref.judge.fields import Numbers
+from glmref.judge.grammar import parse
 from glmref.judge.linalg import identity
 from glmref.judge.numbers import Box, apart, live, may_vanish, real, sign, squared, vanishes
 from glmref.judge.refusals import Refused, Undecided
@@ -512,3 +513,31 @@ def test_a_part_about_stages_leaves_nothing_behind_that_an_order_is_judged_with(
     for value in (four, *others):
         assert answer(about("stage-order", 6, "fails", stages))[0]
         assert not answer(value)[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", " ", "1 2", "(1", "1)", "*1", "1+", "1-", "2/", "sqrt 2", "sqrt", "root(2)", "f(2)", "2^3",
+     "1//2", "2**3", "1_000", "0x10", "1e5", "1j", "a.b", "1,2", "()", ".", "1.5", "i", "sqrt(4)",
+     "x", "1/0", "(" * 101 + "1" + ")" * 101, "-" * 101 + "1", "1" * 4001, 5, None],
+)  # fmt: skip
+def test_what_is_no_rational_entry_is_refused(text):
+    with pytest.raises(Refused):
+        parse(text, lambda name: None)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("007", 7), (" 1 / 2\t", Fraction(1, 2)), ("1-2-3", -4), ("1+2-3", 0), ("2/3*4", Fraction(8, 3)),
+     ("8/2/2", 2), ("-2*3", -6), ("--1", 1), ("+-1", -1), ("2*-3", -6), ("(1-2)*3", -3), ("1-2*3", -5),
+     ("(" * 100 + "1" + ")" * 100, 1), ("-" * 100 + "1", 1), ("(1)+" * 200 + "1", 201)],
+)  # fmt: skip
+def test_entries_have_their_value(text, value):
+    assert parse(text, lambda name: None) == value
+
+
+def test_constants_are_written_out_in_radicals_only():
+    seen = []
+    found = parse("c*root(c + sqrt(01), 3)", {"c": Fraction(2)}.get,
+                  lambda text: seen.append(text) or Fraction(5), {"c": "d-1", "d": "3"})  # fmt: skip
+    assert found == 10 and seen == ["root(((3)-1)+sqrt(1),3)"]
