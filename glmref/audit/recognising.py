@@ -515,6 +515,8 @@ def tables(
         found += _not_folded(list(found), everything, language)
     if strong or _STORED.search(text):
         found += _left_over(list(found), everything, language)
+    if about:
+        found += _called_a_method(list(found), everything, collector)
     if OF_FLOWS.search(text):
         found += known_numbers(text, collector.tokens, found)
     for table in found:
@@ -674,6 +676,67 @@ def _of_arithmetic(
         name = (block.own or block.name) if block.parent is not None else "step"
         yield Table(name, line, unread="the numbers of a step stand in its arithmetic",
                     general=True, last=line, block=block)  # fmt: skip
+
+
+#: What a function that takes steps of a method is called, or called in a comment near its head.
+_METHOD = re.compile(
+    r"runge.?kutta|(?<![a-z])(?:ssp_?|ls|low_?storage_?|e|imex_?)?rk(?:f|ck|dp|ls|ssp)?_?\d|e?s?dirk"
+    r"|adams.?(?:bashforth|moulton)|(?<![a-z])(?:ab|am|bdf)_?\d(?![a-z\d])|(?:low|2n).?storage"
+    r"|dormand.?prince|fehlberg|cash.?karp|bogacki|tsitouras|yoshida|forest.?ruth|omelyan"
+    r"|(?<![a-z])(?:heun|ralston|butcher)(?![a-z])",
+    re.IGNORECASE,
+)
+#: Lines before a function, and of it, in which a comment says what it is; lines of a function that
+#: has one purpose; different coefficients of a step.
+_ABOVE, _LINES, _DIFFERENT = 4, 200, 2
+
+
+def _called_a_method(
+    found: list[Table], blocks: list[Block], collector: Collector
+) -> Iterator[Table]:
+    """Yield as unread each function that is called a method and has coefficients in products.
+
+    Nothing of it has been read, nor said to be unread, so that no method is passed over in silence.
+    """
+    code = [x for x in blocks if x.kind == "code" and x.parent is not None
+            and x.last - x.line < _LINES and x.name not in _PLAIN_BLOCKS]  # fmt: skip
+    taken = [(x.line, max(x.line, x.last)) for x in found]
+    lines = [x.line for x in collector.tokens]
+    for block in sorted(code, key=lambda x: x.last - x.line):
+        near = (x.text for x in collector.remarks
+                if block.line - _ABOVE <= x.last and x.line <= block.line + _ABOVE)  # fmt: skip
+        said = _METHOD.search(block.own or block.name) or _METHOD.search(" ".join(near))
+        if not said or any(a <= block.last and block.line <= b for a, b in taken):
+            continue
+        row = collector.tokens[bisect_left(lines, block.line) : bisect_right(lines, block.last)]
+        given = list(_coefficients_in([x for x in row if x.kind != "line"]))
+        if len({x for x, _ in given}) < _DIFFERENT:
+            continue
+        why = f"it is called {said[0]!r} and has coefficients in its arithmetic, which are not read"
+        taken.append((block.line, block.last))
+        yield Table(block.own or block.name, given[0][1], unread=why, general=True,
+                    last=block.last, block=block)  # fmt: skip
+
+
+def _coefficients_in(row: Sequence[Token]) -> Iterator[tuple[str, int]]:
+    """Yield fractions in products and quotients, or given to a call, with their lines."""
+    none = Token("line", "", 0, 0, 0, False)
+    padded = [none, none, none, *row, none]
+    called: list[bool] = []  # of each bracket around
+    for k, x in enumerate(row, 3):
+        before, after = padded[k - 1], padded[k + 1]
+        if x.text in ("(", "[", "{"):
+            called.append(x.text == "(" and before.kind == "name")
+        elif x.text in (")", "]", "}") and called:
+            called.pop()
+        if x.kind == "number" and before.text in ("/", "//"):
+            top = padded[k - 2] if padded[k - 2].kind == "number" else none
+            product = "*" in (padded[k - 3].text, after.text) or (called and called[-1])
+            if top is none or product:
+                yield f"{top.text}/{x.text}", x.line
+        fraction = x.text.partition(".")[2].strip("0fFdDe_") if x.kind == "number" else ""
+        if fraction and "*" in (before.text, after.text) and before.text not in ("/", "//"):
+            yield x.text, x.line
 
 
 #: Words of a text in which lists under the names of coefficients are those of a method.
