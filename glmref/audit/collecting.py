@@ -107,7 +107,8 @@ class Collector:
         self, text: str, language: Language, *, fixed: bool = False, lines: set[int] | None = None
     ) -> None:
         self.text, self.language, self.lines = text, language, lines
-        self.tokens, self.remarks = tokens(text, language, fixed=fixed)
+        given, self.remarks = tokens(text, language, fixed=fixed)
+        self.tokens = [*given]
         if language.name == "fortran":
             self.tokens = [x._replace(text=".") if x.text == "%" else x for x in self.tokens]
         said = [x for x in text.split("\n") if "Fraction" in x or "Rational" in x or "define" in x]

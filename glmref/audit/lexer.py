@@ -6,8 +6,9 @@ One expression for the numerals of all of them, one for the comments and strings
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -156,10 +157,11 @@ def _fixed_form(text: str) -> str:
 _FREE = re.compile(r"(?m)^(?![cCdD]) {0,4}[A-Za-z]")
 
 
+@lru_cache(maxsize=1)
 def tokens(
     text: str, language: Language, *, fixed: bool = False
-) -> tuple[list[Token], list[Remark]]:
-    """Split a source into tokens and remarks.
+) -> tuple[Sequence[Token], Sequence[Remark]]:
+    """Split a source into tokens and remarks; the last one is kept, as several readers ask for it.
 
     Raises
     ------
