@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns.pages import measured
-from campaigns.partitioned.nonseparable import METHODS, needed
+from campaigns.partitioned.nonseparable import METHODS, kept, needed, time_table
 from glmref.derive.halves import GeneralHalf
 from glmref.derive.recipes.general_multistep import Shipped, halves_of
 
@@ -29,6 +29,22 @@ def test_evaluations_are_those_of_the_first_of_two_runs_in_a_row() -> None:
     curve = [(10, 1e-7), (11, 1e-9), (12, 1e-8), (20, 1e-10), (40, 1e-12)]
     assert needed(curve, 1e-9) == round(12 * math.sqrt(20 / 12))
     assert needed(curve[:-1], 1e-9) is None
+
+
+def test_what_is_timed_is_kept_by_the_method_with_renewals() -> None:
+    rows = RECORD["times"]["rows"]
+    assert [x["problem"] for x in rows] == kept(RECORD)
+    for change in ({"reported": 3.0}, {"energy": None}, {"energy": 1e-3}):
+        other = [x | change if x["problem"] == rows[0]["problem"] else x for x in RECORD["long"]]
+        assert kept({"long": other}) == [x["problem"] for x in rows[1:]]
+
+
+def test_the_table_of_times_has_medians_and_extremes_of_ratios() -> None:
+    few, many = {"plain": 3.0, "renewed": 4.0, "rival": 4.0}, {"plain": 1.0, "renewed": 2.0}
+    rows = [{"seconds": {"100000": few, "1000000": many | {"rival": x}}} for x in (2.0, 4.0, 10.0)]
+    *_, first, last = time_table(rows).splitlines()
+    assert first == "| 100,000 | 0.75 (0.75–0.75) | 1.00 (1.00–1.00) |"
+    assert last == "| 1,000,000 | 0.25 (0.10–0.50) | 0.50 (0.20–1.00) |"
 
 
 def means(tolerance: float, ways: set[str]) -> list[str]:

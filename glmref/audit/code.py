@@ -6,6 +6,9 @@ import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
+
+from .values import Scope, Unread, evaluate
 
 #: One that is not closed goes to the end: else the search for its end would be quadratic.
 _COMMENTS = {
@@ -149,6 +152,21 @@ def rewritten(text: str) -> str:
         text = f"{name} = {value.strip()}"
     text = text.replace("{", "[").replace("}", "]")
     return quoted(text)
+
+
+def evaluated(text: str, scope: Scope) -> Any:
+    """Return the value of an expression of C.
+
+    Raises
+    ------
+    Unread
+        For one that is not understood.
+    """
+    try:
+        node = ast.parse(rewritten(" ".join(text.split())).strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise Unread(f"{text[:40]!r} is not understood") from None
+    return evaluate(node, scope)
 
 
 def split(text: str, marks: str) -> list[str]:

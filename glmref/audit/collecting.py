@@ -619,6 +619,13 @@ class Collector:
     def _folder(self, row: Sequence[Token]) -> Folder:
         return Folder(row, self.language, self._look(self.block))
 
+    def _folded(self, row: Sequence[Token]) -> Any:
+        """Return the value of an expression, ``None`` where it is not read."""
+        try:
+            return self._folder(row).expression()
+        except Unread:
+            return None
+
     @staticmethod
     def _look(block: Block) -> Any:
         def look(name: str) -> Any:
@@ -892,11 +899,7 @@ class Collector:
             item = next(x for x in reversed(block.items) if x.value is held)
             block.parent.items.append(Item(block.name, held, item.line, self.count, last=item.last))
             return
-        folder = self._folder(row)
-        try:
-            value = folder.expression()
-        except Unread:
-            return
+        value = self._folded(row)
         if isinstance(value, Record):
             self._record(value, value.name or block.name, row[0].line)
             return
@@ -941,11 +944,7 @@ class Collector:
         self._collect(row)
 
     def _collect(self, row: Sequence[Token]) -> None:
-        folder = self._folder(row)
-        try:
-            value = folder.expression()
-        except Unread:
-            return
+        value = self._folded(row)
         if isinstance(value, Record):
             typed = self.language.name == "julia" and not value.name
             self._record(value, self.block.own if typed else "", row[0].line)

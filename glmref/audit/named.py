@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from ..exact import Exact
-from .code import bare, rewritten
+from .code import bare, evaluated
 from .table import ZERO, Table
-from .values import Number, Scope, Unread, evaluate
-
-
-def _value(text: str, scope: Scope) -> Any:
-    try:
-        node = ast.parse(rewritten(" ".join(text.split())).strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise Unread(f"{text[:40]!r} is not understood") from None
-    return evaluate(node, scope)
+from .values import Number, Scope, Unread
 
 
 def _line(text: str, at: int) -> int:
@@ -64,7 +54,7 @@ def _of_constants(text: str) -> Table:
         if key in scope or not (digits or letters in ("gam", "gamma")):
             continue
         try:
-            number = _value(re.sub(r"\b\w+::(?=[a-z]+\d)", "", value), scope)
+            number = evaluated(re.sub(r"\b\w+::(?=[a-z]+\d)", "", value), scope)
         except Unread:
             continue  # a name of the step; where it was an entry, that entry has no name
         if isinstance(number, Number):

@@ -7,19 +7,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 
 from ..exact import Exact
-from .code import bare, rewritten
-from .table import Rows, Table, vector
-from .values import Number, Scope, Sparse, Unread, assign, evaluate
-
-_ZERO = Number(Exact(0))
-
-
-def _value(text: str, scope: Scope) -> list[Number]:
-    try:
-        node = ast.parse(rewritten(" ".join(text.split())).strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError):
-        raise Unread(f"{text[:40]!r} is not understood") from None
-    return vector(evaluate(node, scope))
+from .code import bare, evaluated
+from .table import ZERO, Rows, Table, vector
+from .values import Number, Scope, Sparse, Unread, assign
 
 
 def _guarded(
@@ -39,7 +29,7 @@ def _triangle(rows: Mapping[int, list[Number]], s: int) -> Rows:
     for i in range(2, s + 1):
         if len(rows.get(i, [])) != i - 1:
             raise Unread(f"row {i} of A is not an array of {i - 1} numbers")
-    return [[*rows.get(i, []), *([_ZERO] * (s - len(rows.get(i, []))))] for i in range(1, s + 1)]
+    return [[*rows.get(i, []), *([ZERO] * (s - len(rows.get(i, []))))] for i in range(1, s + 1)]
 
 
 # --- Boost.odeint ---------------------------------------------------------------------------------
@@ -89,7 +79,7 @@ def _of_structs(text: str) -> Table:
     for _, key, half, body in _ARRAY.findall(text):
         scope: Scope = {"this": Sparse()}
         for target, value in re.findall(r"(this\[\d+\])\s*=([^;]+);", body):
-            item = _value(value, scope)
+            item = vector(evaluated(value, scope))
             assign(ast.parse(target, mode="eval").body, item[0], scope)
         entries = scope["this"].entries
         found[key or half.upper()] = [entries[x] for x in sorted(entries)]
@@ -111,12 +101,12 @@ def _of_constants(text: str) -> Table:
     scope: Scope = {}
     for key, value in re.findall(r"const value_type ((?:a|b\d|d?c)\d)\s*=([^;]+);", text):
         if key not in scope:
-            scope[key] = _value(value, scope)[0]
+            scope[key] = vector(evaluated(value, scope))[0]
     last = max(int(k[1]) for k in scope if k[0] == "b")
     s = last + (f"dc{last + 1}" in scope)  # the new value is a stage where the error uses it
 
     def row(key: str, n: int) -> list[Number]:
-        return [scope.get(f"{key}{k}", _ZERO) for k in range(1, n + 1)]
+        return [scope.get(f"{key}{k}", ZERO) for k in range(1, n + 1)]
 
     rows = {i: row(f"b{i}", i - 1) for i in range(2, last + 1)} | {last + 1: row("c", last)}
     times = row("a", last)

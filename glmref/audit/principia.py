@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterator
 from typing import Any
 
-from ..exact import Exact
-from .code import bare, rewritten
-from .table import Rows, Table, vector
-from .values import Number, Scope, Unread, evaluate
+from .code import bare, evaluated
+from .table import ZERO, Rows, Table, vector
+from .values import Number, Scope, Unread
 
 _STRUCT = re.compile(
     r"^struct\s+([^\s:{]+)\s*:\s*([^\s{]+)\s*\{(.*?)^\};", re.DOTALL | re.MULTILINE
@@ -50,12 +48,9 @@ def _members(body: str) -> Scope:
         try:
             value = re.sub(r"Fixed\w+<[^<>]*>(?=\s*\{)", "", value)
             value = re.sub(r"\{[\s{]*", "{", re.sub(r"\}[\s}]*", "}", value))
-            node = ast.parse(rewritten(value).strip(), mode="eval").body
-            scope[key] = evaluate(node, scope)
+            scope[key] = evaluated(value, scope)
         except Unread as error:
             scope[key] = error
-        except (SyntaxError, ValueError, RecursionError):
-            scope[key] = Unread(f"the value of {key} is not understood")
     return scope
 
 
@@ -76,11 +71,10 @@ def _lower(scope: Scope, key: str, s: int) -> Rows:
     flat = _array(scope, key)
     if len(flat) != s * (s - 1) // 2:
         raise Unread(f"{key} has {len(flat)} entries, and {s} stages need {s * (s - 1) // 2}")
-    zero = Number(Exact(0))
     rows: Rows = []
     for i in range(s):
         at = i * (i - 1) // 2
-        rows.append([*flat[at : at + i], *([zero] * (s - i))])
+        rows.append([*flat[at : at + i], *([ZERO] * (s - i))])
     return rows
 
 

@@ -609,17 +609,6 @@ def _of_names(run: _Run, name: str, order: int | None) -> Table | None:
     return table
 
 
-def _guarded(
-    make: Callable[..., Table], run: _Run, name: str, line: int, *more: Any
-) -> Iterator[Table]:
-    try:
-        yield make(run, name, line, *more)
-    except Unread as error:
-        yield _unread(name, line, error)
-    except (TypeError, AttributeError, IndexError, KeyError, ValueError) as error:
-        yield _unread(name, line, Unread(f"{type(error).__name__}: {error}"))
-
-
 def by_name(name: str, b: Sequence[Number], *, pair: bool) -> int | None:
     """Return the order in names as SSP104, ten stages and order 4, as RK4, and of pairs as BS5."""
     digits = re.search(r"(\d+)$", name)

@@ -1,6 +1,6 @@
 """Straight-line code of other people evaluated by hand: numbers, arrays, and nothing that runs.
 
-Statements of C, Julia, Fortran and Python are rewritten as Python expressions, parsed by
+Statements of C and Julia are rewritten as Python expressions, parsed by
 :mod:`ast`, and evaluated over exact numbers by a table of arithmetic and of a few functions. What
 is not in that table is *unread*, with its line; so is everything that is computed from it.
 """
@@ -253,21 +253,9 @@ class _Evaluator:
         raise Unread(f"{x!r} is no number that is read")
 
     def _list(self, node: ast.List | ast.Tuple) -> Any:
-        found: list[Any] = []
-        for x in node.elts:
-            if isinstance(x, ast.Starred):
-                found += self._sequence(self.of(x.value))
-            else:
-                found.append(self.of(x))
-        return bounded(found)
+        return bounded(self.of(x) for x in node.elts)
 
     _tuple = _list
-
-    @staticmethod
-    def _sequence(x: Any) -> list[Any]:
-        if not isinstance(x, list):
-            raise Unread("a list is expected")
-        return x
 
     def _name(self, node: ast.Name) -> Any:
         return self._look(node.id)
@@ -284,9 +272,6 @@ class _Evaluator:
         name = ast.unparse(node)
         if name in self.scope:
             return self._look(name)
-        if node.attr in ("T", "value"):
-            value = self.of(node.value)
-            return value if node.attr == "value" else [list(x) for x in zip(*value, strict=True)]
         raise Unread(f"the name {name[:40]!r} is not known")
 
     def _unaryop(self, node: ast.UnaryOp) -> Any:
@@ -316,13 +301,13 @@ class _Evaluator:
             return value.entries.get(index, Number(Exact(0)))
         if base is not node.value:
             value = self.of(node.value)
-        return _taken(value, self._index(node.slice, len(value)))
+        return _taken(value, self._index(node.slice))
 
     @staticmethod
     def _parts(node: ast.Subscript) -> list[ast.expr]:
         return node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
 
-    def _index(self, node: ast.expr, size: int) -> list[Any]:
+    def _index(self, node: ast.expr) -> list[Any]:
         parts = node.elts if isinstance(node, ast.Tuple) else [node]
         start = int(self.scope.get("1-based", 0))
         found: list[Any] = []
@@ -338,33 +323,20 @@ class _Evaluator:
                 found.append(k if k < 0 else k - start)
         return found
 
-    def _ifexp(self, node: ast.IfExp) -> Any:
-        return self.of(node.body)
-
     def _call(self, node: ast.Call) -> Any:
         name = ast.unparse(node.func)
         last = name.rpartition(".")[2]
-        if isinstance(node.func, ast.Name | ast.Attribute) and name in self.scope:
-            value = self._look(name)  # an array in round brackets
-            if isinstance(value, Sparse):
-                at = tuple(self.of(x).whole() for x in node.args)
-                return value.entries.get(at, Number(Exact(0)))
-            return _taken(value, self._index(ast.Tuple(node.args, ast.Load()), 0))
         if last in _LAST:
             return self.of(node.args[-1])
         if last in ("Matrix", "Vector", "Array") and ast.unparse(node.args[0]) == "undef":
             return filled([self._size(x) for x in node.args[1:]], Number(Exact(0)))
         if last in _FIRST:
             return self.of(node.args[0])
-        if last in ("squeeze",):
-            return _squeezed(self.of(node.args[0]))
         if last in ("PetscSqr", "sqr"):
             return power(self.of(node.args[0]), Number(Exact(2)))
         if last == "inv" and len(node.args) == 1:
             return power(self.of(node.args[0]), Number(Exact(-1)))
         if "sqrt" in last.lower():
-            if not node.args and isinstance(node.func, ast.Attribute):  # x.sqrt()
-                return _each(lambda n: n.of(_root(n)), self.of(node.func.value))
             x = self.of(node.args[0])
             return _each(lambda n: n.of(_root(n)), x)
         if last == "cbrt":
@@ -374,13 +346,6 @@ class _Evaluator:
     def _call_of_arrays(self, node: ast.Call, name: str) -> Any:
         """Evaluate a method of a number or an array, or what makes, joins or measures arrays."""
         last = name.rpartition(".")[2]
-        if last == "sum" and isinstance(node.func, ast.Attribute):
-            rows = self.of(node.func.value)
-            return [x[0].of(sum((y.value for y in x), Exact(0)), x[0]) for x in rows]
-        if last in ("item", "to", "copy", "reshape", "astype", "numpy", "double") and isinstance(
-            node.func, ast.Attribute
-        ):
-            return self.of(node.args[0] if last == "copy" and node.args else node.func.value)
         if last in ("Zero", "zeros", "ones", "fill"):
             value = Number(Exact(0 if last in ("zeros", "Zero") else 1))
             if last == "fill":
@@ -390,9 +355,8 @@ class _Evaluator:
             return pairwise(_RULES[ast.Div], self.of(node.args[0]), self.of(node.args[1]))
         if last in ("one", "zero"):
             return Number(Exact(int(last == "one")))
-        if last in ("concatenate", "vcat", "hstack"):
-            parts = [self.of(x) for x in node.args] if last == "vcat" else self.of(node.args[0])
-            return bounded(x for part in parts for x in part)
+        if last == "vcat":
+            return bounded(x for part in node.args for x in self.of(part))
         if last in ("size", "len", "length"):
             return Number(Exact(len(self.of(node.args[0]))))
         raise Unread(f"the function {name[:40]!r} is not read")
@@ -430,12 +394,6 @@ class Sparse:
 
     def __init__(self) -> None:
         self.entries: dict[tuple[int, ...], Number] = {}
-
-
-def _squeezed(x: Any) -> Any:
-    while isinstance(x, list) and len(x) == 1:
-        x = x[0]
-    return x
 
 
 def _root(n: Number) -> Exact:
@@ -528,13 +486,9 @@ def assign(target: ast.expr, value: Any, scope: Scope) -> None:
             assign(x, y, scope)
         return
     indices: list[ast.expr] = []
-    while isinstance(target, ast.Subscript | ast.Call):
-        if isinstance(target, ast.Subscript):
-            parts = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
-            target = target.value
-        else:
-            parts, target = target.args, target.func
-        indices = [*parts, *indices]
+    while isinstance(target, ast.Subscript):
+        parts = target.slice.elts if isinstance(target.slice, ast.Tuple) else [target.slice]
+        indices, target = [*parts, *indices], target.value
     name = ast.unparse(target)
     if not _DOTTED.fullmatch(name):
         raise Unread(f"an assignment to {name[:40]!r} is not read")
@@ -550,7 +504,7 @@ def assign(target: ast.expr, value: Any, scope: Scope) -> None:
     if isinstance(held, Sparse):
         held.entries[tuple(evaluator.of(x).whole() for x in indices)] = value
         return
-    at = evaluator._index(ast.Tuple(indices, ast.Load()), 0)
+    at = evaluator._index(ast.Tuple(indices, ast.Load()))
     if len(at) == 2 and isinstance(at[0], slice) and isinstance(at[1], int):  # a column
         for row, x in zip(held[at[0]], value, strict=True):
             row[at[1]] = x

@@ -31,13 +31,26 @@ def in_order(weights: np.ndarray, rows: np.ndarray) -> np.ndarray:
     columns are summed at once.
     """
     read = weights.nonzero()[0]
-    if rows.ndim == 2 and len(read):  # one state: a few long calls
+    if not len(read):
+        return np.zeros(rows.shape[1:], dtype=np.result_type(weights, rows))
+    if rows.ndim == 2:  # one state: a few long calls
         return np.add.accumulate(weights[read, None] * rows[read])[-1]
-    total = np.zeros(rows.shape[1:], dtype=np.result_type(weights, rows))
-    term = np.empty_like(total)
-    for j in read:
+    # in this order of the axes the last one, the longest, is the inner loop
+    shape, dtype = rows.shape[1:], np.result_type(weights, rows)
+    total, term = np.empty(shape, dtype), np.empty(shape, dtype)
+    np.multiply(rows[read[0]], weights[read[0]], out=total)
+    for j in read[1:]:
         total += np.multiply(rows[j], weights[j], out=term)
     return total
+
+
+def solution_of(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the sum (d,) or (n, d) of values (r, d) or (n, r, d) by weights (r,), term by term."""
+    if values.ndim == 2:
+        return in_order(weights, values)
+    if len(values) == 1:
+        return in_order(weights, values[0])[None]
+    return in_order(weights, values.transpose(1, 2, 0)).T
 
 
 class Arithmetic:

@@ -43,12 +43,9 @@ class KernelSource:
     """A generated kernel."""
 
     text: str  #: Module source; defines ``kernel``.
-    #: Length of the work array ``x``. Its head is the state that lasts from step to step:
-    #: ``value_rows`` rows of d values y, as many rounding errors e (if compensated), and
-    #: ``memory_rows`` rows L that the predictor starts from.
+    #: Length of the work array ``x``. Its head is the state that lasts from step to step, see
+    #: :meth:`.forms.StepForm.names`.
     work_size: int
-    value_rows: int
-    memory_rows: int
     target: str  #: ``"scalar"`` or ``"array"``.
     #: Stages of the largest block that is solved together, or values that a step turns.
     side_by_side: int = 1
@@ -79,11 +76,8 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
     if len(form.components) == 1:
         widest = max((len(block.stages) for block in form.blocks), default=1)
     else:  # values of a multistep method turn independently of each other: vectors fit them
-        widest = form.rows if len(form.kick) > 1 or (form.ahead and shape.dimension > 2) else 1
-    memory = len(form.memory) + form.ahead
-    return KernelSource(
-        title + head + writer.text, target.work_size, form.rows, memory, kind, widest
-    )
+        widest = form.rows if len(form.kick) > 1 or (form.together and shape.dimension > 2) else 1
+    return KernelSource(title + head + writer.text, target.work_size, kind, widest)
 
 
 def header(shape: Shape, kind: str, *, newton: bool) -> str:
@@ -311,9 +305,7 @@ class Builder(KickWriter):
 
     def _state(self) -> list[str]:
         """Return vectors that last from call to call, in their order at the head of ``x``."""
-        letters = "ye" if self.options.compensated else "y"
-        names = [f"{letter}{k}" for letter in letters for k in range(self.form.rows)]
-        return names + [name for name, _ in self.form.memory] + ["P"] * self.form.ahead
+        return self.form.names(compensated=self.options.compensated)
 
     def _record(self) -> None:
         for one, values in zip(self.form.components, self.sides, strict=True):

@@ -30,6 +30,7 @@ from ..method.component import SEPARABLE
 from ..method.preconsistency import output, preconsistency_vector, stage_times
 from ..method.rounding import CLOSE, as_double, split_rows
 from ..method.stage_order import StageBlock, dependency_blocks
+from .arithmetic import solution_of
 from .tableau import as_balls
 
 Row = tuple[float, ...]
@@ -191,11 +192,11 @@ class StepForm:
 
     def point(self, values: np.ndarray) -> np.ndarray:
         """Return the point (..., d) of a step of :attr:`ahead` from values (..., r, d)."""
-        parts, m = [], values.shape[-1] // 2
-        for k, one in enumerate(self.components):
-            half = values[..., k * m : (k + 1) * m]
-            terms = [u * half[..., j, :] for j, u in enumerate(one.U[0]) if u]
-            parts.append(np.add.accumulate(terms)[-1])
+        m = values.shape[-1] // 2
+        parts = [
+            solution_of(np.array(one.U[0]), values[..., k * m : (k + 1) * m])
+            for k, one in enumerate(self.components)
+        ]
         return np.concatenate(parts, axis=-1)
 
     def place(self, stage: int) -> tuple[int, int]:
@@ -244,6 +245,48 @@ class StepForm:
 
     def _kicks(self, force: np.ndarray, h: float) -> np.ndarray:
         return h * np.array(self.kick)[:, None] * force[..., None, :]
+
+    def names(self, *, compensated: bool) -> list[str]:
+        """Return the vectors that last from step to step, in their order in a kernel's state.
+
+        Values y, their rounding errors e, what is remembered of the step before.
+        """
+        names = [f"{x}{k}" for x in ("ye" if compensated else "y") for k in range(self.rows)]
+        return [*names, *(name for name, _ in self.memory), *(["P"] if self.ahead else [])]
+
+    def state(
+        self, values: np.ndarray, slope: np.ndarray, h: float, *, compensated: bool, moves: bool
+    ) -> np.ndarray:
+        """Return the vectors of :meth:`names` before the first step, (..., n, d).
+
+        From values (..., r, d) in the method's basis and the right-hand side at the first one,
+        (..., d): the force that a pair reuses, or the predictor's first guess (where it is not
+        finite: zero). ``moves`` says whether q' = p.
+        """
+        y, m = self.into(values), values.shape[-1] // 2
+        e, memory = np.zeros_like(y), []
+        for _, weight in self.memory:
+            guess = slope if weight is None else h * weight * slope
+            memory.append(guess if weight is None else np.where(np.isfinite(guess), guess, 0.0))
+        if self.ahead:
+            memory.append(self.point(y))
+        if self.kick:
+            p = (..., slice(len(self.components[1].V)), slice(m, None))
+            y[p], e[p] = self.kicked(y[p], slope[..., m:], h)
+            if self.leaps and moves:
+                memory[0] = np.concatenate([h * y[..., 0, m:], slope[..., m:]], axis=-1)
+        lasting = [y, e] if compensated else [y]
+        return np.concatenate([*lasting, *(x[..., None, :] for x in memory)], axis=-2)
+
+    def values(self, state: np.ndarray, h: float, *, compensated: bool) -> np.ndarray:
+        """Return the values (..., r, d) in the method's basis of a :meth:`state`."""
+        values, m = self.back(state[..., : self.rows, :]), state.shape[-1] // 2
+        if self.kick:
+            rows = len(self.components[1].V)
+            e = state[..., self.rows : self.rows + rows, m:] if compensated else 0.0
+            force = state[..., self.rows * (1 + compensated), m:]
+            values[..., :rows, m:] = self.unkicked(state[..., :rows, m:], e, force, h)
+        return values
 
     def into(self, values: np.ndarray) -> np.ndarray:
         """Return values of the method in the basis of this form, (..., r, d)."""

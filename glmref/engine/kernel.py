@@ -29,7 +29,6 @@ SOLVERS = ("auto", "fixed-point", "newton")
 
 #: Stages solved together from which on their operations are worth packing into vectors.
 PACKED_STAGES = 3
-
 _SAME_VALUE = 1e-9  # relative difference of a compiled function from the interpreted one
 
 _FIRST_CHUNK = 256
@@ -42,15 +41,14 @@ _shapes, _sources = ByIdentity(), ByIdentity()
 class State:
     """What a kernel works on, carried from one chunk of steps to the next."""
 
-    #: The work array; ``y`` (r, d) and ``memory`` (rows, d) are views of its head.
-    work: np.ndarray
-    y: np.ndarray
-    memory: np.ndarray
+    work: np.ndarray  #: The work array.
+    vectors: np.ndarray  #: (n, d), a view of its head, see :meth:`.forms.StepForm.names`.
     h: float  #: Step size.
     #: Evaluations, velocity evaluations, iterations, factorisations, steps, rows.
     tally: np.ndarray = field(default_factory=lambda: np.zeros(6, dtype=np.int64))
     #: What the right-hand side raised in the step that ended the run, or ``None``.
     trouble: Exception | None = None
+    chunk: int = 0  #: Steps of the next call of the kernel, 0 where none was timed.
 
     def take_back(self, work: np.ndarray, tally: np.ndarray) -> None:
         """Return to copies made earlier."""
@@ -87,60 +85,29 @@ class Kernel:
         return ", ".join((*words, f"{self.source.target} target"))
 
     def state(self, values: np.ndarray, slope: np.ndarray, h: float) -> State:
-        """Return the state before the first step, from values (r, d) in the method's basis.
+        """Return the state before the first step, see :meth:`.forms.StepForm.state`."""
+        options, moves = self.options, self.shape.parts[0].identity
+        found = self.form.state(values, slope, h, compensated=options.compensated, moves=moves)
+        return self._holding(found, h)
 
-        ``slope`` (d,) is the right-hand side at the first value: the force that a pair reuses, or
-        the predictor's first guess (where it is not finite: zero).
-        """
+    def _holding(self, vectors: np.ndarray, h: float) -> State:
+        """Return a state with these vectors at the head of a work array."""
         work = native.aligned_zeros(self.source.work_size)
-        d, rows = self.shape.dimension, self.source.value_rows
-        below = (2 if self.options.compensated else 1) * rows
-        y = work[: rows * d].reshape(rows, d)
-        memory = work[below * d : (below + self.source.memory_rows) * d].reshape(-1, d)
-        y[:] = self.form.into(values)
-        for k, (_, weight) in enumerate(self.form.memory):
-            memory[k] = remembered(slope, weight, h)
-        if self.form.ahead:
-            memory[-1] = self.form.point(y)
-        state = State(work, y, memory, h)
-        if self.form.kick:
-            p, rest, force = self._kept(state)
-            p[:], lost = self.form.kicked(p, force, h)
-            if self.options.compensated:
-                rest[:] = lost
-            if self.form.leaps and self.shape.parts[0].identity:
-                memory[0, : self.shape.half] = h * p[0]
-        return state
-
-    def _kept(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the values of p, their rounding errors (zero without them), and the force."""
-        half = slice(self.shape.half, self.shape.dimension)
-        rows = len(self.form.components[1].V)
-        p = state.y[:rows, half]
-        if not self.options.compensated:
-            return p, np.zeros_like(p), state.memory[0, half]
-        errors = state.work[state.y.size :][: state.y.size].reshape(state.y.shape)
-        return p, errors[:rows, half], state.memory[0, half]
+        head = work[: vectors.size].reshape(vectors.shape)
+        head[:] = vectors
+        return State(work, head, h)
 
     def resumed(self, other: State) -> State:
         """Return the state of another kernel of this form, to go on with its values and counts."""
-        work = native.aligned_zeros(self.source.work_size)
-        head = other.memory.ctypes.data - other.work.ctypes.data
-        size = head // other.work.itemsize + other.memory.size
-        work[:size] = other.work[:size]
-        start = size - other.memory.size
-        memory = work[start:size].reshape(other.memory.shape)
+        state = self._holding(other.vectors, other.h)
+        memory = state.vectors[self.form.rows * (1 + self.options.compensated) :]
         memory[~np.isfinite(memory)] = 0.0
-        y = work[: other.y.size].reshape(other.y.shape)
-        return State(work, y, memory, other.h, other.tally)
+        state.tally = other.tally
+        return state
 
     def values(self, state: State) -> np.ndarray:
         """Return the values in the method's basis, (r, d)."""
-        values = self.form.back(state.y)
-        if self.form.kick:
-            p = self.form.unkicked(*self._kept(state), state.h)
-            values[: len(p), self.shape.half :] = p
-        return values
+        return self.form.values(state.vectors, state.h, compensated=self.options.compensated)
 
     def advance(
         self, state: State, last: int, *, t0: float, h: float, every: int, out: np.ndarray,
@@ -151,12 +118,10 @@ class Kernel:
         After ``every`` steps (0: never) a row is recorded into ``out``; ``pause`` is called between
         chunks with the steps done and cancels where it is true.
         """
-        chunk, seconds, flat = _FIRST_CHUNK, 0.0, out.reshape(-1)
-        if self.built.engine == "python":
-            chunk = 8
-        grows = True
+        seconds, grows, flat = 0.0, True, out.reshape(-1)
+        state.chunk = state.chunk or (8 if self.built.engine == "python" else _FIRST_CHUNK)
         while state.step < last:
-            until = min(last, state.step + chunk)
+            until = min(last, state.step + state.chunk)
             begin = time.perf_counter()
             mark = (state.step // every + 1) * every if every else -1
             code = self._called(state, t0, h, until, mark, every, flat)
@@ -165,11 +130,11 @@ class Kernel:
             if code is None:
                 # an exception came through: the same steps again in smaller pieces, up to the last
                 # one before it
-                chunk, grows = max(1, (until - state.step) // 2), False
+                state.chunk, grows = max(1, (until - state.step) // 2), False
             if code:
                 return KERNEL_OUTCOMES[code], seconds
-            if grows and spent < _CHUNK_SECONDS:
-                chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
+            if grows and until < last and spent < _CHUNK_SECONDS:
+                state.chunk *= 8 if spent < _CHUNK_SECONDS / 8 else 2
             if state.step < last and pause(state.step):
                 return Outcome.CANCELLED, seconds
         return Outcome.COMPLETED, seconds
@@ -211,14 +176,6 @@ class Kernel:
         if code and self.built.trouble:
             state.trouble = self.built.trouble[-1]
         return code
-
-
-def remembered(slope: np.ndarray, weight: float | None, h: float) -> np.ndarray:
-    """Return :attr:`.forms.StepForm.memory` before the first step, given f at the start."""
-    if weight is None:
-        return slope
-    guess = h * weight * slope
-    return np.where(np.isfinite(guess), guess, 0.0)
 
 
 def prepare(

@@ -70,7 +70,7 @@ class Built:
 
     kernel: Callable[..., int]  #: The function, with the arguments of :mod:`.codegen`.
     engine: str  #: ``"native"`` (llvmlite), ``"numba"`` or ``"python"``.
-    path: Path | None = None  #: The generated module, or ``None`` where it was not written.
+    path: Path | None = None  #: Machine code on disk, or ``None`` where none was written.
     notice: str = ""  #: Why the interpreter runs it, or ``""``.
     #: A user's functions as numba compiled them, by the names the source calls.
     functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
@@ -96,25 +96,14 @@ def build(
     ImportError, Unsupported
         Where vectors of lanes are requested and cannot be had: nothing else makes them.
     """
-    if tuning.lanes:
-        return _native(source, tuple(arguments.items()), tuning)
+    if not functions:
+        try:
+            return _native(source, tuple(arguments.items()), tuning)
+        except (ImportError, Unsupported):
+            if tuning.lanes:
+                raise
     types = ", ".join(_NUMBA_TYPES[kind] for kind in arguments.values())
-    signature = f"int64({types})"
-    if functions:
-        return _build_around(source, signature, functions, tuning.fuse)
-    try:
-        return _native(source, tuple(arguments.items()), tuning)
-    except (ImportError, Unsupported):
-        pass
-    try:
-        module = _load(source, signature, tuning.fuse)
-    except (OSError, RuntimeError):  # no folder for a cache, or a full disk
-        return _build_around(source, signature, {}, tuning.fuse)
-    except ImportError as error:
-        return interpret(
-            source, {}, f"numba cannot be imported ({error}); the kernel is interpreted"
-        )
-    return Built(module.kernel, "numba", Path(str(module.__file__)))
+    return _build_around(source, f"int64({types})", functions or {}, tuning.fuse)
 
 
 @lru_cache(maxsize=256)
@@ -129,13 +118,6 @@ def _native(source: str, arguments: tuple[tuple[str, str], ...], tuning: Tuning)
     path = None if folder is None else folder / name
     kernel = native.compile_kernel(source, dict(arguments), path, tuning)
     return Built(kernel, "native", path)
-
-
-@lru_cache(maxsize=256)
-def _load(source: str, signature: str, fuse: bool) -> ModuleType:
-    """Write the module once, import it, and let numba find or fill its cache."""
-    path = _module_file(_numba_head(signature, cache=True, fuse=fuse) + source)
-    return _imported(path, {})
 
 
 def _module_file(text: str, about: str = "") -> Path:
@@ -219,7 +201,8 @@ def _compiled_around(
     try:
         import numba
     except ImportError as error:
-        return interpret(source, functions, f"numba cannot be imported ({error})")
+        says = f"numba cannot be imported ({error}); the kernel is interpreted"
+        return interpret(source, functions, says)
     names = ", ".join(getattr(f, "__name__", "a function") for f in functions.values())
     own: dict[str, Any] = {}
     called = "".join(_CALLED[name] for name in functions)

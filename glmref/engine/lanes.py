@@ -32,7 +32,6 @@ class LaneSource:
     """A generated kernel for a block of lanes."""
 
     text: str  #: Module source; defines ``kernel``.
-    rows: dict[str, int]  #: Name -> first row of the work array (of ``width`` entries each).
     work_size: int  #: Length of the work array.
     width: int  #: Lanes in a block.
     vectors: bool  #: Whether the work array is one of vectors.
@@ -58,8 +57,7 @@ def lane_source(form: StepForm, shape: Shape, options: Options, width: int) -> L
     _LaneBuilder(form, shape, options, target).kernel()
     head = header(shape, "vector" if vectors else "scalar", newton=False)
     text = f'"""Generated kernel: {width} lanes."""\n\n{head}{writer.text}'
-    rows = {name: place // target.width for name, place in target.places.items()}
-    return LaneSource(text, rows, target.work_size // target.width * width, width, vectors)
+    return LaneSource(text, target.work_size // target.width * width, width, vectors)
 
 
 class _LaneBuilder(Builder):
@@ -92,7 +90,7 @@ class _LaneBuilder(Builder):
     def kernel(self) -> None:
         """Write the function ``kernel``."""
         w = self.w
-        # the head of the work array: values, errors, predictor, then one status per lane
+        # the head of the work array: the state, then one status per lane, rounds, steps done
         state = self._state()
         for name in state:
             self.t.offset(name)

@@ -260,6 +260,13 @@ class Map:
         tally, _ = self._called(rows, t0, h, last, every)
         return int(tally[4]), int(tally[0])
 
+    def of(self, t: float, y: np.ndarray, h: float) -> tuple[np.ndarray | None, int]:
+        """Return the values (r, d) made of y, ``None`` where they are no numbers, and the cost."""
+        rows = np.zeros((1, self.values, len(y)))
+        rows[0, 0] = y
+        good, cost = self(rows, t, h)
+        return (rows[0] if good else None), cost
+
     def slope(self, h: float, t: float, y: np.ndarray) -> np.ndarray:
         """Return the right-hand side at (t, y), shape (d,), as this kernel evaluates it."""
         rows = np.zeros((1, self.values, len(y)))

@@ -23,6 +23,7 @@ References
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -48,7 +49,7 @@ MOST_BETWEEN = 2**15
 FACTOR = 10.0
 #: With a Hamiltonian: growth of the energy error from that of the first steps at which a notice is
 #: given, how many these are, and how many solutions of a window it is computed of.
-_ENERGY, _EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
+_ENERGY, EARLY, _SAMPLES = 20.0, 3 * WINDOW, 8
 #: The growth that suffices where the parasitic part is larger than the truncation error, too.
 _ENERGY_TOO = 8.0
 #: The part of the truncation error that the parasitic part then has to be.
@@ -73,53 +74,59 @@ _MOST_ROWS = 200
 #: Units in the last place by which solutions are rounded, and by which rounding in n steps may
 #: have moved them, over sqrt(n).
 _ROUNDING, _WALK = 8.0, 0.25
+#: Columns up to which a product of matrices is too small for threads, which wait for each other.
+_COLUMNS = 16
 _EPSILON, _TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Maps from the window (WINDOW, d) of one half."""
+    """Maps from the window (WINDOW, d) of one half, for each number of coefficients.
 
-    amplitudes: np.ndarray  #: (sizes, k, 2, WINDOW): cosine and sine part at each root.
-    allowed: np.ndarray  #: (sizes, k), whether the root is separate from the polynomials.
-    rest: np.ndarray  #: (sizes, WINDOW, WINDOW): what neither polynomials nor roots describe.
-    truncation: np.ndarray  #: (rows, WINDOW): C times the p-th differences.
+    The truncation error, C times the p-th differences; at each root a cosine part, then a sine
+    part; what neither polynomials nor roots describe. Rows of zeros stand for missing roots.
+    """
+
+    rows: np.ndarray  #: (sizes, all of these, WINDOW).
+    ends: tuple[int, ...]  #: Where the first three of them end.
+    refused: np.ndarray  #: (sizes, roots), infinite where a root is near the polynomials.
 
 
-@lru_cache(maxsize=32)
-def _fit(roots: tuple[float, ...], order: int, constant: float) -> _Fit:
-    """Return the maps for roots exp(i angle), 0 < angle <= pi."""
+def _fit(roots: tuple[float, ...], most: int, order: int, constant: float) -> _Fit:
+    """Return the maps for roots exp(i angle), 0 < angle <= pi, at ``most`` of a half."""
     n, angles = np.arange(WINDOW), np.array(roots)
     x = (2 * n + 1) / WINDOW - 1
     waves = np.concatenate([np.cos(np.outer(n, angles)), np.sin(np.outer(n, angles))], axis=1)
     k = len(angles)
     waves[:, k:][:, angles > math.pi - 1e-9] = 0.0
-    parts, allowed, rests, truncation = [], [], [], np.zeros((1, WINDOW))
-    for size in _SIZES:
+    truncation = np.zeros((WINDOW // 2 - order, WINDOW))
+    rows = np.zeros((len(_SIZES), len(truncation) + 2 * most + WINDOW, WINDOW))
+    ends = tuple(len(truncation) + part * most for part in range(3))
+    refused = np.zeros((len(_SIZES), most))
+    for size, row, near in zip(_SIZES, rows, refused, strict=True):
         basis = np.polynomial.legendre.legvander(x, size - 1)
         found = np.linalg.pinv(np.concatenate([basis, waves], axis=1), rcond=1e-9)
-        part = found[size:].reshape(2, k, WINDOW).transpose(1, 0, 2)
-        separate = np.linalg.norm(part, axis=(1, 2)) * math.sqrt(WINDOW) * _SEPARATE < 1
-        parts.append(part)
-        allowed.append(separate)
-        rests.append(np.eye(WINDOW) - basis @ found[:size] - waves @ found[size:])
-        if separate.all() or size == _SIZES[0]:
-            smooth = basis @ found[:size]
-            truncation = constant * np.diff(smooth, n=order, axis=0)
-            truncation = truncation[WINDOW // 4 : -WINDOW // 4]
-    return _Fit(np.array(parts), np.array(allowed), np.array(rests), truncation)
+        cosine, sine = found[size:].reshape(2, k, WINDOW)
+        row[ends[0] : ends[0] + k], row[ends[1] : ends[1] + k] = cosine, sine
+        row[ends[2] :] = np.eye(WINDOW) - basis @ found[:size] - waves @ found[size:]
+        norms = np.sqrt(np.square(cosine).sum(axis=1) + np.square(sine).sum(axis=1))
+        near[:k][norms * math.sqrt(WINDOW) * _SEPARATE >= 1] = np.inf
+        if not near.any() or size == _SIZES[0]:
+            smooth = constant * np.diff(basis @ found[:size], n=order, axis=0)
+            truncation = smooth[WINDOW // 4 : -WINDOW // 4]
+    rows[:, : ends[0]] = truncation
+    return _Fit(rows, ends, refused)
 
 
-def _half(m: Component, times: Vector, order: int) -> _Fit:
-    """Return the maps of one half of a pair, whose stages are the solution at some times."""
+def _half(m: Component, times: Vector, order: int) -> tuple[tuple[float, ...], float]:
+    """Return the roots and the error constant of a half, whose stages are the solution at times."""
     B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.B, m.V))
     found = np.linalg.eigvals(V)
     roots = tuple(sorted({float(a) for a in np.angle(found[abs(found) > _LEAST]) if a > 1e-6}))
     slopes = B @ np.exp([_SMALL * float(c) for c in times])
     values = np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, slopes)
     transfer = np.array([float(x) for x in output(m)]) @ values
-    constant = abs(transfer - 1 / _SMALL) / _SMALL ** (order - 1)
-    return _fit(roots, order, float(constant))
+    return roots, float(abs(transfer - 1 / _SMALL) / _SMALL ** (order - 1))
 
 
 @lru_cache(maxsize=32)
@@ -127,7 +134,17 @@ def _fits(method: Method) -> tuple[_Fit, ...]:
     """Return the maps of the halves of a method, made once for all its runs."""
     order = method.claims[ORDER.key]
     assert isinstance(order, int)
-    return tuple(_half(c, method.times[0], order) for c in method.carriers)
+    halves = [_half(c, method.times[0], order) for c in method.carriers]
+    most = max(len(roots) for roots, _ in halves)
+    return tuple(_fit(roots, most, order, constant) for roots, constant in halves)
+
+
+@lru_cache(maxsize=64)
+def _best(method: Method, *sizes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the maps (2, rows, WINDOW) of both halves with these sizes, and what is refused."""
+    fits = list(zip(_fits(method), sizes, strict=True))
+    refused = [fit.refused[n].max(initial=0.0) for fit, n in fits]
+    return np.stack([fit.rows[n] for fit, n in fits]), np.array(refused)
 
 
 @lru_cache(maxsize=32)
@@ -216,11 +233,6 @@ def _unit(steps: int) -> float:
     return _EPSILON * (_ROUNDING + _WALK * math.sqrt(steps))
 
 
-def _largest(rows: np.ndarray) -> float:
-    """Return the largest norm of a row."""
-    return math.sqrt(np.square(rows).sum(axis=1).max())
-
-
 def windows(steps: int, renew: int) -> list[int]:
     """Return the steps at which windows begin: ever farther apart, each within one renewal."""
     last = steps - WINDOW
@@ -240,14 +252,23 @@ def windows(steps: int, renew: int) -> list[int]:
         found.append(b)
 
 
+def _larger(some: list[float], others: list[float]) -> list[float]:
+    return list(map(max, some, others))
+
+
+def _above(found: list[float], least: list[float]) -> bool:
+    """Return whether it is larger in one half at least."""
+    return any(map(operator.gt, found, least))
+
+
 class Watch:
     """The parasitic part and the truncation error over the windows of one run."""
 
     def __init__(self, method: Method, problem: Problem) -> None:
-        self.fits = _fits(method)
-        self.scale = np.zeros(len(self.fits))
+        self.method, self.fits = method, _fits(method)
+        self.scale = [0.0] * len(self.fits)  #: The largest truncation error of each half.
         self.best = [0] * len(self.fits)  #: Number of the degree that was the best one last.
-        self.first: np.ndarray | None = None  #: The parasitic part of the first window.
+        self.first: list[float] = []  #: The parasitic part of the first window.
         self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
@@ -255,28 +276,36 @@ class Watch:
         self.energy_error = 0.0  #: Of the first steps.
         self.alarm = 0.0  #: The error of the energy that was the last reason to look.
 
-    def parasitic(self, halves: Sequence[np.ndarray], *, least: bool = True) -> np.ndarray:
-        """Return the size (2,) of the parasitic part in each half (WINDOW, d) of a window.
-
-        Not the ``least`` one over all degrees, but of one that was the best: a bound.
-        """
+    def parasitic(self, halves: np.ndarray) -> list[float]:
+        """Return the size of the parasitic part in both halves (2, WINDOW, m) of a window."""
         found = []
         for n, (fit, y) in enumerate(zip(self.fits, halves, strict=True)):
-            some = slice(None) if least else slice(self.best[n], self.best[n] + 1)
-            sizes = np.sqrt(np.square(fit.amplitudes[some] @ y).sum(axis=(2, 3)))
-            sizes[~fit.allowed[some]] = np.inf
-            rest = np.sqrt(np.square(fit.rest[some] @ y).sum(axis=(1, 2)) * (2 / WINDOW))
-            if least:
-                self.best[n] = int(np.maximum(sizes.max(axis=1), rest).argmin())
+            squares = np.square(fit.rows @ y).sum(axis=2)
+            first, second, third = fit.ends
+            sizes = np.sqrt(squares[:, first:second] + squares[:, second:third]) + fit.refused
+            rest = np.sqrt(squares[:, third:].sum(axis=1) * (2 / WINDOW))
+            self.best[n] = int(np.maximum(sizes.max(axis=1), rest).argmin())
             found.append(max(float(sizes.min(axis=0).max()), float(rest.min())))
-        return np.array(found)
+        return found
 
-    def _above(self, halves: Sequence[np.ndarray], least: np.ndarray) -> np.ndarray | None:
-        """Return the parasitic part, ``None`` where none of it is above ``least``."""
-        if not (self.parasitic(halves, least=False) > least).any():  # a bound decides for less
-            return None
-        found = self.parasitic(halves)
-        return found if (found > least).any() else None
+    def _sizes(self, halves: np.ndarray) -> np.ndarray:
+        """Return truncation error, a bound of the parasitic part, and size: (3, w, 2) of w windows.
+
+        The bound is the parasitic part by the degree that was the best one last. ``halves`` are
+        (2, WINDOW, w, m).
+        """
+        rows, refused = _best(self.method, *self.best)
+        columns, (n, _, *shape) = halves.reshape(len(halves), WINDOW, -1), halves.shape
+        parts = [
+            rows @ columns[..., k : k + _COLUMNS] for k in range(0, columns.shape[-1], _COLUMNS)
+        ]
+        found = np.concatenate(parts, axis=-1).reshape(n, -1, *shape)
+        squares = np.einsum("njwd,njwd->jwn", found, found)
+        first, second, third = self.fits[0].ends
+        waves = (squares[first:second] + squares[second:third]).max(axis=0)
+        bound = np.maximum(waves, squares[third:].sum(axis=0) * (2 / WINDOW)) + refused
+        whole = np.einsum("njwd,njwd->jwn", halves, halves).max(axis=0)
+        return np.sqrt(np.stack([squares[:first].max(axis=0), bound, whole]))
 
     def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
         """Return the errors (n,) of the energy at solutions (n, d), relative."""
@@ -288,45 +317,74 @@ class Watch:
         return np.abs(found[1:] - found[0]) / max(abs(found[0]), _TINY)
 
     def large(self, solutions: np.ndarray, step: int) -> bool:
-        """Return whether the parasitic part is large against the truncation error, or energy lost.
+        """Return whether :meth:`first_large` finds one window (WINDOW, d) large."""
+        return self.first_large([solutions], [step]) is not None
 
-        ``solutions`` (WINDOW, d) are those of successive steps, the last with number ``step``.
+    def first_large(self, windows: Sequence[np.ndarray], steps: Sequence[int]) -> int | None:
+        """Return the first of windows in which the parasitic part is large, or energy lost.
+
+        It is large against the truncation error. A window (WINDOW, d) has the solutions of
+        successive steps, the last with the number in ``steps``. What is after the first large
+        window is not looked at.
         """
-        if not np.isfinite(solutions).all():
-            return True
-        halves = np.split(solutions, len(self.fits), axis=1)
-        truncation = [
-            _largest(fit.truncation @ y) for fit, y in zip(self.fits, halves, strict=True)
-        ]
-        size = np.array([_largest(y) for y in halves])
-        unit = _unit(step)
-        now = np.maximum(np.array(truncation), unit * size)
-        if self.first is None:
-            # what the start leaves is in the error from the beginning
-            self.first = self.parasitic(halves)
-            now = np.maximum(now, self.first)
-        self.scale = np.maximum(self.scale, now)
+        finite = [bool(np.isfinite(x).all()) for x in windows]
+        until = finite.index(False) if not all(finite) else len(windows)
+        if not until:
+            return 0 if windows else None
+        whole = np.stack(windows[:until])
+        halves = whole.reshape(until, WINDOW, len(self.fits), -1).transpose(2, 1, 0, 3)
+        if not self.first:  # what the start leaves is in the error from the beginning
+            self.first = self.parasitic(halves[:, :, 0])
+            self.scale = _larger(self.scale, self.first)
+        sizes, errors = self._sizes(halves).tolist(), self._errors_in(whole, steps)
+        for k, one in enumerate(zip(*sizes, strict=True)):
+            if self._is_large(halves[:, :, k], one, errors[k], steps[k]):
+                return k
+        return until if until < len(windows) else None
+
+    def _errors_in(self, whole: np.ndarray, steps: Sequence[int]) -> list[np.ndarray]:
+        """Return errors of the energy in windows (w, WINDOW, d), at more steps of early ones."""
         if self.hamiltonian is None:
-            return self._above(halves, FACTOR * self.scale) is not None
-        if step <= _EARLY:
-            early = self._errors_of_energy(solutions[:: WINDOW // (4 * _SAMPLES)])
-            self.energy_error = float(np.fmax.reduce(early, initial=self.energy_error))
+            return [np.zeros(0)] * len(whole)
+        each = [WINDOW // (_SAMPLES * (4 if n <= EARLY else 1)) for n in steps[: len(whole)]]
+        taken = [one[::n] for one, n in zip(whole, each, strict=True)]
+        ends = np.cumsum([len(x) for x in taken])[:-1]
+        return np.split(self._errors_of_energy(np.concatenate(taken)), ends)
+
+    def _is_large(
+        self, halves: np.ndarray, sizes: Sequence[list[float]], errors: np.ndarray, step: int
+    ) -> bool:
+        """Return whether a window is large, given :meth:`_sizes` and energies of it."""
+        truncation, bound, size = sizes
+        unit = _unit(step)
+        now = [max(x, unit * y) for x, y in zip(truncation, size, strict=True)]
+        self.scale = _larger(self.scale, now)
+        visible = [FACTOR * x for x in self.scale]
+        if self.hamiltonian is None:
+            return _above(bound, visible) and _above(self.parasitic(halves), visible)
+        if step <= EARLY:
+            self.energy_error = float(np.fmax.reduce(errors, initial=self.energy_error))
             return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
-        errors = self._errors_of_energy(solutions[:: WINDOW // _SAMPLES])
-        error = float(np.median(errors))
+        ordered = np.sort(errors).tolist()
+        middle = (ordered[(_SAMPLES - 1) // 2] + ordered[_SAMPLES // 2]) / 2
+        error = math.nan if math.isnan(ordered[-1]) else middle
         if error > _OF_ENERGY > _ENERGY * self.energy_error:
             return True
-        enough = np.maximum(FACTOR * np.maximum(self.first, unit * size), _VISIBLE * self.scale)
+        enough = [
+            max(FACTOR * x, FACTOR * unit * y, _VISIBLE * z)
+            for x, y, z in zip(self.first, size, self.scale, strict=True)
+        ]
         # the energy is not in every direction a measure
-        whatever = np.maximum(enough, _OF_SOLUTION * size)
+        whatever = [max(x, _OF_SOLUTION * y) for x, y in zip(enough, size, strict=True)]
         known = max(self.energy_error, unit)
-        least = enough if error > _ENERGY_TOO * known else whatever
-        found = self._above(halves, least)
-        if found is None or (found > whatever).any():
-            return found is not None
-        factor = _ENERGY_TOO if (found > FACTOR * self.scale).any() else _ENERGY
-        return error > factor * known
+        # a bound decides for less
+        if not _above(bound, enough if error > _ENERGY_TOO * known else whatever):
+            return False
+        found = self.parasitic(halves)
+        if _above(found, whatever) or not _above(found, enough):
+            return _above(found, whatever)
+        return error > (_ENERGY_TOO if _above(found, visible) else _ENERGY) * known
 
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
         """Return at which solutions (n, d) the energy says that the steps before be looked at.
@@ -339,7 +397,7 @@ class Watch:
             return found
         for k, error in enumerate(self._errors_of_energy(solutions)):
             least = _ENERGY_TOO * max(self.energy_error, _unit(steps[k]))
-            if steps[k] > _EARLY and error > max(least, 2 * self.alarm):
+            if steps[k] > EARLY and error > max(least, 2 * self.alarm):
                 self.alarm = float(error)
                 found.append(k)
         return found

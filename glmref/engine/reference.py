@@ -25,7 +25,7 @@ from ..method.preconsistency import output, unit_place
 from ..method.stage_order import is_shared
 from ..problems.formula import Formula
 from ..problems.model import Problem
-from .arithmetic import Arithmetic, StageSolver, size
+from .arithmetic import Arithmetic, StageSolver, size, solution_of
 from .outcome import StartFailed, all_finite
 
 
@@ -43,14 +43,22 @@ class Step:
     """One step and what happened inside it."""
 
     values: np.ndarray  #: (r, d) values after the step; for a pair see :class:`.outcome.Solution`.
-    #: (s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple.
-    stages: Any
-    slopes: Any  #: The right-hand side at the stages, in the same shape.
     #: As in :class:`.outcome.Solution`.
     evaluations: int
     velocity_evaluations: int
     iterations: int
     converged: bool  #: Whether every stage equation was solved to round-off.
+    inside: _Step  #: What it went through.
+
+    @property
+    def stages(self) -> Any:
+        """(s, d) the Y_i; for a pair (n_Q, d/2) of Q followed by (n_P, d/2) of P as a tuple."""
+        return self.inside.shown()[0]
+
+    @property
+    def slopes(self) -> Any:
+        """The right-hand side at the stages, in the same shape."""
+        return self.inside.shown()[1]
 
 
 class Coupled(NamedTuple):
@@ -90,16 +98,9 @@ class _Component:
         self.columns = columns
 
 
-def _matrix(letter: str, which: int = 0) -> property:
-    """Return a coefficient matrix of a component, to be read and to be replaced."""
-
-    def read(engine: Stepper) -> np.ndarray:
-        return getattr(engine.components[which], letter)
-
-    def write(engine: Stepper, value: np.ndarray) -> None:
-        setattr(engine.components[which], letter, value)
-
-    return property(read, write)
+def _matrix(letter: str) -> property:
+    """Return a coefficient matrix of the first component."""
+    return property(lambda engine: getattr(engine.components[0], letter))
 
 
 def palette_of(method: Method, problem: Problem) -> Palette:
@@ -134,8 +135,7 @@ class Stepper:
         For a problem without the parts that the method needs.
     """
 
-    A, U, B, V = (_matrix(letter) for letter in "AUBV")
-    A_hat, U_hat, B_hat, V_hat = (_matrix(letter, 1) for letter in "AUBV")
+    A, U, B, V = map(_matrix, "AUBV")
 
     def __init__(
         self, method: Method, problem: Problem, *, digits: int | None = None,
@@ -223,21 +223,19 @@ class Stepper:
         return all(reader.place == 0 for reader in self.readers)
 
     def solution(self, values: np.ndarray) -> np.ndarray:
-        """Return the solution (.., d) among values (.., r, d), before a finishing method.
+        """Return the solution among values (r, d) or (n, r, d), before a finishing method.
 
         Where each component is one of the values these are its very bits.
         """
         if self.first_value:
             return values[..., 0, :]
-        parts = []
-        for columns, place, weights in self.readers:
-            if place is not None:
-                parts.append(values[..., place, columns])
-                continue
-            read = weights.nonzero()[0]
-            terms = weights[read, None] * values[..., read, columns]
-            parts.append(np.add.accumulate(terms, axis=-2)[..., -1, :])  # one after the other
-        return np.concatenate(parts, axis=-1)
+        parts = [
+            solution_of(weights, values[..., columns])
+            if place is None
+            else values[..., place, columns]
+            for columns, place, weights in self.readers
+        ]
+        return np.ascontiguousarray(np.concatenate(parts, axis=-1))
 
     def in_range(self, values: np.ndarray) -> bool:
         """Return whether values (r, d) are finite, and the solution that may be a sum of them."""
@@ -370,13 +368,10 @@ class _Step:
             given = self.values[: c.V.shape[1], c.columns]
             part = engine.arithmetic.updated(c.B, self.slopes[n], h, c.V, given)
             new[: len(part), c.columns] = part
-        stages, slopes = self._shown()
-        return Step(
-            new, stages, slopes, self.counts[0], self.counts[1], solver.iterations,
-            solver.converged,
-        )  # fmt: skip
+        evaluations, velocities = self.counts
+        return Step(new, evaluations, velocities, solver.iterations, solver.converged, self)
 
-    def _shown(self) -> tuple[Any, Any]:
+    def shown(self) -> tuple[Any, Any]:
         """Return stages and slopes: of two parts as tuples."""
         engine = self.engine
         like = self.slopes[0]

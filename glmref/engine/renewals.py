@@ -104,9 +104,9 @@ class Renewing:
     def __init__(self, kernel: Kernel, start: Map, reference: Stepper, renew: int) -> None:
         built = kernel_cache.build(_SOURCE, ARGUMENTS | _OWN)
         self.driver, self.steps, self.start = built.kernel, kernel.built.kernel, start
-        d, source = kernel.shape.dimension, kernel.source
-        values, memory = source.value_rows * d, source.memory_rows * d
-        head = (2 if kernel.options.compensated else 1) * values
+        d, form, compensated = kernel.shape.dimension, kernel.form, kernel.options.compensated
+        values, head = form.rows * d, form.rows * (1 + compensated) * d
+        memory = len(form.names(compensated=compensated)) * d - head
         #: Steps between renewals, that of the last one, numbers of the solution, renewals since
         #: :meth:`taken` and how many solutions are kept of them at most, whether one failed,
         #: numbers of the values, of these with their rounding errors, and of what is remembered of

@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import math
 import time
+from bisect import bisect
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from .kernel import Kernel, State, prepare, with_newton
 from .maps import Map, map_of
 from .memory import NEWTON_BYTES, gibibytes, memory
 from .outcome import Outcome, Solution, StartFailed, all_finite, outcome_of
-from .parasites import WINDOW, Watch, watched, windows
+from .parasites import EARLY, WINDOW, Watch, watched, windows
 from .plan import Plan
 from .reference import Stepper, apply_finish
 from .renewals import RenewalFailed, Renewing, renewing
@@ -29,6 +30,17 @@ from .starting_values import Start, starting_values
 
 #: Renewals from which on compiling their start takes less time than it saves.
 _MANY = 20
+#: Windows that are looked at together at most, and the numbers in them, of large systems.
+_TOGETHER, _NUMBERS = 16, 2**23
+
+
+class _Window(NamedTuple):
+    """Solutions of a window, and from where the steps since the one before follow."""
+
+    solutions: np.ndarray  #: (WINDOW, d).
+    step: int  #: Of the last one.
+    sound: tuple[np.ndarray, np.ndarray] | None  #: See :class:`Run`.
+    base: tuple[int, np.ndarray]
 
 
 class Run:
@@ -73,6 +85,8 @@ class Run:
         self.suspect: float | None = None
         #: Copies of a kernel's state up to which nothing was found; ``None`` for that of ``base``.
         self.sound: tuple[np.ndarray, np.ndarray] | None = None
+        #: Windows that are not looked at yet.
+        self.taken: list[_Window] = []
 
     def renewed_by(self, renew: int, start: Any) -> None:
         """Renew the values by ``start`` after every ``renew`` steps; 0 for never."""
@@ -89,16 +103,11 @@ class Run:
         RenewalFailed
             Where start or finish has no value.
         """
-        arithmetic, finishing = self.reference.arithmetic, self.method.finishing
+        arithmetic = self.reference.arithmetic
         h = arithmetic.number(self.h)
         t = arithmetic.number(self.problem.t_span[0]) + n * h
         try:
-            made, cost = self._mapped(self.finishing, t, y)
-            if made is not None:
-                y = made[0]
-            elif finishing is not None:
-                y, cost = apply_finish(finishing, self.reference, t, y, h)
-            self.finish_evaluations += cost
+            y = self._finish(t, y)
             made, cost = self._mapped(self.starting, t, y)
             if made is None:
                 again = starting_values(self.reference, self.again, t=t, y0=y, h=h)
@@ -111,21 +120,27 @@ class Run:
         self.base, self.renewals = (n, made), self.renewals + 1
         return made
 
+    def _finish(self, t: Any, y: np.ndarray) -> np.ndarray:
+        """Return the solution of values that give y at a time, as the finishing method makes it."""
+        made, cost = self._mapped(self.finishing, t, y)
+        if made is not None:
+            y = made[0]
+        elif self.method.finishing is not None:
+            h = self.reference.arithmetic.number(self.h)
+            y, cost = apply_finish(self.method.finishing, self.reference, t, y, h)
+        self.finish_evaluations += cost
+        return y
+
     def _mapped(self, kernel: Map | None, t: Any, y: np.ndarray) -> tuple[np.ndarray | None, int]:
         """Return the values (r, d) that a kernel makes of y, ``None`` for none, and their cost."""
-        if kernel is None:
-            return None, 0
-        out = np.zeros((1, kernel.values, len(y)))
-        out[0, 0] = y
-        good, cost = kernel(out, float(t), self.h)
-        return (out[0], cost) if good else (None, 0)
+        return (None, 0) if kernel is None else kernel.of(float(t), y, self.h)
 
     def _renewed(self, kernel: Kernel, state: State, y: np.ndarray) -> State:
         """Return the state of a kernel after a renewal from the solution; the counts go on."""
         values = self._renewal(state.step, y)
         t = float(self.problem.t_span[0]) + state.step * self.h
         other = self._state(kernel, t, values, self.starting)
-        other.tally[:] = state.tally
+        other.tally[:], other.chunk = state.tally, state.chunk
         self.start_evaluations += bool(kernel.form.memory)
         return other
 
@@ -203,7 +218,9 @@ class Run:
                 if self.watch is not None:
                     recent.append(self.values)
                     if len(recent) == WINDOW:
-                        self._warn(self._large(np.array(recent), self.done), self.done)
+                        solutions = self._solutions(np.array(recent))
+                        if self.suspect is None and self.watch.large(solutions, self.done):
+                            self._warn(self.done)
                         recent = []
                 if self._renews(self.done):
                     y, recent = self.reference.solution(self.values), []
@@ -287,11 +304,11 @@ class Run:
                     self._keep(mark, kernel.values(state))
                 if self._renews(mark):
                     y = self.reference.solution(kernel.values(state))
-                    if self._alarming(y[None], range(mark, mark + 1)):
+                    if self._alarming(kernel, state, t0, y[None], range(mark, mark + 1)):
                         self._locate(kernel, state, t0)
                     state, self.sound = self._renewed(kernel, state, y), None
                 if mark in begins and self.suspect is None:
-                    self.outcome = self._window(kernel, state, t0, out, marks)
+                    self.outcome = self._window(kernel, state, t0, out)
                     if self.outcome is not Outcome.COMPLETED:
                         break
             if self.outcome not in (Outcome.COMPLETED, Outcome.CANCELLED):
@@ -300,6 +317,7 @@ class Run:
             self.outcome, self.interrupted = Outcome.CANCELLED, True
         except RenewalFailed as error:
             self._not_renewed(error)
+        self._look(kernel, state, t0)
         self.done, self.values = state.step, kernel.values(state)
         self.counts = [int(x) for x in state.tally]
         every, written = self.plan.every, int(state.tally[5])
@@ -322,17 +340,17 @@ class Run:
         state.tally[4] = n
         return state
 
-    def _large(self, values: np.ndarray, step: int) -> bool:
-        assert self.watch is not None
-        if self.suspect is not None:
-            return False
-        solutions = np.einsum("kd,nkd->nd", self.reference.weights, values)
-        return self.watch.large(solutions, step)
+    def _solutions(self, values: np.ndarray) -> np.ndarray:
+        return np.einsum("kd,nkd->nd", self.reference.weights, values)
 
-    def _alarming(self, solutions: np.ndarray, steps: range) -> list[int]:
+    def _alarming(
+        self, kernel: Kernel, state: State, t0: float, solutions: np.ndarray, steps: range
+    ) -> list[int]:
         """Return which of some solutions (n, d) ask for a closer look, see :class:`.Watch`."""
         if self.watch is None or self.suspect is not None:
             return []
+        if self.taken and self.taken[0].step <= EARLY:  # the first errors are compared with
+            self._look(kernel, state, t0)
         return self.watch.alarming(solutions, steps)
 
     def _follow(self, kernel: Kernel, state: State, t0: float) -> None:
@@ -342,7 +360,7 @@ class Run:
         steps, solutions, count, spent = self.within.taken()
         self.renewals += count
         self.start_evaluations += spent
-        for k in self._alarming(solutions, steps):
+        for k in self._alarming(kernel, state, t0, solutions, steps):
             if k:
                 n, self.sound = steps[k - 1], None
                 values, _ = self._mapped(self.starting, t0 + n * self.h, solutions[k - 1])
@@ -352,33 +370,52 @@ class Run:
         if count:
             self.base, self.sound = (steps[count - 1], self.within.values), None
 
-    def _warn(self, found: bool, step: int) -> None:
-        if not found or self.watch is None:
-            return
+    def _warn(self, step: int) -> None:
+        """Say that the window with this last step is large."""
+        assert self.watch is not None
         first = max(0, step - WINDOW + 1)
         self.suspect = self._time(first)
         self.notices.append(self.watch.notice(self.suspect, first))
 
-    def _window(
-        self, kernel: Kernel, state: State, t0: float, out: np.ndarray, marks: set[int]
-    ) -> Outcome:
+    def _window(self, kernel: Kernel, state: State, t0: float, out: np.ndarray) -> Outcome:
         """Take the steps of a window, keep the rows asked for, and look at the parasitic part."""
         first, every, written = state.step, self.plan.every, int(state.tally[5])
         values, outcome = self._successive(kernel, state, t0)
         state.tally[5] = written
-        taken = range(first + 1, first + len(values))
         if every:
             rows = values[every - first % every :: every]
             out[written : written + len(rows)] = rows
             state.tally[5] += len(rows)
-        for n in () if every else sorted(marks.intersection(taken)):
-            self._keep(n, values[n - first])
+        else:
+            marks = self.plan.rows
+            for n in marks[bisect(marks, first) : bisect(marks, state.step)]:
+                self._keep(n, values[n - first])
         if len(values) == WINDOW:
-            if self._large(values, state.step):
-                self._locate(kernel, state, t0)
-            else:
-                self.sound = state.work.copy(), state.tally.copy()
+            solutions = self._solutions(values)
+            self.taken.append(_Window(solutions, state.step, self.sound, self.base))
+            self.sound = state.work.copy(), state.tally.copy()
+            if len(self.taken) == self._together:
+                self._look(kernel, state, t0)
         return outcome
+
+    @property
+    def _together(self) -> int:
+        """How many windows are looked at together."""
+        numbers = WINDOW * math.prod(self.rows.shape[1:])
+        return max(1, min(_TOGETHER, _NUMBERS // numbers))
+
+    def _look(self, kernel: Kernel, state: State, t0: float) -> None:
+        """Look at the windows that were taken; one by one they take four times as long."""
+        rest, self.taken = self.taken, []
+        while rest and self.suspect is None:
+            assert self.watch is not None
+            k = self.watch.first_large([x.solutions for x in rest], [x.step for x in rest])
+            if k is None:
+                return
+            now = self.sound, self.base
+            self.sound, self.base = rest[k].sound, rest[k].base
+            self._locate(kernel, state, t0, rest[k].step)
+            (self.sound, self.base), rest = now, rest[k + 1 :]
 
     def _successive(
         self, kernel: Kernel, state: State, t0: float, count: int = WINDOW
@@ -400,6 +437,7 @@ class Run:
 
         Each window has half of the one before. Nothing of these steps is counted or kept.
         """
+        self._look(kernel, state, t0)
         if self.watch is None or self.suspect is not None:
             return
         ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
@@ -409,13 +447,19 @@ class Run:
             begin = self._from_base(kernel, t0)
             self.sound = begin.work, begin.tally
         state.take_back(*self.sound)
-        found, values = False, np.zeros((0, *self.rows.shape[1:]))
-        while state.step + (half if len(values) else WINDOW - 1) <= last and not found:
-            count = half + 1 if len(values) else WINDOW
-            more, _ = self._successive(kernel, state, t0, count)
-            values = np.concatenate([values[half:], more[1:]]) if len(values) else more
-            found = len(more) < count or self._large(values, state.step)
-        self._warn(found, state.step)
+        ends = range(state.step + WINDOW - 1, last + 1, half)
+        solutions = np.zeros((0, self.problem.dimension))
+        for group in (ends[k:][: self._together] for k in range(0, len(ends), self._together)):
+            more, _ = self._successive(kernel, state, t0, group[-1] - state.step + 1)
+            solutions = np.concatenate([solutions, self._solutions(more)[min(len(solutions), 1) :]])
+            whole = [n for n in group if n <= state.step]
+            begin = state.step + 1 - len(solutions)
+            windows = [solutions[n + 1 - WINDOW - begin :][:WINDOW] for n in whole]
+            k = self.watch.first_large(windows, whole)
+            if k is not None or len(whole) < len(group):
+                self._warn(state.step if k is None else whole[k])
+                break
+            solutions = solutions[-half:]
         state.take_back(*ended)
         state.trouble, self.seconds = trouble, seconds
 
@@ -487,7 +531,8 @@ class Run:
         finally:
             self._follow(kernel, state, t0)
         self.seconds += seconds
-        if self._asked("progress", state.step, self.plan.steps) and state.step < self.plan.steps:
+        paused = self._pause(state.step) and state.step < self.plan.steps
+        if paused and outcome is Outcome.COMPLETED:
             return Outcome.CANCELLED
         return outcome
 
@@ -571,16 +616,17 @@ class Run:
 
     def _finished(self, t: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Apply the finishing method to every row; where it fails, the rows before are kept."""
-        finishing = self.method.finishing
-        if finishing is None:
+        if self.method.finishing is None:
             return y
-        h = self.reference.arithmetic.number(self.h)
-        first = 0
-        if self.finishing is not None:
-            first, y = self._finished_by_kernel(self.finishing, t, y)
+        first, every = 0, self.plan.every
+        if self.finishing is not None and every:  # all at once; where one has no value, one by one
+            rows = np.array(y)[:, None]
+            t0 = float(self.problem.t_span[0])
+            first, cost = self.finishing(rows, t0, self.h, every=every, last=self.done)
+            self.finish_evaluations, y = self.finish_evaluations + cost, rows[:, 0]
         for row in range(first, len(y)):
             try:
-                y[row], cost = apply_finish(finishing, self.reference, t[row], y[row], h)
+                y[row] = self._finish(t[row], y[row])
             except (StartFailed, FunctionFailed, ArithmeticError, ValueError) as error:
                 return self._unfinished(*outcome_of(error), t, y, row)
             except KeyboardInterrupt:
@@ -588,30 +634,7 @@ class Run:
                 return self._unfinished(Outcome.CANCELLED, "", t, y, row)
             if not all_finite(y[row]):
                 return self._unfinished(Outcome.NOT_FINITE, "", t, y, row)
-            self.finish_evaluations += cost
         return y
-
-    def _finished_by_kernel(
-        self, finish: Map, t: np.ndarray, y: np.ndarray
-    ) -> tuple[int, np.ndarray]:
-        """Finish all rows at once, row by row where the steps are not regular.
-
-        Returns how many rows are done, and the rows; the next one has no value, or one that the
-        fixed point does not find.
-        """
-        rows, every = np.array(y)[:, None], self.plan.every
-        t0 = float(self.problem.t_span[0])
-        if every:
-            good, cost = finish(rows, t0, self.h, every=every, last=self.done)
-        else:
-            good, cost = 0, 0
-            for row in range(len(rows)):
-                fine, spent = finish(rows[row : row + 1], float(t[row]), self.h)
-                good, cost = good + fine, cost + spent
-                if not fine:
-                    break
-        self.finish_evaluations += cost
-        return good, rows[:, 0]
 
     def _unfinished(
         self, how: Outcome, why: str, t: np.ndarray, y: np.ndarray, row: int

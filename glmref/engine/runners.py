@@ -18,7 +18,7 @@ from ..problems.user_functions import raised
 from . import kernel_cache, native
 from .expressions import Unsupported
 from .kept import expressed, stepper_of
-from .kernel import Kernel, choose_form, form_of, kept_source, prepare, remembered
+from .kernel import Kernel, choose_form, form_of, kept_source, prepare
 from .lanes import LANE_ARGUMENTS, LaneSource, in_vectors, lane_source
 from .native import Tuning
 from .newton import INLINE_LIMIT, written_out
@@ -168,7 +168,7 @@ class Runner:
         seconds = time.perf_counter() - begin
         last, codes, steps, spent = found
         y = np.stack(rows)
-        good: np.ndarray = np.isfinite(y).all(axis=2)
+        good = np.asarray(np.isfinite(y).all(axis=2))
         for k in np.flatnonzero(~(good.all(axis=0) & np.isfinite(last).all(axis=(1, 2)))):
             wrong = [t for t, fine in zip(times, good[:, k], strict=True) if not fine]
             n = min([int(steps[k]), *wrong])
@@ -249,41 +249,19 @@ class Lanes(Runner):
 
     def load(self, values: np.ndarray) -> None:
         """See :class:`Runner`."""
-        n, w, rows = len(values), self.width, self.source.rows
+        n, w = len(values), self.width
         blocks = -(-n // w)
-        self.count = n
-        head = (rows["done"] + 1) * w
-        self.heads = np.zeros((blocks, rows["done"] + 1, w))
         padded = np.concatenate([values, np.repeat(values[-1:], blocks * w - n, axis=0)])
-        inner = self.form.into(padded)
         slopes = slopes_at(self.problem, self.t0, self.engine.solution(padded))
-        for k in range(inner.shape[1]):
-            self._put(f"y{k}", inner[:, k])
-        for name, weight in self.form.memory:
-            self._put(name, remembered(slopes, weight, self.h))
-        if self.form.ahead:
-            self._put("P", self.form.point(inner))
-        if self.form.kick:
-            m, rows = self.shape.half, len(self.form.components[1].V)
-            found = self.form.kicked(inner[:, :rows, m:], slopes[:, m:], self.h)
-            for k in range(rows):
-                self._put(f"y{k}", found[0][:, k], m)
-                if self.options.compensated:
-                    self._put(f"e{k}", found[1][:, k], m)
-            if self.form.leaps and self.shape.parts[0].identity:
-                self._put("G", self.h * found[0][:, 0])
-        self.head_size = head
+        state = self.form.state(
+            padded, slopes, self.h, compensated=self.options.compensated,
+            moves=self.shape.parts[0].identity,
+        )  # fmt: skip
+        #: Of each block the numbers of the state, a status, rounds and steps, by lane.
+        self.heads = np.zeros((blocks, state[0].size + 3, w))
+        self.heads[:, :-3] = state.reshape(blocks, w, -1).transpose(0, 2, 1)
+        self.count = n
         self.initial_evaluations = n if self.form.memory else 0
-
-    def _put(self, name: str, vectors: np.ndarray, first: int = 0) -> None:
-        blocks, _, w = self.heads.shape
-        row, d = self.source.rows[name] + first, vectors.shape[1]
-        self.heads[:, row : row + d] = vectors.reshape(blocks, w, d).transpose(0, 2, 1)
-
-    def _get(self, name: str, size: int) -> np.ndarray:
-        row = self.source.rows[name]
-        found = self.heads[:, row : row + size].transpose(0, 2, 1)
-        return found.reshape(-1, size)[: self.count]
 
     def advance(self, first: int, last: int) -> None:
         """See :class:`Runner`."""
@@ -292,7 +270,7 @@ class Lanes(Runner):
 
         def work(block: int) -> None:
             scratch = native.aligned_zeros(self.source.work_size)
-            scratch[: self.head_size] = self.heads[block].ravel()
+            scratch[: self.heads[block].size] = self.heads[block].ravel()
             lanes = min(self.width, self.count - block * self.width)
             n, chunk = first, _FIRST_CHUNK
             while n < last and not self.stopped():
@@ -302,29 +280,20 @@ class Lanes(Runner):
                 if time.perf_counter() - begin < _CHUNK_SECONDS:
                     chunk *= 2
                 n = until
-            self.heads[block] = scratch[: self.head_size].reshape(self.heads[block].shape)
+            self.heads[block] = scratch[: self.heads[block].size].reshape(self.heads[block].shape)
 
         self.each(work, range(len(self.heads)))
 
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
         """See :class:`Runner`."""
-        d = self.shape.dimension
-        inner = np.stack([self._get(f"y{k}", d) for k in range(self.form.rows)], axis=1)
-        values = self.form.back(inner)
-        if self.form.kick:
-            m, p = self.shape.half, slice(0, len(self.form.components[1].V))
-            rest: Any = 0.0
-            if self.options.compensated:
-                errors = [self._get(f"e{k}", d)[:, m:] for k in range(p.stop)]
-                rest = np.stack(errors, axis=1)
-            force = self._get("G", d)[:, m:]
-            values[:, p, m:] = self.form.unkicked(inner[:, p, m:], rest, force, self.h)
-        status, steps = self._get("status", 1)[:, 0], self._get("done", 1)[:, 0]
+        found = self.heads.transpose(0, 2, 1).reshape(-1, self.heads.shape[1])[: self.count]
+        state = found[:, :-3].reshape(self.count, -1, self.shape.dimension)
+        values = self.form.values(state, self.h, compensated=self.options.compensated)
+        status, rounds, steps = found[:, -3:].T
         explicit, per_round = self._costs()
-        rounds = float(self._get("rounds", 1).sum())
         begun = steps.sum() + np.count_nonzero(status)  # one more where a step failed
-        evaluations = self.initial_evaluations + int(explicit * begun + per_round * rounds)
-        return values, status.astype(int), steps.astype(int), evaluations
+        spent = int(explicit * begun + per_round * float(rounds.sum()))
+        return values, status.astype(int), steps.astype(int), self.initial_evaluations + spent
 
     def _costs(self) -> tuple[int, int]:
         """Return the evaluations of the explicit stages of a step, and of a solver round."""

@@ -120,8 +120,7 @@ def default_passes(method: Method) -> int:
 def _checked(values: Any, engine: Stepper) -> np.ndarray:
     context = engine.arithmetic.context
     array = array_of(values, "starting values", engine.shape, f"(r, d) = {engine.shape}", context)
-    like = _complex_like(engine)
-    if array.dtype.kind == "c" and (like is None or not np.iscomplexobj(like)):
+    if array.dtype.kind == "c" and not np.iscomplexobj(engine.V):
         raise UsageError("starting values must be real for a real method, got complex ones")
     if not engine.in_range(array):
         raise StartFailed("starting values must be finite; give others, or use a smaller h")
@@ -178,7 +177,7 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     """
     y0 = np.asarray(y0)
     shape = (*y0.shape[:-1], *engine.shape)
-    values = engine.arithmetic.zeros(shape, _complex_like(engine))
+    values = engine.arithmetic.zeros(shape, engine.V)
     for (columns, _, _), m in _halves(engine):
         u = preconsistency_vector(m)
         factors = [1] if u is None else engine.arithmetic.array((u,))[0]
@@ -186,10 +185,6 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
             if abs(factor) > 1e-40:
                 values[..., k, columns] = factor * y0[..., columns]
     return values
-
-
-def _complex_like(engine: Stepper) -> np.ndarray | None:
-    return engine.V
 
 
 def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:

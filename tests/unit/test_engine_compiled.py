@@ -18,10 +18,10 @@ from glmref.system import cache
 def folder(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     kernel_cache._native.cache_clear()
-    kernel_cache._load.cache_clear()
+    kernel_cache._around.clear()
     yield tmp_path / "cache"
     kernel_cache._native.cache_clear()
-    kernel_cache._load.cache_clear()
+    kernel_cache._around.clear()
 
 
 def test_a_kernel_is_written_once_and_found_again(folder):

@@ -336,6 +336,31 @@ def test_a_renewed_run_is_looked_at_where_its_energy_has_grown(
     assert late is None or late > found.suspect + 200 * h
 
 
+@pytest.mark.parametrize(
+    ("name", "method", "h", "renew"),
+    [
+        ("discrete-schroedinger", "multistep-general-8b", 0.022, 0),
+        ("discrete-schroedinger", "multistep-general-8b", 0.022, 1000),
+        ("swinging-atwood", "multistep-general-8", 0.01, 300),
+        ("uneven-plane", "multistep-general-8c", 0.05, 0),
+        ("double-pendulum", "multistep-general-8c", 0.0139, 150),
+        ("point-vortices", "multistep-general-8b", 0.2, 1000),
+    ],
+)
+@pytest.mark.parametrize("energy", [True, False])
+def test_windows_looked_at_together_are_judged_as_one_by_one(
+    name: str, method: str, h: float, renew: int, energy: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = problem(name) if energy else replace(problem(name), hamiltonian=None)
+    found = []
+    for together, numbers in ((16, 2**23), (1, 2**23), (3, 2**23), (16, 0)):
+        monkeypatch.setattr(running, "_TOGETHER", together)
+        monkeypatch.setattr(running, "_NUMBERS", numbers)
+        run = solve(given, method, h=h, steps=60_000, every=500, renew=renew)
+        found.append((run.suspect, run.notices, run.outcome, run.steps, run.y.tobytes()))
+    assert all(one == found[0] for one in found)
+
+
 def test_a_renewal_that_fails_is_looked_at_as_others_are() -> None:
     atwood = problem("swinging-atwood")
     (name, common), *more = atwood.f.common
