@@ -341,6 +341,9 @@ class Run:
         return state
 
     def _solutions(self, values: np.ndarray) -> np.ndarray:
+        """Return the solutions (n, d) of values as rows have them, see :meth:`_successive`."""
+        if self.reference.first_value:
+            return values[:, 0]
         return np.einsum("kd,nkd->nd", self.reference.weights, values)
 
     def _alarming(
@@ -420,12 +423,14 @@ class Run:
     def _successive(
         self, kernel: Kernel, state: State, t0: float, count: int = WINDOW
     ) -> tuple[np.ndarray, Outcome]:
-        """Return the values (n, r, d) of a state and of the steps after it, n = ``count`` at most.
+        """Return the values of a state and of the steps after it, n = ``count`` at most.
+
+        They are (n, r, d), or (n, 1, d) where the solution is the first value.
 
         Rows are written anew from the first one.
         """
         values = np.zeros((count, *self.rows.shape[1:]))
-        values[0], first = kernel.values(state), state.step
+        values[0], first = kernel.values(state)[: self.rows.shape[1]], state.step
         state.tally[5] = 1
         outcome = self._advance(kernel, state, first + count - 1, t0, values, every=1)
         return values[: state.step - first + 1], outcome

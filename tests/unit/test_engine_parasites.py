@@ -125,6 +125,20 @@ def test_what_is_computed_is_the_same_as_without(how, renew, monkeypatch):
     assert found.total_evaluations == without.total_evaluations
 
 
+@pytest.mark.parametrize("how", [{}, {"every": 7}, {"times": [1.2, 3.0]}, {"history": True}])
+def test_a_formula_whose_solution_is_its_first_value_is_watched_too(how, monkeypatch) -> None:
+    given = replace(problem("kepler"), t_span=(0.0, 3.0))
+    found = [
+        solve(given, "leapfrog-one-leg", h=0.01, engine=engine, **how)
+        for engine in ("compiled", "interpreted", "reference")
+    ]
+    assert running.watched(method_of("leapfrog-one-leg"), given)
+    monkeypatch.setattr(running, "watched", lambda *_: False)
+    without = solve(given, "leapfrog-one-leg", h=0.01, **how)
+    assert np.array_equal(found[0].y, without.y) and np.array_equal(found[1].y, without.y)
+    np.testing.assert_allclose(found[2].y, without.y, atol=1e-9)
+
+
 def test_every_engine_reports_the_same_orbit(tmp_path: Path) -> None:
     given = replace(DRIFT, t_span=(0.0, 45.0))
     # the reference looks at every window, a kernel first at few and then again
