@@ -41,9 +41,14 @@ def costs(kind: str, tolerance: str) -> Iterator[Costs]:
         return
     record = measured("nonseparable")
     rows = record["evaluations"] if kind == "Hamiltonian" else record[kind]["evaluations"]
+    strong = {
+        (x["problem"], x["method"]): x["evaluations"].get(tolerance)
+        for x in measured("strong-multistep")["runs"]
+    }
     for case in rows:
         if case["tolerance"] == float(tolerance):
-            yield {name: n for name, n in case["methods"].items() if n}
+            own = {m: n for (problem, m), n in strong.items() if problem == case["problem"]}
+            yield {name: n for name, n in (case["methods"] | own).items() if n}
 
 
 def is_classical(kind: str, name: str) -> bool:

@@ -29,6 +29,7 @@ WRITERS = (
     ),
     *("order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
     "partitioned.nonseparable",
+    "partitioned.strong",
 )
 
 

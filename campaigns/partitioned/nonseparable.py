@@ -1,4 +1,4 @@
-"""Explicit multistep pairs for any Hamiltonian: evaluations, a million steps, renewal, time.
+"""Explicit multistep pairs for any Hamiltonian: evaluations, a million steps, renewal.
 
     python -m campaigns.partitioned.nonseparable data/measurements/nonseparable.json
 
@@ -11,18 +11,16 @@ from __future__ import annotations
 import json
 import math
 import sys
-import time
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
 
-from campaigns.driver import TIMED, arguments, carried_out, complete, three_digits
+from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.work import crossing
 from glmref import solve
@@ -34,7 +32,6 @@ from glmref.derive.recipes.general_multistep import SHIPPED, halves_of
 from glmref.engine.outcome import Solution
 from glmref.engine.parasites import WINDOW
 from glmref.measure.longtime import along
-from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
 from glmref.problems import problem
@@ -59,9 +56,6 @@ TOLERANCES = (1e-6, 1e-9)
 SCENES = ROOT / "docs" / "nonseparable"
 #: Steps of the first run, most steps, and the factor between two runs.
 _LEAST, _MOST, _FACTOR = 100, 4_000, 1.08
-#: What is timed against what, the first of its step sizes, the renewal, and its steps by rounds.
-_FAST, _RIVAL, _COARSE, _RENEWAL = "multistep-general-8c", "gauss-4", 20, 1000
-TIMES = {100_000: 25, 1_000_000: 7}
 #: The first steps with which growth compares, and what rounding may make.
 _FIRST, _ROUNDING = 3 * WINDOW, 2e-15
 
@@ -177,40 +171,6 @@ def long_runs(case: Mapping[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
-def kept(record: Mapping[str, Any]) -> list[str]:
-    """Return the problems on which the method that is timed is neither lost nor reported."""
-    return [
-        x["problem"] for x in record["long"]
-        if (x["method"], x["renew"]) == (_FAST, _RENEWAL)
-        and x["h"] and x["reported"] is None and (x["energy"] or LOST) < LOST
-    ]  # fmt: skip
-
-
-def times(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Time whole runs at the step sizes of 1e-9: the least of many, which take turns."""
-    one, step = problem(case["problem"]), {}
-    for name in (_FAST, _RIVAL):
-        found = step_of(load(name), one, _COARSE)
-        assert found is not None
-        step[name] = found[0]
-    row: dict[str, Any] = {**case, "h": step, "seconds": {}}
-    for steps, rounds in TIMES.items():
-        ways: dict[str, dict[str, Any]] = {
-            "plain": {"method": _FAST, "steps": steps},
-            "renewed": {"method": _FAST, "steps": steps, "renew": _RENEWAL},
-            "rival": {"method": _RIVAL, "steps": round(steps * step[_FAST] / step[_RIVAL])},
-        }
-        least = dict.fromkeys(ways, math.inf)
-        for turn in range(rounds + 1):  # the first one compiles
-            for way, options in ways.items():
-                begin = time.process_time()
-                solve(one, h=step[options["method"]], **options)
-                if turn:
-                    least[way] = min(least[way], time.process_time() - begin)
-        row["seconds"][str(steps)] = {way: three_digits(x) for way, x in least.items()}
-    return row
-
-
 def better_start(name: str, order: int) -> Method:
     """Return the start of a shipped method of an order."""
     q, p = halves_of(SHIPPED[name])
@@ -245,15 +205,6 @@ def renewal_cases() -> list[dict[str, Any]]:
     ]
 
 
-def timed(record: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """Return where and what :func:`times` measures of a record in a file."""
-    cases = [{"problem": x} for x in kept(record)]
-    return {
-        "where": circumstances(),
-        "rows": carried_out(times, cases, beside=path, limits=TIMED),
-    }
-
-
 def main(path: Path) -> None:
     """Measure all on the problems of the record, and write them into it."""
     record = json.loads(path.read_text(encoding="utf-8"))
@@ -274,7 +225,6 @@ def main(path: Path) -> None:
         for x in record["semi-separable"]["long"]
     ]
     record["renewal"] = carried_out(renewed, renewal_cases(), beside=path)
-    record["times"] = timed(record, path)
     complete(path, record)
 
 
@@ -304,7 +254,7 @@ def long_table(
     found = {(x["problem"], x["method"], x.get("renew", 0)): x for x in rows}
 
     def cell(x: Mapping[str, Any]) -> str:
-        if x["h"] is None:
+        if x.get("h") is None:
             return "—"
         if x["energy"] is None or x["energy"] >= lost:
             return f"lost, {x['reported']:g}"
@@ -318,19 +268,6 @@ def long_table(
     return markdown(["problem", *heads], lines)
 
 
-def time_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the times over that of the rival, median, least and most, in Markdown."""
-    lines = []
-    for steps in map(str, TIMES):
-        line = [f"{int(steps):,}"]
-        for way in ("plain", "renewed"):
-            found = [x["seconds"][steps] for x in rows]
-            ratios = [x[way] / x["rival"] for x in found]
-            line.append(f"{median(ratios):.2f} ({min(ratios):.2f}–{max(ratios):.2f})")
-        lines.append(line)
-    return markdown(["steps", "without", f"`renew={_RENEWAL}`"], lines)
-
-
 def _semi(what: str) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = measured("nonseparable")["semi-separable"][what]
     return found
@@ -340,15 +277,6 @@ def _semi(what: str) -> list[dict[str, Any]]:
 _KINETIC = tuple(f"multistep-kinetic-{order}" for order in (8, 10, 12))
 _DOCS = ROOT / "docs"
 PAGES: Pages = {
-    _DOCS / "nonseparable.md": {
-        "nonseparable": lambda: count_table(measured("nonseparable")["evaluations"], METHODS[::-1]),
-        "nonseparable-times": lambda: time_table(measured("nonseparable")["times"]["rows"]),
-    },
-    _DOCS / "nonseparable" / "long-runs.md": {
-        "nonseparable-long": lambda: long_table(
-            measured("nonseparable")["long"], [(m, n) for m in METHODS[:0:-1] for n in LONG], LOST
-        ),
-    },
     _DOCS / "velocities.md": {
         "semi-separable": lambda: count_table(_semi("evaluations"), _KINETIC),
         "semi-separable-long": lambda: long_table(_semi("long"), [(m, 0) for m in _KINETIC], LOST),

@@ -232,57 +232,37 @@ def test_the_page_prints_what_is_measured() -> None:
             ratios.setdefault(f"{name} dop", []).append(found[name] / dop853)
     means = {k: f"{np.exp(np.mean(np.log(x))):.2f}" for k, x in ratios.items()}
     assert list(means.values()) == ["0.37", "0.79", "0.29", "0.61", "0.26", "0.56"]
-    assert "`-8b`, `-8c` and `-8` need 0.26, 0.29 and 0.37 of the evaluations" in page
-    assert "0.56, 0.61 and 0.79 of DOP853" in page
+    assert "They need 0.37, 0.26 and 0.29 of the best Gauss method" in page
+    assert "0.79, 0.56 and 0.61 of DOP853" in page
 
 
-def test_the_pages_say_what_long_runs_lost() -> None:
+def test_the_page_says_what_long_runs_lost() -> None:
     """No run is lost without a notice; a loss is an energy error beyond 1e-3."""
-    docs = data_root().parent / "docs"
-    page, first = (
-        " ".join((docs / x).read_text(encoding="utf-8").split())
-        for x in ("nonseparable/long-runs.md", "nonseparable.md")
-    )
+    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
     whole = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
     record = [x for x in whole if x["h"] is not None and x["method"] != GENERAL[0]]
     lost = [x for x in record if x["energy"] is None or x["energy"] >= 1e-3]
     noticed = [x for x in record if x["reported"] is not None]
-    rest = [x for x in noticed if x not in lost]
     assert all(x in noticed for x in lost)
-    most = max(x["energy"] for x in rest)
-    assert (
-        f"All {len(lost)} lost runs of the three methods were reported. Of the {len(record) - len(lost)} others "
-        f"{len(rest)} had a notice, with energy errors of at most {most:.1e}."
-    ) in page
-    cheap = [x["renew"] for x in lost if x["method"] == "multistep-general-8b"]
-    assert (cheap.count(0), cheap.count(1000)) == (10, 3)
-    assert "lost ten without and three with renewal" in page
-    largest = max(x["growth"] for x in noticed)
-    assert largest < 100
-    assert f"was never more than {largest:.0f} times the largest error of the first 288" in page
-    assert f"All {len(lost)} of {len(record)} long runs" in first
+    assert "All lost runs were reported" in page
+    assert max(x["growth"] for x in noticed) < 100
     counts = [
-        [sum((x["method"], x["renew"]) == run for x in rows) for rows in (record, lost, rest)]
+        [sum((x["method"], x["renew"]) == run for x in rows) for rows in (record, lost)]
         for run in (("multistep-general-8", 0), ("multistep-general-8c", 1000))
     ]
-    assert counts == [[17, 6, 1], [17, 2, 3]]
-    assert "Of seventeen problems" in first
-    assert "with renewal lost two in a million steps and had a notice on three more" in first
-    assert "`-8` without lost six in ten million" in first
+    assert counts == [[17, 6], [17, 2]]
+    assert "With `renew=1000` `-8c` lost two of seventeen problems in a million steps" in page
+    assert "`-8` without renewal six in ten million" in page
 
 
-def test_the_page_prints_what_renewal_gives() -> None:
+def test_the_page_says_what_renewal_costs() -> None:
     page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
     record = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))
-    found = {
-        (x["problem"], x["method"][-2:], x["renew"], x["start_order"]): x for x in record["renewal"]
-    }
-    for name in ("uneven-plane", "shear", "discrete-schroedinger"):
-        x = found[name, "8b", 300, 8]
-        assert x["reported"] is None
-        assert f"{x['energy']:.1e}" in page
-        assert x["start_evaluations"] == 24 * (1 + 39_999 // 300)
-    assert found["swinging-atwood", "8b", 300, 8]["reported"]
-    ratios = [x["energy"] / found[*k[:3], 8]["energy"] for k, x in found.items() if k[3] == 10]
-    median = f"{np.median(ratios):.2f}"
-    assert len(ratios) == 24 and f"did not pay (median energy ratio {median})" in page
+    (x,) = (
+        x
+        for x in record["renewal"]
+        if (x["problem"], x["method"], x["renew"], x["start_order"])
+        == ("uneven-plane", "multistep-general-8b", 300, 8)
+    )
+    assert x["start_evaluations"] == 24 * (1 + 39_999 // 300)
+    assert "every 300 steps, at 24 evaluations, 8 % more in all" in page

@@ -25,6 +25,11 @@ from .sources import derived_source
 OPTIONS: Mapping[str, str] = {"name": "", "order": "8", "pairs": "", "reals": "", "constant": ""}
 
 _PAGE = "docs/nonseparable.md"
+#: A note that says by which power of h the energy drifts.
+_DRIFTS = (
+    "On Hamiltonian systems the energy drifts with h^{}; a run that is being lost has a notice, "
+    f"see {_PAGE}."
+)
 
 
 @dataclass(frozen=True)
@@ -91,7 +96,8 @@ def _complete(name: str, numbers: Shipped, where: str) -> tuple[dict[str, Any], 
         **{key: value for key, value in CLAIMS.items() if key != "reducible"},
         "symmetric": False,
     }
-    complete_exactly(document, claims, derived_source(where, "strong-multistep", _PAGE), ())
+    notes = [_DRIFTS.format(order + first)]
+    complete_exactly(document, claims, derived_source(where, "strong-multistep", _PAGE), notes)
     text = (
         f"{name}: order {order} on all systems with {formula.steps} steps, every parasitic root "
         f"inside the unit circle; the error constant is {float(C):.4g}, and the energy drifts with "

@@ -1,0 +1,99 @@
+"""Strongly stable multistep methods: the pages say what is recorded."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from campaigns.pages import measured
+from campaigns.partitioned.nonseparable import LOST
+from campaigns.partitioned.strong import (
+    FAST,
+    TIMES,
+    best_gauss,
+    kept,
+    long_rows,
+    ratios,
+    rivals,
+    written_down,
+)
+from glmref.catalogue.lookup import load
+from glmref.derive.recipes.strong_multistep import SHIPPED
+
+RUNS = measured("strong-multistep")["runs"]
+PAGE = " ".join((Path(__file__).parents[2] / "docs" / "nonseparable.md").read_text("utf-8").split())
+
+
+def means(name: str, tolerance: float) -> list[str]:
+    """Return the means over Gauss and over DOP853: of problems held out, and of the eleven."""
+    found = []
+    for over in ("gauss", "dop853"):
+        for late in (False, True):
+            ratios = []
+            for x in RUNS:
+                counts = rivals(x["problem"], tolerance)
+                if x["method"] == name and counts and (x["problem"] in written_down()) == late:
+                    least = best_gauss(counts) if over == "gauss" else counts["scipy-dop853"]
+                    ratios.append(x["evaluations"][f"{tolerance:g}"] / least)
+            assert len(ratios) == (11 if late else 4)
+            found.append(f"{np.exp(np.mean(np.log(ratios))):.2f}")
+    return found
+
+
+def test_the_page_gives_the_means() -> None:
+    first, second = SHIPPED
+    g, late, d, late_d = means(first, 1e-9)
+    assert f"it needs {g} of the evaluations of the best of `gauss-3` to `-6` and {d} of" in PAGE
+    assert f"{late} and {late_d} on eleven systems" in PAGE
+    g, late, d, late_d = means(first, 1e-6)
+    assert f"are {g} and {late} of Gauss, {d} and {late_d} of DOP853" in PAGE
+    g, late, d, late_d = means(second, 1e-6)
+    assert f"those of `-8b` {g} and {late}, {d} and {late_d}:" in PAGE
+
+
+def test_the_page_says_what_is_lost() -> None:
+    """No run of any method in the table is lost without a notice."""
+    runs = [x for x in RUNS if x["method"] == "multistep-strong-8"]
+    lost = {x["problem"] for x in runs if x["energy"] is None or x["energy"] >= LOST}
+    assert len(runs) == 29 and lost == {"dipole-charge", "swinging-atwood"}
+    assert "it lost two of 29 systems, each with a notice" in PAGE
+    assert "`dipole-charge` and `swinging-atwood` have close encounters" in PAGE
+    kept = [x["energy"] for x in runs if x["problem"] not in lost]
+    assert f"is at most {max(kept):.1e}, its median {np.median(kept):.1e}" in PAGE
+    for x in long_rows():
+        if x.get("h") and (x["energy"] is None or x["energy"] >= LOST):
+            assert x["reported"] is not None
+    assert max(x.get("growth", 0.0) for x in RUNS) < 100
+
+
+def test_the_page_gives_the_times() -> None:
+    rows = measured("strong-multistep")["times"]["rows"]
+    assert [x["problem"] for x in rows] == list(kept(RUNS))
+    shown = [f"{np.median(ratios(rows, steps)):.2f}" for steps in TIMES]
+    assert f"medians of its time over that of `gauss-4` are {shown[0]} and {shown[1]}." in PAGE
+    assert f"on the {len(rows)} systems without a notice" in PAGE
+
+
+def test_what_is_timed_is_neither_lost_nor_reported() -> None:
+    first = next(x for x in RUNS if x["method"] == FAST and x["problem"] in kept(RUNS))
+    for change in ({"reported": 3.0}, {"energy": LOST}):
+        other = [x | change if x is first else x for x in RUNS]
+        assert kept(other).keys() == kept(RUNS).keys() - {first["problem"]}
+
+
+@pytest.mark.parametrize(("name", "along", "all_ways"), [("multistep-strong-8", 0.17, 0.098)])
+def test_the_page_gives_the_step_sizes(name: str, along: float, all_ways: float) -> None:
+    (m,) = load(name).carriers
+    U, B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.U, m.B, m.V))
+
+    def others(z: complex) -> float:
+        roots = np.linalg.eigvals(V + z * B @ U)
+        return float(abs(np.delete(roots, np.argmin(abs(roots - np.exp(z))))).max())
+
+    assert others(0) < 0.975
+    turns = np.exp(1j * np.linspace(0, np.pi, 73))
+    assert max(others(z) for z in all_ways * turns) < 1 < max(others(z) for z in 0.105 * turns)
+    assert max(others(1j * x) for x in np.linspace(0.01, along, 17)) < 1 < others(0.18j)
+    assert f"|\\lambda h| < {along}$ on the imaginary axis and {all_ways} in every" in PAGE
