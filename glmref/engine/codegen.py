@@ -73,10 +73,11 @@ def kernel_source(form: StepForm, shape: Shape, options: Options) -> KernelSourc
         f'"""Generated kernel: {form.kind} form, {form.s} stages, {form.rows} values, '
         f'd = {shape.dimension}."""\n\n'
     )
-    if len(form.components) == 1:
+    if len(form.components) == 1 and not form.formula:
         widest = max((len(block.stages) for block in form.blocks), default=1)
     else:  # values of a multistep method turn independently of each other: vectors fit them
-        widest = form.rows if len(form.kick) > 1 or (form.together and shape.dimension > 2) else 1
+        several = shape.dimension > 2 and (form.together or form.formula)
+        widest = form.rows if len(form.kick) > 1 or several else 1
     return KernelSource(title + head + writer.text, target.work_size, kind, widest)
 
 
@@ -258,7 +259,7 @@ class Builder(KickWriter):
         if self.direct or self.leaps:
             (self._direct_stages if self.direct else self._leap)()
             return
-        if self.form.together:
+        if self.form.together or self.form.ahead:
             self._shared_stages()
             return
         if self.factored_newton:

@@ -26,9 +26,9 @@ class ExplicitWriter(StageWriter):
 
     @property
     def direct(self) -> bool:
-        """Whether the form is A, U, B, V with explicit stages."""
+        """Whether the form is A, U, B, V with explicit stages, and no multistep formula."""
         form = self.form
-        if len(form.components) > 1 or form.running or form.implicit_stages:
+        if len(form.components) > 1 or form.running or form.implicit_stages or form.ahead:
             return False
         return all(x == 1.0 for x in form.weights)
 

@@ -162,18 +162,18 @@ class StepForm:
     def ahead(self) -> bool:
         """Whether the point of a step is formed at the end of the one before, and kept as P.
 
-        Of a symmetric multistep pair, both halves of which are evaluated at one sum of values: all
-        of this sum but the last slope is there before that slope is, so that the next evaluation
-        waits for two sums and not for one over all values.
+        Of multistep formulas, which are evaluated at one sum of values: all of this sum but the
+        last slope is there before that slope is, so that the next evaluation waits for two sums and
+        not for one over all values.
         """
-        one = self.together and not self.same_point and len(self.blocks) == 1
+        one = self.formula or (self.together and not self.same_point and len(self.blocks) == 1)
         return one and not any(map(any, (row for x in self.components for row in x.M)))
 
     @property
     def formula(self) -> bool:
         """Whether it is one multistep formula: its only stage is read from several values alone."""
         one = len(self.components) == 1 and self.s == 1 and self.r > 1
-        return one and not any(map(any, self.M))
+        return one and not self.running and not any(map(any, self.M))
 
     def coming(self, component: int) -> tuple[Row, float]:
         """Return U y+ of :attr:`ahead`, without multiples of the solution, by y and an increment.
@@ -192,7 +192,7 @@ class StepForm:
 
     def point(self, values: np.ndarray) -> np.ndarray:
         """Return the point (..., d) of a step of :attr:`ahead` from values (..., r, d)."""
-        m = values.shape[-1] // 2
+        m = values.shape[-1] // len(self.components)
         parts = [
             solution_of(np.array(one.U[0]), values[..., k * m : (k + 1) * m])
             for k, one in enumerate(self.components)

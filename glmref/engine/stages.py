@@ -154,8 +154,9 @@ class StageWriter(NewtonWriter):
         *before, part = self.shape.parts
         n, done = len(self.form.U), []
         if self.form.ahead:
-            self._evaluate(part, [0], "P")
-            for stage in (0, n):
+            for due in (part,) if self.form.together else self.shape.parts:
+                self._evaluate(due, [0], "P")
+            for stage in range(0, n * len(self.sides), n):
                 self._increment(stage, "F0")
             self._count([0])
             return
