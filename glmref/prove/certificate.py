@@ -248,16 +248,15 @@ class _Writer:
     def _proved(self) -> Iterator[list[Part]]:
         """Yield the parts with which the judge proves such a statement, with what is known."""
         why: ExactnessError | None = None
-        proposed = False
+        last: ExactnessError | None = None
         for rules in alternatives(self.claim, self._truth(), {"*": len(self.blocks)}):
+            last = None
             try:
-                for parts in self._filled(rules):
-                    proposed = True
-                    yield parts
+                yield from self._filled(rules)
             except ExactnessError as error:
-                why = why or error
-        if why is not None and not proposed:  # else the judge has said why it refuses
-            raise why
+                last, why = error, why or error
+        if last is not None:  # else the judge has refused the last proposal, and said why
+            raise why or last
 
     def _filled(self, rules: list[str], parts: tuple[Part, ...] = ()) -> Iterator[list[Part]]:
         """Yield parts of these rules, after others, with all witnesses that are proposed."""

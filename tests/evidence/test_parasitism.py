@@ -92,12 +92,13 @@ def test_a_method_with_mu_zero_carries_its_parasitic_part_unchanged(name):
 
 
 def without_growth(least):
-    """Methods with several values and no growth parameter, of some order or more."""
+    """G-symplectic methods with several values and no growth parameter, of some order or more."""
     return [
         name
         for name in names("methods")
         if shipped(name)["class"] in ("glm", "sweep")
         and shipped(name)["claims"].get("parasitism-free") is True
+        and shipped(name)["claims"].get("g-symplectic") is True
         and shipped(name)["claims"]["order"] >= least
     ]
 
