@@ -7,6 +7,7 @@ strict; and what a name forbids, numbers do not allow. See :mod:`.collecting` fo
 
 from __future__ import annotations
 
+import math
 import re
 from bisect import bisect_left, bisect_right
 from collections import Counter, deque
@@ -1186,7 +1187,7 @@ def _looks_like(array: Array, made: list[Array]) -> str:
     square = len(lengths) == n and n - 1 <= max(lengths) <= n + 1
     lower = square and all(size(x) in (0.0,) or x is ZERO for i, row in enumerate(array.value)
                            for x in row[i + 1 + left :])  # fmt: skip
-    broken = sum(0 < abs(size(x)) and size(x) != round(size(x)) for x in flattened(array.value))
+    broken = sum(bool(size(x) % 1) for x in flattened(array.value) if math.isfinite(size(x)))
     if not lower or broken < 2 or n < 3:
         return ""
     others = sorted({x.name for x in made if x is not array and x.name})[:6]

@@ -46,6 +46,8 @@ from .halves import Series, dot, exponential, quotient, series_product, solve
 from .multistep import written
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
+#: The largest even order of a start in a file.
+MOST_ORDER = 18
 #: Terms of the series g from x^p on that may be chosen, or are the first that are not.
 _TERMS = 4
 
@@ -75,12 +77,14 @@ class StrongFormula:
 
     def __post_init__(self) -> None:
         factors = [*self.pairs, *((-m, _ZERO) for m in self.reals)]
-        if len(set(factors)) < len(factors):
+        if len(set(factors)) < len(factors) or any(a * a == 4 * b for a, b in self.pairs):
             raise UsageError("the roots must be different")
         if any(not abs(b) < 1 or not abs(a) < 1 + b for a, b in factors):
             raise UsageError("the roots must lie inside the unit circle")
         free = self.steps - self.order
-        if self.order < 2 or self.order % 2 or not 0 <= free <= 3:
+        if not 2 <= self.order <= MOST_ORDER:
+            raise UsageError(f"the order must be from 2 to {MOST_ORDER}, got {self.order}")
+        if self.order % 2 or not 0 <= free <= 3:
             raise UsageError(
                 f"{self.steps} steps do not have an even order of {self.order}: give {self.order} "
                 f"to {self.order + 3} roots with 1"

@@ -56,9 +56,12 @@ _ENERGY_TOO = 8.0
 _VISIBLE = 0.01
 #: The part of the solution at which the parasitic part is reported whatever the energy does.
 _OF_SOLUTION = 0.1
-#: The error of the energy, small at first, that is reported whatever the parasitic part is: one
-#: that had grown may have been renewed away.
-_OF_ENERGY = 0.1
+#: The error of the energy that is reported whatever the parasitic part is, which may have been
+#: renewed away: where it has grown so often, or is as large over what halving the state changes.
+_OF_ENERGY, _GROWN = 0.1, 3.0
+#: Of one formula whose parasitic parts decay: the energy error below which nothing is lost, over
+#: :data:`_ENERGY`. A window need not resolve a close encounter.
+_FLOOR = 1e-9
 #: Numbers of coefficients of the polynomials.
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
@@ -192,11 +195,23 @@ def step_matrix(blocks: Sequence[np.ndarray], J: np.ndarray, h: float, parts: in
     return V + B @ F @ np.linalg.solve(np.eye(len(F)) - A @ F, U)
 
 
+def _others(method: Method, J: np.ndarray, h: float) -> float:
+    """Return the largest eigenvalue of a step on y' = J y but those nearest to the solution's."""
+    roots = np.linalg.eigvals(step_matrix(_blocks(method), J, h, method.parts))
+    for z in h * np.linalg.eigvals(J):
+        roots = np.delete(roots, np.abs(roots - np.exp(min(z.real, 700.0) + 1j * z.imag)).argmin())
+    return float(np.abs(roots).max())
+
+
 def stable_up_to(method: Method, J: np.ndarray, h: float) -> float | None:
     """Return the h up to which a method is stable on y' = J y, where it is not at ``h``.
 
-    ``None`` where it is, and where it grows in proportion to h, as the solution itself may.
+    ``None`` where it is, and where it grows in proportion to h, as the solution itself may. Of one
+    formula whose roots but 1 are inside the unit circle only these count.
     """
+    if method.parts == 1 and _others(method, J, 0.0) < 1 - _OFF:
+        fine = [_others(method, J, h * k / _PART) <= 1 + _OFF for k in range(1, _PART + 1)]
+        return None if all(fine) else h * fine.index(False) / _PART
 
     def growth(part: int) -> float:
         step = step_matrix(_blocks(method), J, h * part / _PART, method.parts)
@@ -274,6 +289,7 @@ class Watch:
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.growing = method.parts > 1  #: Whether parasitic parts can grow at any step size.
         self.energy_error = 0.0  #: Of the first steps.
+        self.energy_scale = self._energy_scale()
         self.alarm = 0.0  #: The error of the energy that was the last reason to look.
 
     def parasitic(self, halves: np.ndarray) -> list[float]:
@@ -306,6 +322,20 @@ class Watch:
         bound = np.maximum(waves, squares[third:].sum(axis=0) * (2 / WINDOW)) + refused
         whole = np.einsum("njwd,njwd->jwn", halves, halves).max(axis=0)
         return np.sqrt(np.stack([squares[:first].max(axis=0), bound, whole]))
+
+    def _energy_scale(self) -> float:
+        """Return how the energy changes where the state is halved or doubled, relative, at least 1.
+
+        So an energy that is nearly 0 by cancellation is no measure of its error.
+        """
+        if self.hamiltonian is None:
+            return math.inf
+        try:
+            with np.errstate(all="ignore"):
+                found = self._errors_of_energy(np.stack([2 * self.y0, self.y0 / 2]))
+        except (ArithmeticError, ValueError):
+            return math.inf
+        return max([1.0, *found[np.isfinite(found)].tolist()])
 
     def _errors_of_energy(self, solutions: np.ndarray) -> np.ndarray:
         """Return the errors (n,) of the energy at solutions (n, d), relative."""
@@ -369,15 +399,19 @@ class Watch:
         ordered = np.sort(errors).tolist()
         middle = (ordered[(_SAMPLES - 1) // 2] + ordered[_SAMPLES // 2]) / 2
         error = math.nan if math.isnan(ordered[-1]) else middle
-        if error > _OF_ENERGY > _ENERGY * self.energy_error:
+        least = max(_OF_ENERGY, _GROWN * self.energy_error)
+        if error > min(least, _OF_ENERGY * self.energy_scale):
             return True
         enough = [
             max(FACTOR * x, FACTOR * unit * y, _VISIBLE * z)
             for x, y, z in zip(self.first, size, self.scale, strict=True)
         ]
         # the energy is not in every direction a measure
-        whatever = [max(x, _OF_SOLUTION * y) for x, y in zip(enough, size, strict=True)]
-        known = max(self.energy_error, unit)
+        whatever = [
+            max(x, _OF_SOLUTION * y) if self.growing else math.inf
+            for x, y in zip(enough, size, strict=True)
+        ]
+        known = max(self.energy_error, unit if self.growing else _FLOOR)
         # a bound decides for less
         if not _above(bound, enough if error > _ENERGY_TOO * known else whatever):
             return False

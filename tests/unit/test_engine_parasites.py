@@ -223,11 +223,24 @@ def test_an_energy_error_without_a_parasitic_part_is_not_reported() -> None:
     assert not watch.large(steps_of(1e-3, 0.0, 1.0, 0), 2000)
 
 
+def test_an_energy_near_zero_is_no_measure() -> None:
+    """Where the first steps have errors of 1e6 relative, 1.5 times that is not a loss."""
+    start = float(oscillator(np.array(PARTICLE.y0, dtype=float)))
+    near = replace(PARTICLE, hamiltonian=lambda y: oscillator(y) - start * (1 - 1e-9))
+    watch = Watch(method_of("multistep-kinetic-8"), near)
+    assert watch.energy_scale > 1e6
+    for step, energy in ((WINDOW, 0.0), (2 * WINDOW, 1e-3), (3 * WINDOW, 0.0)):
+        assert not watch.large(steps_of(energy, 0.0, 1.0, 0), step)
+    assert not watch.large(steps_of(1.5e-3, 0.0, 1.0, 0), 2000)
+    assert watch.large(steps_of(0.9, 0.0, 1.0, 0), 2000)
+
+
 @pytest.mark.parametrize(
-    ("first", "later", "seen"), [(1e-9, 0.05, False), (1e-9, 0.15, True), (0.01, 0.15, False)]
+    ("first", "later", "seen"),
+    [(1e-9, 0.05, False), (1e-9, 0.15, True), (0.01, 0.15, True), (0.06, 0.15, False)],
 )
 def test_an_energy_that_is_wrong_by_a_tenth_is(first: float, later: float, seen: bool) -> None:
-    """As after an encounter that a renewal followed; an energy near zero is no measure."""
+    """As after an encounter that a renewal followed, and where it has grown threefold."""
     watch = Watch(method_of("multistep-kinetic-8"), replace(PARTICLE, hamiltonian=oscillator))
     for step, energy in ((WINDOW, 0.0), (2 * WINDOW, first), (3 * WINDOW, 0.0)):
         assert not watch.large(steps_of(energy, 0.0, 1.0, 0), step)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from glmref import Problem
 from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import load, path_of
 from glmref.catalogue.reader import load_document
@@ -18,7 +19,7 @@ from glmref.derive.halves import exponential, quotient
 from glmref.derive.recipes.strong_multistep import SHIPPED
 from glmref.derive.strong_multistep import StrongFormula, strong_document
 from glmref.engine.solve import solve
-from glmref.errors import UsageError
+from glmref.errors import GlmrefError, UsageError
 from glmref.findings import Verdict
 from glmref.problems import problem
 from glmref.prove.facts import facts_of
@@ -102,6 +103,7 @@ def test_the_judge_finds_the_order_and_no_growth(formula: StrongFormula) -> None
         ((2, ((F(0), F(1)),), ()), "inside the unit circle"),
         ((2, ((F(3, 2), F(1, 2)),), ()), "inside the unit circle"),
         ((2, (), (F(1),)), "inside the unit circle"),
+        ((2, ((F(1), F(1, 4)),), ()), "different"),
         ((4, ((F(1, 2), F(1, 2)), (F(1, 2), F(1, 2))), ()), "different"),
         (
             (4, ((F(1, 2), F(1, 2)),), ()),
@@ -120,14 +122,19 @@ def test_what_is_no_such_formula_is_refused(arguments: tuple[Any, ...], said: st
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"pairs": "1/2 1/2 x"}, "`pairs` must be fractions"),
+        ({"pairs": "1/2 1/2 sqrt(2)"}, "`pairs` must be rational"),
+        ({"reals": "1e-99999999"}, "out of place"),
+        ({"order": "4"}, "need the roots"),
+        ({"constant": "1/3"}, "need the roots"),
+        ({"name": "multistep-strong-8", "order": "8"}, "takes no other options"),
+        ({"reals": "1/2", "order": "20"}, "from 2 to 18"),
         ({"pairs": "1/2 1/2 1/3"}, "even number of fractions"),
         ({"reals": "1/2", "order": "1/2"}, "one whole number"),
         ({"name": "rk4"}, "name"),
     ],
 )
 def test_options_that_cannot_be_read_are_refused(options: dict[str, str], said: str) -> None:
-    with pytest.raises(UsageError, match=said):
+    with pytest.raises(GlmrefError, match=said):
         recipes.run("strong-multistep", options)
 
 
@@ -205,6 +212,36 @@ def test_a_step_that_is_too_large_later_has_a_notice() -> None:
     (notice,) = found.notices
     assert "a smaller h" in notice
     assert "renew" not in notice
+
+
+@pytest.mark.parametrize(
+    ("name", "h"), [("restricted-three-body", 0.1), ("kepler", 0.1), ("pendulum", 1.0)]
+)
+def test_a_step_that_is_too_large_at_once_has_two(name: str, h: float) -> None:
+    """The first steps are wrong already, and the system grows at the start."""
+    found = solve(problem(name), "multistep-strong-8", h=h, steps=3_000, every=30)
+    assert found.suspect is not None
+    before, later = found.notices
+    assert before.startswith(f"h = {h:g} is beyond") and later.startswith("from t = ")
+
+
+def test_an_error_of_a_fifth_is_reported_though_the_first_steps_have_some() -> None:
+    one = Problem.from_hamiltonian("p**2/(2*(1 + q**2)) + q**2/2", {"q": 1, "p": 0})
+    found = solve(one, "multistep-strong-8", h=0.15, steps=3_000, every=30)
+    assert found.suspect is not None
+
+
+def test_close_encounters_of_a_sound_orbit_are_not_reported() -> None:
+    found = solve(
+        problem("swinging-atwood"), "multistep-strong-8", h=0.005, steps=20_000, every=200
+    )
+    assert not found.notices
+
+
+def test_a_formula_that_is_not_watched_does_not_say_so() -> None:
+    for reals, watched in (("1/3", False), ("2/3", True)):
+        made = recipes.run("strong-multistep", {"order": "2", "reals": reals}).documents
+        assert any("has a notice" in x for x in made[0]["notes"]) == watched
 
 
 @pytest.mark.parametrize("name", ["ab-4", "ab-2"])

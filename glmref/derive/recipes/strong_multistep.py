@@ -1,6 +1,6 @@
 """Explicit linear multistep methods for any system, strongly stable, nearly without dissipation.
 
-Options: ``name`` one shipped method (all of them by default); or ``order``, an even number, with
+Options: ``name`` one shipped method (all of them by default); or ``order``, even, 8 by default, and
 ``pairs``, the numbers a b of each factor z^2 - a z + b of rho, and ``reals``, the m of each z + m,
 fractions separated by blanks, and ``constant``, the error constant, free from order + 2 steps on.
 The other factor of rho is z - 1.
@@ -18,18 +18,26 @@ from typing import Any
 from ...errors import UsageError
 from ...findings import Proof
 from ..strong_multistep import StrongFormula, strong_document
-from .derivation import Derivation, Progress, Statement, chosen, complete_exactly, completed
+from .derivation import (
+    Derivation,
+    Progress,
+    Statement,
+    chosen,
+    complete_exactly,
+    completed,
+    rational_option,
+)
 from .multistep import CLAIMS
 from .sources import derived_source
 
-OPTIONS: Mapping[str, str] = {"name": "", "order": "8", "pairs": "", "reals": "", "constant": ""}
+OPTIONS: Mapping[str, str] = {"name": "", "order": "", "pairs": "", "reals": "", "constant": ""}
 
 _PAGE = "docs/nonseparable.md"
-#: A note that says by which power of h the energy drifts.
-_DRIFTS = (
-    "On Hamiltonian systems the energy drifts with h^{}; a run that is being lost has a notice, "
-    f"see {_PAGE}."
-)
+#: A note that says by which power of h the energy drifts, and one for runs that are watched.
+_DRIFTS = "On Hamiltonian systems the energy drifts with h^{}, see " + _PAGE + "."
+_WATCHED = "A run that is being lost has a notice."
+#: What :mod:`glmref.engine.parasites` watches: pairs of roots, or one, of a modulus above 1/2.
+_HALF = Fraction(1, 2)
 
 
 @dataclass(frozen=True)
@@ -39,7 +47,7 @@ class Shipped:
     pairs: str
     reals: str
     constant: str = ""
-    order: str = "8"
+    order: str = ""
 
     def formula(self) -> StrongFormula:
         """Return the formula.
@@ -50,21 +58,15 @@ class Shipped:
             For text that is not numbers, or numbers that no such formula has.
         """
         pairs, reals, constant, order = (
-            _fractions(key, getattr(self, key)) for key in ("pairs", "reals", "constant", "order")
+            [rational_option(key, x) for x in getattr(self, key).split()]
+            for key in ("pairs", "reals", "constant", "order")
         )
         if len(pairs) % 2:
             raise UsageError("`pairs` must be an even number of fractions, a b for each factor")
-        if len(constant) > 1 or len(order) != 1 or order[0].denominator > 1:
+        if len(constant) > 1 or len(order) > 1 or any(x.denominator > 1 for x in order):
             raise UsageError("`order` must be one whole number, and `constant` one fraction")
         both = tuple(zip(pairs[::2], pairs[1::2], strict=True))
-        return StrongFormula(int(order[0]), both, tuple(reals), *constant)
-
-
-def _fractions(key: str, text: str) -> list[Fraction]:
-    try:
-        return [Fraction(x) for x in text.split()]
-    except (ValueError, ZeroDivisionError) as error:
-        raise UsageError(f"`{key}` must be fractions with blanks between ({error})") from None
+        return StrongFormula(int(*order) or 8, both, tuple(reals), *constant)
 
 
 SHIPPED: Mapping[str, Shipped] = {
@@ -96,7 +98,9 @@ def _complete(name: str, numbers: Shipped, where: str) -> tuple[dict[str, Any], 
         **{key: value for key, value in CLAIMS.items() if key != "reducible"},
         "symmetric": False,
     }
-    notes = [_DRIFTS.format(order + first)]
+    turning = any(a * a < 4 * b and b > _HALF**2 for a, b in formula.pairs)
+    watched = turning or any(m > _HALF for m in formula.reals)
+    notes = [_DRIFTS.format(order + first), *[_WATCHED] * watched]
     complete_exactly(document, claims, derived_source(where, "strong-multistep", _PAGE), notes)
     text = (
         f"{name}: order {order} on all systems with {formula.steps} steps, every parasitic root "
@@ -114,8 +118,12 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
     UsageError
         For a name that is not shipped, or numbers that cannot be read.
     """
-    if options["pairs"] or options["reals"]:
-        given = {key: options[key] for key in ("pairs", "reals", "constant", "order")}
+    given = {key: options[key] for key in ("pairs", "reals", "constant", "order")}
+    if any(given.values()):
+        if options["name"]:
+            raise UsageError("`name` is that of a shipped method, which takes no other options")
+        if not given["pairs"] and not given["reals"]:
+            raise UsageError("`order` and `constant` need the roots: give `pairs` or `reals`")
         made = {"multistep-strong-found": Shipped(**given)}
         where = "; ".join(f"{key} {text}" for key, text in given.items() if text)
     else:
