@@ -367,6 +367,8 @@ def _connected(path: Path, mode: str) -> sqlite3.Connection:
     except DAMAGE as error:
         why = error
     file.close()
+    if mode == "ro" and getattr(why, "sqlite_errorname", "").startswith("SQLITE_READONLY"):
+        return _connected(path, "rw")  # what a killed process had begun is taken back first
     if getattr(why, "sqlite_errorname", "SQLITE_NOTADB") in ("SQLITE_NOTADB", "SQLITE_CORRUPT"):
         raise DataError(f"{name} is not a file of records ({why}); move it away to measure again")
     raise DataError(f"{name}: the file cannot be read ({why})")

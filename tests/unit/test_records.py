@@ -370,3 +370,24 @@ def test_a_lock_that_is_given_back_leaves_no_file(tmp_path: Path) -> None:
     with locked(tmp_path / "records.sqlite"):
         assert list(tmp_path.iterdir())
     assert not list(tmp_path.iterdir())
+
+
+#: Begins to change a file of records, until pages are written, and ends without taking it back.
+ABANDONED = """
+import os, sqlite3, sys
+file = sqlite3.connect(sys.argv[1])
+file.execute("PRAGMA cache_size = 1")
+file.execute("BEGIN")
+rows = [(f"{n:016x}", "x" * 2000) for n in range(200)]
+file.executemany("INSERT INTO record VALUES (?, ?)", rows)
+os._exit(9)
+"""
+
+
+def test_what_a_killed_process_had_begun_is_taken_back(tmp_path):
+    """SQLite cannot do so for a reader that may not write."""
+    path = tmp_path / "records.sqlite"
+    right = three(path)
+    subprocess.run([sys.executable, "-c", ABANDONED, str(path)], check=False)
+    assert path.with_name(f"{path.name}-journal").exists()
+    assert list(Records(path)) == right
