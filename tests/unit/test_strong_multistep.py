@@ -128,6 +128,7 @@ def test_what_is_no_such_formula_is_refused(arguments: tuple[Any, ...], said: st
         ({"constant": "1/3"}, "need the roots"),
         ({"name": "multistep-strong-8", "order": "8"}, "takes no other options"),
         ({"reals": "1/2", "order": "20"}, "from 2 to 18"),
+        ({"reals": "1/2", "order": "0"}, "from 2 to 18, got 0"),
         ({"pairs": "1/2 1/2 1/3"}, "even number of fractions"),
         ({"reals": "1/2", "order": "1/2"}, "one whole number"),
         ({"name": "rk4"}, "name"),

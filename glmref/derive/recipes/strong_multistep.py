@@ -66,7 +66,7 @@ class Shipped:
         if len(constant) > 1 or len(order) > 1 or any(x.denominator > 1 for x in order):
             raise UsageError("`order` must be one whole number, and `constant` one fraction")
         both = tuple(zip(pairs[::2], pairs[1::2], strict=True))
-        return StrongFormula(int(*order) or 8, both, tuple(reals), *constant)
+        return StrongFormula(int(order[0]) if order else 8, both, tuple(reals), *constant)
 
 
 SHIPPED: Mapping[str, Shipped] = {
