@@ -4,10 +4,9 @@ import copy
 
 import pytest
 
-from campaigns.partitioned.start_search import fixed_start, search_start
 from glmref.catalogue.lookup import document, load, names
 from glmref.catalogue.reader import load_document
-from glmref.derive.parity_start import complete, expanded
+from glmref.derive.parity_start import expanded
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact
 from glmref.exact.judging import fast_judge
@@ -198,17 +197,3 @@ def test_shared_stages_are_compared_on_all_two_coloured_trees():
     doc["starting"]["A"][1][0] = "1/4"
     wrong = Kernel(load_document(doc)).range("starting-order")
     assert (wrong.lower, wrong.upper) == (1, 1) and wrong.reason.startswith("tree f[f] ")
-
-
-@pytest.mark.slow
-def test_a_start_is_found_from_random_coefficients_and_proved():
-    target = target_of("pair-4-6")
-    found = list(search_start(target, 2, seed=1, starts=8))
-    good = min(found, key=lambda x: x.residual)
-    assert good.residual < 1e-12
-    assert [x.point for x in search_start(target, 2, seed=1, starts=8)] == [x.point for x in found]
-    half = fixed_start(target, 2, good.point)
-    block = complete(expanded(half), None, target)[0]
-    assert len(proved(target, block).proofs["starting"]["centre"]) == 10
-    doc = {**document("pair-4-6"), "starting": block}
-    assert {x.verdict for x in verify(load_document(doc))} == {Verdict.HOLDS}

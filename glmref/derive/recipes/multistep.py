@@ -5,8 +5,8 @@ pairs of roots of the two halves, fractions separated by blanks (``q`` empty: fo
 systems). With ``slopes``, a number for each cosine of ``p``, and ``weight``, a step has two kicks:
 how its first drift reads each pair, and the weight of the first kick in the sum.
 
-The shipped numbers were found by `campaigns.partitioned.multistep_search` and `two_kicks_search`;
-everything else follows from them exactly (:mod:`glmref.derive.multistep`).
+The shipped numbers were found by `campaigns.partitioned.multistep_search` and `two_kicks_search`
+of commit b3e1529d; everything else follows from them exactly (:mod:`glmref.derive.multistep`).
 """
 
 from __future__ import annotations
