@@ -1,9 +1,11 @@
-"""Write what follows from the table of claims: JSON Schemas and the rows in ``data/README.md``.
+"""Write what follows from the table of claims: JSON Schemas and the order of ``data/README.md``.
 
 The schema of ``glmref-method-2`` is that of ``glmref-method-1`` with the keys and classes below.
 
-``python -m tools.method_schema`` rewrites both and brings the two lists of hashes up to date. Tests
-in ``tests/repo/test_claims.py`` compare the files with what is generated here.
+When a claim is true is said in the table of ``data/README.md`` and nowhere else. ``python -m
+tools.method_schema`` rewrites the schemas, brings the rows of the table into the order of the
+claims, and the two lists of hashes up to date. Tests in ``tests/repo/test_claims.py`` compare the
+files with what is generated here.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from glmref.catalogue.canonical import refresh
-from glmref.catalogue.claims import CLAIMS
+from glmref.catalogue.claims import ABSCISSAE, CLAIMS, SIZE, ClaimSpec
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 SCHEMA, CONTRACT = DATA / "schema" / "glmref-method-1.schema.json", DATA / "README.md"
@@ -88,18 +90,42 @@ def second_schema(schema: str) -> str:
     return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
 
 
+def schema_of(claim: ClaimSpec) -> dict[str, Any]:
+    """Return the JSON Schema of the value of a claim."""
+    order, number = {"$ref": "#/$defs/order"}, {"$ref": "#/$defs/expression"}
+    numbers = {"type": "array", "maxItems": 200, "items": number}
+    size = {"type": "string", "pattern": f"^{SIZE.pattern}$"}
+    sized = {"type": "array", "minItems": 2, "maxItems": 2, "prefixItems": [order, size]}
+    return {
+        int: order,
+        bool: {"type": "boolean"},
+        str: number,
+        list: _VECTOR if claim is ABSCISSAE else numbers,
+        dict: {
+            "type": "object",
+            "minProperties": 1,
+            "additionalProperties": {**sized, "items": False} if claim.sized else order,
+        },
+    }[claim.type]
+
+
 def with_claims(schema: str) -> str:
     """Replace the properties of ``claims`` in the text of the schema of method files."""
-    rows = (f'        "{key}": {json.dumps(spec.schema)}' for key, spec in CLAIMS.items())
+    rows = (f'        "{key}": {json.dumps(schema_of(spec))}' for key, spec in CLAIMS.items())
     pattern = r'(\n    "claims": \{\n(?:      ".*\n)*?      "properties": \{\n)(?:        .*\n)+'
     return _replaced(pattern, ",\n".join(rows) + "\n", schema)
 
 
 def with_table(contract: str) -> str:
-    """Replace the table of claims in the text of the data contract."""
-    rows = (f"| `{key}` | {spec.sentence} |\n" for key, spec in CLAIMS.items())
-    table = "| claim | true when |\n|---|---|\n" + "".join(rows)
-    return _replaced(r"(<!-- table: claims -->\n)(?:\|.*\n)*(?=<!-- end)", table, contract)
+    """Put the rows of the table of claims in the data contract into the order of the claims."""
+    table = r"(<!-- table: claims -->\n\| claim .*\n\|---.*\n)((?:\|.*\n)*)(?=<!-- end)"
+    found = "".join(x[1] for x in re.findall(table, contract))
+    rows, order = re.findall(r"(\| `([\w-]+)` .*\n)", found), list(CLAIMS)
+    if found and sorted(key for _, key in rows) != sorted(order):
+        differ = {key for _, key in rows} ^ CLAIMS.keys()
+        raise ValueError(f"a claim has one row in its table; see {sorted(differ) or 'those twice'}")
+    rows.sort(key=lambda row: order.index(row[1]))
+    return _replaced(table, "".join(line for line, _ in rows), contract)
 
 
 def _replaced(pattern: str, new: str, text: str) -> str:

@@ -49,8 +49,15 @@ def test_a_changed_schema_or_contract_is_noticed() -> None:
     schema, contract = (path.read_text(encoding="utf-8") for path in (SCHEMA, CONTRACT))
     for old, new in (('"a-stable": {"type": "boolean"}', '"a-stable": {}'), ('"growth"', '"grow"')):
         assert with_claims(schema.replace(old, new)) == schema != schema.replace(old, new)
-    changed = contract.replace("the powers of V are bounded", "V is bounded")
+    first, second, *_ = (x for x in contract.splitlines(True) if x.startswith("| `order"))
+    changed = contract.replace(first + second, second + first)
     assert with_table(changed) == contract != changed
+    for other, said in (
+        (first + first, "those twice"),
+        ("", "'order'"),
+        ("| `ordre` |\n", "'ordre'"),
+    ):
+        refused(ValueError, said, with_table, contract.replace(first, other))
     refused(ValueError, "found 0 times", with_table, contract.replace("<!-- table: claims -->", ""))
 
 
