@@ -1,14 +1,17 @@
-"""The measurements of order 6 and 8: long runs, their notes, and the search for order 8."""
+"""The measurements of order 6 and 8: long runs, notes, what is recommended, the search for order 8."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from campaigns.pages import measured
-from glmref.catalogue.lookup import document, names
+from campaigns.partitioned.test_kepler_long import labels, named, words
+from glmref.catalogue.lookup import document
 from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.recipes.sources import GROWS
 from glmref.prove.enclosure import conditions_of
@@ -26,16 +29,22 @@ def grown(runs: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], str]:
 def labelled() -> dict[tuple[str, str], str]:
     """Return (method, run) -> what the notes of the files say."""
     texts = {GROWS.format(word): word for word in ("threefold", "thirtyfold")}
-    found = {}
-    for name in names("methods"):
-        notes = document(name).get("notes", [])
-        for note in [notes] if isinstance(notes, str) else notes:
-            if "long-runs.json" in note:
-                found[name, "pendulum-2.3"] = texts[note]
-    return found
+    found = labels("long-runs.json").items()
+    return {(name, PENDULUM): texts[note] for name, notes in found for note in notes}
 
 
 LONG_RUNS = measured("long-runs")
+RECORD = LONG_RUNS["runs"]
+PAGE, PENDULUM = Path(__file__).parent / "README.md", "pendulum-2.3"
+#: What two million steps can tell from no growth: the page says so.
+SEEN = 1.5e-6
+
+
+def changed(method: str, run: str, change: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the runs with one of them changed."""
+    other = [{**x, **change} if (x["method"], x["run"]) == (method, run) else x for x in RECORD]
+    assert other != RECORD
+    return other
 
 
 def test_the_rate_of_growth_goes_with_the_square_of_h_and_not_with_the_nudge() -> None:
@@ -59,28 +68,70 @@ def test_the_rate_of_growth_goes_with_the_square_of_h_and_not_with_the_nudge() -
 
 def test_a_file_is_labelled_exactly_where_ten_million_steps_show_growth() -> None:
     assert LONG_RUNS["factor"] == 30
-    assert {x["steps"] for x in LONG_RUNS["runs"] if x["outcome"] == "completed"} == {10**7}
-    assert labelled() == grown(LONG_RUNS["runs"])
+    assert {x["steps"] for x in RECORD if x["outcome"] == "completed"} == {10**7}
+    assert labelled() == grown(RECORD)
 
 
 @pytest.mark.parametrize(
     ("method", "run", "change"),
     [
-        ("g6245", "pendulum-2.3", {"parasitic": 3.1 * 3.197e-09}),  # grew, no note
-        ("s4-w3", "pendulum-2.3", {"parasitic": 2.9 * 4.8e-09}),  # a note, did not grow
-        ("s4-w3", "pendulum-2.3", {"bounded": False}),  # the other note
+        ("g6245", PENDULUM, {"parasitic": 3.1 * 3.197e-09}),  # grew, no note
+        ("s4-w3", PENDULUM, {"parasitic": 2.9 * 4.8e-09}),  # a note, did not grow
+        ("s4-w3", PENDULUM, {"bounded": False}),  # the other note
         ("g6245", "henon-heiles", {"bounded": False}),  # grew where no note speaks of
     ],
 )
 def test_a_note_that_differs_from_the_data_is_seen(
     method: str, run: str, change: dict[str, Any]
 ) -> None:
-    runs = [
-        {**x, **change} if (x["method"], x["run"]) == (method, run) else x
-        for x in LONG_RUNS["runs"]
+    assert labelled() != grown(changed(method, run, change))
+
+
+def recommended(record: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return methods without growth by three in any run, whose rate is not seen in any."""
+    safe: dict[str, bool] = {}
+    for x in record:
+        calm = x["bounded"] and x["parasitic"] <= 3 * x["parasitic_early"] and x["rate"] < SEEN
+        safe[x["method"]] = safe.get(x["method"], True) and calm
+    return [name for name, calm in safe.items() if calm]
+
+
+def steady(record: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return methods of order 6 that stay within 15 per cent and grow when nudged."""
+    return [
+        x["method"]
+        for x in record
+        if x["run"] == PENDULUM
+        and document(x["method"])["claims"]["order"] == 6
+        and x["parasitic"] <= 1.15 * x["parasitic_early"]
+        and x["rate"] >= SEEN
     ]
-    assert runs != LONG_RUNS["runs"]
-    assert labelled() != grown(runs)
+
+
+def test_the_page_recommends_what_the_data_say() -> None:
+    assert named(PAGE, "Recommended for long runs on this pendulum:", "whose rate") == recommended(
+        RECORD
+    )
+    assert named(PAGE, "Of order 6,", "stayed") == steady(RECORD)
+    page = words(PAGE)
+    (rates,) = re.findall(r"grows when perturbed \(rates (.*?)\)", page)
+    said = [float(x) for x in re.findall(r"\d\.\de-\d", rates)]
+    known = {x["method"]: x["rate"] for x in RECORD if x["run"] == PENDULUM}
+    assert said == pytest.approx([known[x] for x in steady(RECORD)], rel=0.05)  # two digits
+    assert f"below {SEEN:g}," in page.replace("e-6,", "e-06,")
+
+
+@pytest.mark.parametrize(
+    ("name", "run", "change"),
+    [
+        ("order8-s5-w3", PENDULUM, {"rate": 2e-6}),
+        ("order8-s5-w3", "henon-heiles", {"bounded": False}),
+        ("order8-s5-w3", PENDULUM, {"parasitic": 1e-8}),
+        ("t115-w3", PENDULUM, {"rate": 1e-6}),
+    ],
+)
+def test_other_data_would_recommend_others(name: str, run: str, change: Mapping[str, Any]) -> None:
+    assert recommended(changed(name, run, change)) != recommended(RECORD)
 
 
 def test_the_search_on_record_is_that_of_its_ansatzes() -> None:
