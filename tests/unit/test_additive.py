@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import glmref
-from glmref import AdditiveGLM, PartitionedGLM, UsageError
+from glmref import AdditiveGLM, PartitionedGLM
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -112,10 +112,6 @@ def test_callables_are_summed_too():
 )
 def test_what_does_not_fit_is_refused(change, message):
     refused(DataError, message, load_document, {**EULER, **change})
-
-
-def test_a_problem_without_terms_is_refused():
-    refused(UsageError, "`terms`", glmref.solve, "pendulum", load_document(EULER), h=0.1, steps=1)
 
 
 @pytest.mark.sampled(1)

@@ -142,12 +142,6 @@ def test_ab2_is_the_recursion_of_its_output():
         assert twice[t] - phi[t] == F(3, 2) * after[t] - F(1, 2) * slope[t]
 
 
-def test_a_multiple_eigenvalue_is_refused():
-    doubled = GLM(A=[[F(1, 2)]], U=[[1, 0]], B=[[1], [1]], V=[[1, 0], [0, 1]])
-    refused(UsageError, "not unique", modified, doubled, 3)
-    refused(UsageError, "additive", modified, "ars-2-2-2", 3)
-
-
 # -- which fields are Hamiltonian
 
 

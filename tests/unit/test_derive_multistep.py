@@ -84,21 +84,6 @@ def test_where_stages_are_not_the_solution_all_trees_are_compared(monkeypatch):
     assert found.lower <= 3
 
 
-@pytest.mark.parametrize(
-    ("q", "p"),
-    [
-        ((), ()),
-        (("1/2",), ("1/2",)),
-        (("1/2",), ("1/3", "1/4")),
-        ((), ("1/3", "1/3")),
-        ((), ("1",)),
-    ],
-)
-def test_cosines_of_no_such_method_are_refused(q: Sequence[str], p: Sequence[str]) -> None:
-    with pytest.raises(UsageError, match="cosine"):
-        multistep_document("none", [Fraction(x) for x in q], [Fraction(x) for x in p])
-
-
 def test_rows_of_the_half_that_carries_fewer_values_are_zero() -> None:
     # they were whatever the memory held
     run = solve(

@@ -86,11 +86,6 @@ def test_least_growth_is_a_lower_bound_on_random_forms() -> None:
     assert least_growth(family(Fraction(1, 3))) is None  # growth 0 is possible there
 
 
-@pytest.mark.parametrize("z", ["1", "-1", "2", "1/2+i"])
-def test_order6_refuses_z_that_is_real_or_off_the_unit_circle(z: str) -> None:
-    refused(UsageError, "unit circle", recipes.run, "order6", {"z": z})
-
-
 @pytest.mark.slow
 def test_order6_takes_a_z_that_is_no_root_of_unity() -> None:
     result = recipes.run("order6", {"c2": "2/5", "z": "(3+4*i)/5"})
@@ -223,14 +218,6 @@ def test_a_start_that_is_not_on_record_is_refused() -> None:
 def test_yoshida_composition_is_reproduced_bit_for_bit() -> None:
     derived = recipes.run("yoshida6").documents[0]
     assert canonical(derived) == text_of("yoshida-6-midpoint")
-
-
-def test_unknown_recipes_options_and_names_are_refused() -> None:
-    refused(UsageError, "no recipe named 'order7'", recipes.run, "order7")
-    refused(UsageError, "the option 'c3' is unknown", recipes.run, "order6", {"c3": "1"})
-    refused(UsageError, "`name` must be", recipes.run, "conjugation6", {"name": "s6"})
-    refused(UsageError, "`solution`", recipes.run, "yoshida6", {"solution": "D"})
-    refused(UsageError, "`family`", recipes.run, "order4", {"family": "x"})
 
 
 @pytest.mark.slow

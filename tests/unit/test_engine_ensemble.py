@@ -335,11 +335,6 @@ def test_arguments_that_do_not_fit_are_refused(arguments, message):
         solve_ensemble("kepler", "gauss-2", y0, **given)
 
 
-def test_newton_in_lanes_is_for_few_unknowns():
-    with pytest.raises(UsageError, match="give width=1"):
-        solve_ensemble("kepler", "gauss-2", np.ones((2, 4)), h=0.1, steps=1, solver="newton")
-
-
 @pytest.mark.parametrize("width", [1, 8])
 def test_ctrl_c_keeps_the_rows_that_were_read(width):
     of, calls = problem("kepler"), []

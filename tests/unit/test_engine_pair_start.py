@@ -126,16 +126,3 @@ def test_an_implicit_start_is_solved_and_not_taken_for_many():
     own = solve_ensemble(of, replace(pair, starting=start), [list(of.y0)], h=H, steps=2)
     enhanced = solve_ensemble(of, pair, [list(of.y0)], h=H, steps=2, start="enhanced")
     np.testing.assert_array_equal(own.y, enhanced.y)
-
-
-@pytest.mark.parametrize(
-    ("name", "start", "message"),
-    [
-        ("pair-4-4", load("gsymplectic-n").starting, "a pair starts from"),
-        ("gsymplectic-n", load("pair-4-4").starting, "starts pairs only"),
-        ("stormer-verlet", load("pair-4-4").starting, "gives 2 and 2 values, the method carries 1"),
-    ],
-)
-def test_a_start_that_does_not_fit_is_refused(name, start, message):
-    with pytest.raises(UsageError, match=message):
-        started(name, start)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import glmref
-from glmref import Problem, UsageError, load, problem
+from glmref import Problem, load, problem
 from glmref.engine.arithmetic import Arithmetic, in_order
 from glmref.engine.reference import stepper
 from glmref.engine.starting_values import zero_start
@@ -76,11 +76,6 @@ def test_stormer_verlet_is_kick_drift_kick():
     step = stepper(load("stormer-verlet"), hh).step(0.0, np.array([hh.y0]), h)
     assert np.abs(step.values[0] - np.concatenate([new_q, new_p])).max() < 2e-16
     assert (step.evaluations, step.velocity_evaluations) == (2, 1)
-
-
-def test_a_pair_for_separable_problems_refuses_another():
-    with pytest.raises(UsageError, match="separable"):
-        stepper(load("stormer-verlet"), problem("double-pendulum"))
 
 
 def test_stages_are_ordered_by_what_they_need():

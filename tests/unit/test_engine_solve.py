@@ -7,12 +7,10 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from glmref import GLM, Problem, UsageError, load, problem, solve
-from glmref.engine.ensemble import solve_ensemble
+from glmref import Problem, load, problem, solve
 from glmref.engine.function_checks import CALLS
 from glmref.engine.kernel import prepare
 from glmref.engine.outcome import Interrupted, Outcome
-from tests.build import refused
 
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 
@@ -170,14 +168,6 @@ def test_fused_sums_are_compensated_all_the_same(method, steps):
     assert deviation("naive") > walk
 
 
-def test_what_is_not_a_problem_or_method_is_refused():
-    refused(UsageError, "`problem` must be a Problem", solve, 3, "rk4", h=0.1, steps=1)
-    refused(UsageError, "`method` must be a method", solve, "pendulum", 3, h=0.1, steps=1)
-    refused(UsageError, "no method named", solve, "pendulum", "rk-4", h=0.1, steps=1)
-    complex_method = GLM(A=[["0"]], U=[["1"]], B=[["i"]], V=[["1"]])
-    refused(UsageError, "complex", solve, "pendulum", complex_method, h=0.1, steps=1)
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["gauss-3", "g6245-w3"])
 def test_quick_rounds_are_fewer_and_end_near(name):
@@ -188,8 +178,3 @@ def test_quick_rounds_are_fewer_and_end_near(name):
     assert quick.evaluations < 0.97 * strict.evaluations and "quick" in quick.kernel
     assert 0 < np.abs(quick.y - strict.y).max() < 1e-10
     assert "quick" not in solve("kepler", "rk4", h=0.1, steps=1, arithmetic="quick").kernel
-
-
-def test_an_ensemble_refuses_quick_rounds():
-    with pytest.raises(UsageError, match='takes "fused"'):
-        solve_ensemble("kepler", "gauss-2", [[1, 0, 0, 1]], h=0.1, steps=1, arithmetic="quick")

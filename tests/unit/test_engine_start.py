@@ -42,24 +42,6 @@ def test_each_pass_of_the_enhanced_start_gains_an_order(name):
     assert (gains > 0.7).all(), slopes
 
 
-@pytest.mark.parametrize(
-    ("name", "start", "message"),
-    [
-        ("g6245", np.zeros((3, 2)), "shape \\(r, d\\) = \\(4, 2\\)"),
-        ("g6245", np.full((4, 2), np.nan), "must be finite"),
-        # no memory holds a copy of it
-        ("g6245", np.broadcast_to(1.0, (10**12, 2)), "shape \\(r, d\\) = \\(4, 2\\), got"),
-        ("g6245", "first", "`start` must be"),
-        ("g6245", ("enhanced", 99), "from 0 to 8, got 99"),
-        ("g6245", load("gsymplectic-n").starting, "gives 2 values, the method carries 4"),
-        ("stormer-verlet", load("gsymplectic-n").starting, "a pair starts from"),
-    ],
-)
-def test_a_start_that_does_not_fit_is_refused(name, start, message):
-    with pytest.raises(UsageError, match=message):
-        started(name, start, of="kepler" if name == "stormer-verlet" else "pendulum")
-
-
 def test_an_implicit_starting_method_is_solved():
     method = load("gsymplectic-n")
     implicit = StartingMethod(

@@ -73,14 +73,6 @@ def test_a_wrong_G_is_never_swept():
     refused(UsageError, "D U = B\\^T G V does not hold", step_form, wrong, "sweep")
 
 
-def test_methods_without_the_property_take_the_standard_form():
-    assert step_form(load("rk4")).kind == "standard"
-    refused(UsageError, "not a symplectic Runge-Kutta method", step_form, load("rk4"), "mu")
-    refused(UsageError, "A is not lower triangular", step_form, load("gauss-2"), "sweep")
-    refused(UsageError, "`form` must be", step_form, load("rk4"), "fast")
-    refused(UsageError, "complex", step_form, load("g6245-w3-complex"))
-
-
 def test_the_standard_form_keeps_what_rounding_lost():
     method = load("rk4")
     form = standard_form(method)

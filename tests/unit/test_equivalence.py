@@ -4,7 +4,6 @@ import pytest
 
 import glmref
 from glmref.catalogue.lookup import load
-from glmref.errors import UsageError
 from glmref.exact import Ball, exact, linalg
 from glmref.method import GLM, as_matrix, as_vector
 from glmref.method.families import linear_multistep, runge_kutta
@@ -13,12 +12,6 @@ from glmref.theory.equivalence import drop_idle_stages, merge_equal_stages, redu
 from glmref.theory.reduction import reduction
 from glmref.theory.stability import stability_polynomial
 from tests.shipped import multistep, tableau
-
-
-def test_published_decimals_cannot_be_compared():
-    m = glmref.load("s3-w3")
-    with pytest.raises(UsageError, match="exact methods only"):
-        reduce(m)
 
 
 def test_trapezoidal_rule_reduces_to_one_value():

@@ -107,11 +107,6 @@ def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
     assert y * x**3 == 1
 
 
-@pytest.mark.parametrize("value", [0.5, "1/2", True, None, 1j])
-def test_only_exact_values_become_exact_numbers(value: object) -> None:
-    refused(ExactnessError, "must be an integer, a Fraction", Exact, value)
-
-
 @pytest.mark.parametrize("value", [0.5, "1", True, None])
 def test_a_float_never_mixes_with_exact_numbers(value: object) -> None:
     with pytest.raises(TypeError):

@@ -142,12 +142,6 @@ def test_a_sprk_table_written_by_somebody_else_is_read() -> None:
         import_tables.read_table(text.replace("0.5, 0.5", "0.5"), "sundials")
 
 
-def test_wrong_arguments_are_named() -> None:
-    refused(UsageError, "did you mean fortran", export, "rk4", to="fortan")  # codespell:ignore
-    refused(UsageError, "from 1 to 150, got 0", export, "rk4", to="c", digits=0)
-    refused(UsageError, "`method` must be a method", export, 3, to="c")
-
-
 def test_a_method_with_several_values_and_no_start_is_refused() -> None:
     """Its first value is not the solution, so that the enhanced start does not apply."""
     V, U = [["1", "0"], ["0", "1/2"]], [["0", "1"]]

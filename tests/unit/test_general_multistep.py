@@ -212,11 +212,6 @@ def test_the_error_converges_with_the_order(name: str) -> None:
     assert errors[1] < max(errors[0] / 2 ** (facts_of(m).kernel.range("order").value - 1), 1e-11)
 
 
-def test_implicit_pairs_on_systems_that_are_not_separable_are_refused_in_a_sentence() -> None:
-    with pytest.raises(UsageError, match="use engine='reference'"):
-        solve("double-pendulum", "lobatto-iiia-iiib-3", h=1 / 64, steps=2)
-
-
 def test_the_page_prints_what_is_measured() -> None:
     root = data_root().parent
     page = (root / "docs/nonseparable.md").read_text(encoding="utf-8")

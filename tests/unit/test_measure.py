@@ -13,7 +13,7 @@ from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import fit_law, samples_of
-from glmref.measure.longtime import along, drift, energy_scale, exponent, follow, g_form, watch
+from glmref.measure.longtime import along, energy_scale, exponent, follow, g_form, watch
 from glmref.measure.orbit import POINTS, marks, orbit, plane_of
 from glmref.measure.timing import Timing, circumstances, repeat
 from glmref.measure.work_precision import (
@@ -158,10 +158,6 @@ def test_random_walks_have_exponent_one_half_on_average():
     assert abs(exponent(TIMES, rms) - 0.5) < 0.1
 
 
-def test_samples_and_times_must_agree_in_number():
-    refused(UsageError, "as many samples", drift, "energy", TIMES, TIMES[:-1])
-
-
 def test_functions_of_states_work_on_rows_even_if_they_are_not_vectorised():
     y = np.arange(12.0).reshape(6, 2)
     expected = y[:, 0] + y[:, 1]
@@ -252,14 +248,6 @@ def test_the_plane_is_that_of_the_first_two_places(name, axes, pairs):
     assert plane_of(problem(name)) == (axes, pairs)
 
 
-def test_one_component_has_no_plane_and_bodies_must_divide_the_state():
-    with pytest.raises(UsageError, match="one component"):
-        plane_of(Problem(f=lambda t, y: -y, y0=[1.0]))
-    for bodies in (0, 3):
-        with pytest.raises(UsageError, match=f"`bodies` must divide .* got {bodies}"):
-            Problem(force=("0", "0"), y0=[1, 0, 0, 1], bodies=bodies)
-
-
 def test_marks_are_spread_evenly_from_the_start_to_the_end():
     for steps in (1, 7, 399, 400, 10_000, 123_457):
         found = marks(steps, POINTS)
@@ -341,14 +329,6 @@ def test_a_question_less_costs_no_evaluation_more():
         for ask in (("state", "energy"), ("energy",), ())
     ]
     assert costs[0] >= costs[1] >= costs[2]
-
-
-@pytest.mark.parametrize(
-    ("ask", "message"), [(("speed",), "got 'speed'"), (("energy",), "has no Hamiltonian")]
-)
-def test_questions_without_answer_are_refused(ask, message):
-    plain = Problem(f=("-y[0]",), y0=(1,))
-    refused(UsageError, message, measure, plain, load("rk4"), h=0.1, steps=10, ask=ask, **FAST)
 
 
 def test_a_run_that_fails_is_a_record_with_its_sentence():

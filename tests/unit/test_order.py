@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from glmref.catalogue.lookup import load
-from glmref.errors import ExactnessError, UsageError
+from glmref.errors import ExactnessError
 from glmref.exact import Ball
 from glmref.exact.expression import parse
 from glmref.exact.linalg import block_diagonal
@@ -22,7 +22,7 @@ from glmref.theory.order import highest_order, order_of
 from glmref.theory.series import compose, flow
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import parse_tree
-from tests.build import conjugated_rk4, refused
+from tests.build import conjugated_rk4
 from tests.literature.exactly import after_step, first_difference
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
@@ -213,13 +213,6 @@ def test_a_multiple_eigenvalue_with_more_freedom_is_reported_as_undecided():
     # a defective eigenvalue 1: the difference of Euler's method with itself one step back
     twice = GLM(A=[[0]], U=[[1, 0, 0]], B=[[1], [0], [1]], V=[[2, -1, -1], [1, 0, 0], [0, 0, 0]])
     assert not order_of(twice).decided
-
-
-@pytest.mark.parametrize(
-    "arguments", [{"principal": "any"}, {"max_order": 0}, {"max_order": 15}, {"max_order": 2.5}]
-)
-def test_wrong_arguments_are_refused(arguments):
-    refused(UsageError, "", order_of, load("rk4"), **arguments)
 
 
 def test_trees_are_compared_as_far_as_their_number_allows():

@@ -27,10 +27,6 @@ def test_asking_for_names_imports_no_peer():
     assert not {"scipy", "heyoka", "jax", "rebound", "nodepy"} & set(sys.modules)
 
 
-def test_an_unknown_peer_is_refused_with_the_known_ones():
-    refused(UsageError, "there are cvode-adams", package_of, "matlab-ode45")
-
-
 def test_a_peer_that_is_not_installed_is_refused_by_name(monkeypatch):
     def missing(name):
         raise ImportError(name)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from glmref.conformance.taylor import taylor_states
-from glmref.errors import DataError, UsageError
+from glmref.errors import DataError
 from glmref.problems import Problem, problem
 from glmref.problems.reference import FORMAT, read_references
 from tests.build import high
@@ -117,16 +117,6 @@ def test_every_operation_has_its_recurrence():
     assert abs(end[0] - context.exp(context.sin(1))) < 1e-27
 
 
-def test_taylor_stops_at_a_singularity():
-    with pytest.raises(UsageError, match=r"ends near t = 0\.99999"):
-        taylor_states(problem("blow-up"), [2], digits=15)
-
-
-def test_taylor_wants_expressions_or_loops():
-    with pytest.raises(UsageError, match="needs f as expressions or loops"):
-        taylor_states(Problem(f=lambda t, y: np.sin(y), y0=(1,)), [1])
-
-
 def test_plain_arithmetic_functions_are_expanded_too():
     p = Problem(f=lambda t, y: np.array([y[0] * y[0]]), y0=(1,))
     (end,) = taylor_states(p, ["1/2"], digits=20)
@@ -169,8 +159,3 @@ def test_collocation_and_taylor_agree():
     (implicit,) = collocation_states(p, ["1/2"], digits=16, stages=8)
     (explicit,) = taylor_states(p, ["1/2"], digits=25)
     assert size(implicit - explicit) < 1e-16
-
-
-def test_collocation_wants_a_jacobian():
-    with pytest.raises(UsageError, match="needs its Jacobian"):
-        collocation_states(Problem(f=lambda t, y: y, y0=(1,)), [1])

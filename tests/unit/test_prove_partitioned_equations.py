@@ -111,8 +111,3 @@ def test_equations_without_meaning_are_refused(text):
     with pytest.raises(DataError, match=r"no equation|another|tree|not simple") as found:
         conditions_of(doc)
     assert len(str(found.value)) < 300
-
-
-def test_other_forms_are_refused():
-    with pytest.raises(DataError, match=r"V\^T G V = G"):
-        conditions_of({**document("pair-4-4"), "V": [["1", "0"], ["0", "1"]]})

@@ -1,4 +1,4 @@
-"""What is refused, as rows of ``refusals.toml``: calls, files and command lines, with the sentence."""
+"""What is refused, as rows of ``refusals.toml``: calls, expressions, files, command lines."""
 
 from __future__ import annotations
 
@@ -32,9 +32,14 @@ def _filled(given: Any, values: list[Any]) -> Any:
 
 
 def _named(path: str) -> Any:
-    """Return the function of a package, or of a class in it, by its whole name."""
+    """Return a module, or what it has, a function of a class too, by its whole name."""
     module, _, name = path.partition(":")
-    return reduce(getattr, name.split("."), import_module(module))
+    return reduce(getattr, filter(None, name.split(".")), import_module(module))
+
+
+def _error(group: dict[str, Any]) -> type[Exception]:
+    name = group.get("error", "UsageError")
+    return _named(name if ":" in name else f"glmref.errors:{name}")
 
 
 CALLS = [
@@ -56,10 +61,25 @@ def test_a_call_is_refused_in_one_sentence(group, values, words, engine):
         call, arguments = call(*arguments), group["then"]
     if engine:
         keywords["engine"] = engine
-    error = getattr(errors, group.get("error", "UsageError"))
-    sentence = refused(error, re.escape(words), call, *arguments, **keywords)
+    sentence = refused(_error(group), re.escape(words), call, *arguments, **keywords)
     assert sentence.startswith(group.get("begins", ""))
     assert sentence == words or not group.get("whole", False)
+
+
+EXPRESSIONS = [
+    pytest.param(
+        group, *(x.replace("@", value) for x in (text, words)), id=f"{group['about']}, {k}, {n}"
+    )
+    for group in ROWS["expression"]
+    for k, (text, words, *values) in enumerate(group["rows"], 1)
+    for n, value in enumerate(values[0] if values else ["@"], 1)
+]
+
+
+@pytest.mark.parametrize(("group", "text", "words"), EXPRESSIONS)
+def test_an_expression_is_refused_in_one_sentence(group, text, words):
+    names = {name: _named(path) for name, path in ROWS["names"].items()}
+    refused(_error(group), re.escape(words), eval, text, names)
 
 
 FILES = [

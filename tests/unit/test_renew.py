@@ -7,7 +7,6 @@ import pytest
 
 from glmref import solve
 from glmref.engine.outcome import Outcome
-from glmref.errors import UsageError
 from glmref.problems import problem
 from glmref.problems.model import Problem
 
@@ -33,20 +32,6 @@ def test_a_renewal_is_a_new_run_from_the_solution(method: str, engine: str) -> N
     # the near miss: another interval gives other values
     other = solve(KEPLER, method, h=0.05, steps=90, renew=31, engine=engine)
     assert not np.array_equal(other.y[-1], whole.y[-1])
-
-
-@pytest.mark.parametrize("wrong", [-1, 2.5, True, "often"])
-def test_what_is_no_number_of_steps_is_refused(wrong: object) -> None:
-    with pytest.raises(UsageError, match="`renew` must be a whole number"):
-        solve(KEPLER, "g6245-w3", h=0.05, steps=50, renew=wrong)  # type: ignore[arg-type]
-
-
-def test_values_given_at_the_start_cannot_be_renewed() -> None:
-    values = np.zeros((4, 4))
-    # a function of the problem and h knows y0 only: renewed by it the run would begin again
-    for start in (values, lambda _problem, _h: values):
-        with pytest.raises(UsageError, match="`start` gives the values at y0 alone"):
-            solve(KEPLER, "ab-4", h=0.05, steps=50, renew=10, start=start)
 
 
 @pytest.mark.sampled(1, besides=("compiled",))

@@ -142,7 +142,6 @@ def test_lines_are_found_below_strings_and_lists_of_several_lines(tmp_path):
 
 
 def test_unknown_names_and_missing_files_are_usage_errors(tmp_path):
-    refused(UsageError, "did you mean kepler", load_scene, "keppler")
     refused(UsageError, "does not exist", load_scene, str(tmp_path / "none.toml"))
     refused(UsageError, "is a folder", load_scene, str(tmp_path))
 

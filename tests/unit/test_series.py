@@ -20,8 +20,8 @@ from glmref.theory.series import (
     modified_equation,
     substitute,
 )
-from glmref.theory.trees import Tree, parse_tree, single, trees, trees_up_to
-from tests.bseries import combine, derivative, elementary_weights
+from glmref.theory.trees import Tree, single, trees, trees_up_to
+from tests.bseries import derivative, elementary_weights
 from tests.build import refused
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
@@ -86,15 +86,6 @@ def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
     assert is_zero((0, third - F(1, 3))) is None
     assert is_zero((third, third - F(1, 3))) is False
     assert is_zero((0, F(0), exact(0))) is True
-
-
-def test_misuse_is_refused():
-    refused(UsageError, "no coefficient", Series, {parse_tree("[oo]"): 1}, 1, 2)
-    refused(UsageError, "no coefficient", Series, {single("f"): 1}, 1, 2)
-    refused(UsageError, "palettes", compose, flow(2), flow(2, 1, GENERAL))
-    refused(UsageError, "empty coefficient 1", compose, combine([(2, flow(2))]), flow(2))
-    with pytest.raises(KeyError):
-        flow(2)[parse_tree("[oo]")]
 
 
 def test_coefficients_of_any_kind_are_added_and_multiplied():

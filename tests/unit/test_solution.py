@@ -195,19 +195,6 @@ def test_arguments_of_other_solvers_are_refused_with_what_to_give(name: str) -> 
     assert "\n" not in str(found.value)
 
 
-def test_complex_states_are_refused_with_what_to_do() -> None:
-    for y0 in ([1j], np.array([1 + 2j]), [np.complex128(1)]):
-        with pytest.raises(UsageError, match=r"`y0\[0\]` is complex.*imaginary parts components"):
-            glmref.Problem(f=lambda t, y: y, y0=y0)
-
-
-@pytest.mark.parametrize("name", ["engine", "form", "arithmetic", "solver"])
-@pytest.mark.parametrize("value", [["compiled"], {}, 3, None])
-def test_words_are_texts(name: str, value: Any) -> None:
-    with pytest.raises(UsageError, match=f"`{name}` must be one of"):
-        glmref.solve("kepler", "rk4", h=0.1, steps=1, **{name: value})
-
-
 def test_progress_is_shown_on_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     glmref.solve("kepler", "rk4", h=0.1, steps=100, progress=True)
     shown = capsys.readouterr().err

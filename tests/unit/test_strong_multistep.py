@@ -19,7 +19,7 @@ from glmref.derive.halves import exponential, quotient
 from glmref.derive.recipes.strong_multistep import SHIPPED
 from glmref.derive.strong_multistep import StrongFormula, strong_document
 from glmref.engine.solve import solve
-from glmref.errors import GlmrefError, UsageError
+from glmref.errors import UsageError
 from glmref.findings import Verdict
 from glmref.problems import problem
 from glmref.prove.facts import facts_of
@@ -95,48 +95,6 @@ def test_the_judge_finds_the_order_and_no_growth(formula: StrongFormula) -> None
         assert facts.judge(claim, declared).verdict == Verdict.HOLDS, claim
     if formula.error_constants[0]:
         assert facts.judge("order", formula.order + 1).verdict == Verdict.FAILS
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ((2, ((F(0), F(1)),), ()), "inside the unit circle"),
-        ((2, ((F(3, 2), F(1, 2)),), ()), "inside the unit circle"),
-        ((2, (), (F(1),)), "inside the unit circle"),
-        ((2, ((F(1), F(1, 4)),), ()), "different"),
-        ((4, ((F(1, 2), F(1, 2)), (F(1, 2), F(1, 2))), ()), "different"),
-        (
-            (4, ((F(1, 2), F(1, 2)),), ()),
-            "3 steps do not have an even order of 4: give 4 to 7 roots",
-        ),
-        ((3, ((F(1, 2), F(1, 2)),), ()), "even order of 3"),
-        ((2, ((F(1, 2), F(1, 2)),), (), F(1)), "must be given there only"),
-        ((2, ((F(1, 2), F(1, 2)),), (F(1, 3),)), "must be given there only"),
-    ],
-)
-def test_what_is_no_such_formula_is_refused(arguments: tuple[Any, ...], said: str) -> None:
-    with pytest.raises(UsageError, match=said):
-        StrongFormula(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"pairs": "1/2 1/2 sqrt(2)"}, "`pairs` must be rational"),
-        ({"reals": "1e-99999999"}, "out of place"),
-        ({"order": "4"}, "need the roots"),
-        ({"constant": "1/3"}, "need the roots"),
-        ({"name": "multistep-strong-8", "order": "8"}, "takes no other options"),
-        ({"reals": "1/2", "order": "20"}, "from 2 to 18"),
-        ({"reals": "1/2", "order": "0"}, "from 2 to 18, got 0"),
-        ({"pairs": "1/2 1/2 1/3"}, "even number of fractions"),
-        ({"reals": "1/2", "order": "1/2"}, "one whole number"),
-        ({"name": "rk4"}, "name"),
-    ],
-)
-def test_options_that_cannot_be_read_are_refused(options: dict[str, str], said: str) -> None:
-    with pytest.raises(GlmrefError, match=said):
-        recipes.run("strong-multistep", options)
 
 
 @pytest.mark.sampled(1)

@@ -9,7 +9,6 @@ import pytest
 from glmref.errors import UsageError
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.theory.trees import (
-    MAX_ORDER,
     Tree,
     parse_tree,
     pruned,
@@ -72,17 +71,6 @@ def test_alternating_colours():
     assert {str(t) for t in trees(3, SEPARABLE)} == {"f[kk]", "f[k[f]]", "k[ff]", "k[f[k]]"}
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "", "oo", "[", "]", "[]", "[o", "o]", "x", "[o o]", "[f]", "f[o]", "f[", "f[]", "o[o]",
-        "[" * 3000,
-    ],
-)  # fmt: skip
-def test_what_is_not_a_tree_is_refused(text):
-    refused(UsageError, "", parse_tree, text)
-
-
 def test_a_tree_cannot_be_changed_or_made_by_hand():
     with pytest.raises(AttributeError, match="immutable"):
         single().order = 2  # type: ignore[misc]
@@ -97,11 +85,6 @@ def test_copies_are_the_same_object():
     assert copy.copy(t) is t
     assert copy.deepcopy(t) is t
     assert pickle.loads(pickle.dumps(t)) is t
-
-
-@pytest.mark.parametrize("order", [0, -1, MAX_ORDER + 1, 2.0])
-def test_orders_without_a_listing_are_refused(order):
-    refused(UsageError, "order", trees, order)
 
 
 def test_growth_from_the_root_counts_linear_extensions():
