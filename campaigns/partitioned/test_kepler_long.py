@@ -8,7 +8,7 @@ import pytest
 from campaigns.long_survey import advice, also
 from campaigns.pages import measured
 from campaigns.partitioned.tables import PAIRS, RECOMMENDED
-from glmref.catalogue.lookup import data_root, document, load, names
+from glmref.catalogue.lookup import document, load, names
 from glmref.derive.recipes.sources import (
     GROWS_LATER_ON_KEPLER,
     GROWS_ON_KEPLER,
@@ -17,7 +17,6 @@ from glmref.derive.recipes.sources import (
 )
 
 ROOT = Path(__file__).resolve().parents[2]
-MEASURED = data_root() / "measurements"
 CHOOSE = ROOT / "docs" / "choose.md"
 PAGE, ORDER6 = (ROOT / "campaigns" / x / "README.md" for x in ("partitioned", "order6"))
 LIMIT = "100,000 steps"

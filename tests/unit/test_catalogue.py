@@ -19,7 +19,7 @@ from glmref.catalogue.lookup import document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
 from glmref.engine.ensemble import solve_ensemble
 from glmref.errors import DataError, UsageError
-from glmref.views.bibtex import entries, escape, file_entry, source_entry
+from glmref.views.bibtex import entries, file_entry, source_entry
 from tests.build import refused
 
 
@@ -215,13 +215,6 @@ def test_every_shipped_entry_is_balanced_has_a_unique_key_and_some_author() -> N
     assert len(keys(texts)) == len(set(keys(texts))) == len(texts)
     assert not balanced("@misc{a, note = {}")
     assert len([x for x in keys(texts) if x.startswith("glmref-")]) == len(names("methods"))
-
-
-def test_tex_characters_are_escaped() -> None:
-    assert escape(r"a_b {c} 10% \x ~ ^ $ & #") == (
-        r"a\_b \{c\} 10\% \textbackslash{}x \textasciitilde{} \textasciicircum{} \$ \& \#"
-    )
-    assert escape("two\nlines") == "two lines"
 
 
 def test_what_is_no_method_is_not_cited(tmp_path: Path) -> None:

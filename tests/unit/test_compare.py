@@ -12,7 +12,7 @@ from glmref.catalogue.lookup import data_root, document
 from glmref.cli import main
 from glmref.problems import problem
 from glmref.scenes import comparing
-from glmref.scenes.comparing import Candidate, compare, kind_of
+from glmref.scenes.comparing import Candidate, compare
 from tests.build import refused
 
 
@@ -96,18 +96,6 @@ def test_first_choices_stayed_bounded_in_the_records_of_long_runs():
                 if run["verdict"] in ("grows", "lost") and not run["renew"]
             ]
             assert bool(bad) == one.limited(name), name
-
-
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [("pendulum", "second order"), ("lotka-volterra-logarithmic", "separable"),
-     ("double-pendulum", "Hamiltonian"), ("van-der-pol", "general"),
-     ("magnetic-trap", "semi-separable"), ("relativistic-charge", "semi-separable")],
-)  # fmt: skip
-def test_kinds(name, kind):
-    assert kind_of(problem(name)) == kind
-    masses = Problem.from_hamiltonian("p**2/(2*m) + q**4", {"q": 1, "p": 0}, parameters={"m": 2})
-    assert kind_of(masses) == "second order"
 
 
 def test_table_picture_and_numbers(pendulum):

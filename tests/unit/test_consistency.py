@@ -7,27 +7,21 @@ import pytest
 import glmref
 from glmref.exact import exact
 from glmref.method import GLM
-from glmref.method.families import linear_multistep, one_leg, runge_kutta
-from glmref.method.preconsistency import abscissae, preconsistency_of
+from glmref.method.families import linear_multistep, runge_kutta
+from glmref.method.preconsistency import preconsistency_of
 from glmref.prove.facts import facts_of
 from glmref.theory.consistency import (
     consistency,
     consistency_residual,
     preconsistency_residual,
-    zero_stability,
 )
-from tests.shipped import multistep, tableau
+from tests.shipped import multistep
 
 
 def truths(m):
     """What the judge says: whether a method is preconsistent, and consistent."""
     facts = facts_of(m)
     return facts.truth("preconsistent"), facts.truth("consistent")
-
-
-def test_runge_kutta_abscissae_are_row_sums():
-    A, b = tableau("gauss-3")
-    assert abscissae(runge_kutta(A, b)) == tuple(sum(row, exact(0)) for row in A)
 
 
 def test_multistep_vectors_say_what_is_carried():
@@ -61,26 +55,10 @@ def test_weights_that_do_not_sum_to_one_are_inconsistent():
     assert found.residual == 0.5 and "do not sum to 1" in found.witness
 
 
-def test_double_root_at_one_is_neither_consistent_nor_zero_stable():
-    m = linear_multistep(["1", "-2", "1"], ["0", "1", "0"])
-    assert consistency(m).v is None
-    assert zero_stability(m).holds is False
-
-
-def test_unscaled_one_leg_weights_give_another_u():
-    found = consistency(one_leg(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
-    assert found.u == (Fraction(1, 2), Fraction(1, 2))
-
-
 def test_balls_keep_the_weights_open_and_the_exact_part_decided():
     found = consistency(glmref.load("s3-w3"))
     assert truths(glmref.load("s3-w3")) == (True, None)
     assert 0 < found.residual < 1e-60
-
-
-def test_two_copies_of_one_solution_have_no_unique_u():
-    m = GLM(A=[["0"]], U=[["1", "0"]], B=[["1"], ["1"]], V=[["1", "0"], ["0", "1"]])
-    assert preconsistency_of(m).unique is False
 
 
 @pytest.mark.parametrize("name", ["stormer-verlet", "gsymplectic-n-pair"])

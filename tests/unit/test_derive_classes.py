@@ -69,21 +69,6 @@ def test_at_stage_order_3_one_tree_of_order_7_is_enough() -> None:
     assert not follows(7, 2, ["[oooooo]"])
 
 
-@pytest.mark.parametrize(
-    ("text", "q", "below", "factor"),
-    [
-        ("[o[o]]", 1, "[o[o]]", Fraction(1)),
-        ("[o[o]]", 2, "[ooo]", Fraction(1, 2)),
-        ("[o]", 2, "[o]", Fraction(1)),  # the root itself is kept
-        ("[[[o]]]", 2, "[[oo]]", Fraction(1, 2)),
-        ("[[[o]]]", 3, "[ooo]", Fraction(1, 6)),
-        ("[[o][oo]]", 3, "[ooooo]", Fraction(1, 6)),
-    ],
-)
-def test_classes_and_factors(text: str, q: int, below: str, factor: Fraction) -> None:
-    assert reduced(read_tree(text), q) == (read_tree(below), factor)
-
-
 def test_a_principal_part_that_follows_cannot_be_given() -> None:
     # [o[o]] is superfluous: half of a square
     for q, text in ((1, "[o[o]]"), (2, "[ooo]")):

@@ -15,7 +15,7 @@ from glmref.catalogue.reader import load_document
 from glmref.compute import Records
 from glmref.derive import recipes
 from glmref.derive.recipes import conjugation, order8
-from glmref.derive.recipes.order6_family import Quadratic, family, least_growth, solve_forms
+from glmref.derive.recipes.order6_family import family, least_growth, solve_forms
 from glmref.derive.recipes.two_stage import condition
 from glmref.errors import UsageError
 from glmref.exact import Exact
@@ -91,15 +91,6 @@ def test_order6_takes_a_z_that_is_no_root_of_unity() -> None:
     result = recipes.run("order6", {"c2": "2/5", "z": "(3+4*i)/5"})
     method = load_document(result.documents[0])
     assert method.V[1][1] == Fraction(3, 5)
-
-
-def test_quadratic_numbers_are_written_as_they_are_read() -> None:
-    x = Quadratic(Fraction(-7, 6), Fraction(5, 4), 3)
-    assert x.quotient_text() == "(15*sqrt(3)-14)/12"
-    assert x.factor_text("y") == "(5*sqrt(3)/4-7/6)*y"
-    assert (x * x / x).exact() == x.exact()
-    assert Quadratic(Fraction(-1), Fraction(-1, 2), 3).factor_text("y") == "-(1+sqrt(3)/2)*y"
-    assert Quadratic(Fraction(2), Fraction(0), 3).quotient_text() == "2"
 
 
 def assert_same_method(derived: Mapping[str, Any], name: str) -> None:

@@ -26,7 +26,7 @@ from glmref.derive.ansatz import Ansatz, Value
 from glmref.derive.parameters import RankError, fix_parameters, pivots
 from glmref.derive.partitioned import PairAnsatz, complete_pair, search_pairs
 from glmref.derive.recipes.shipped_pairs import SHIPPED
-from glmref.derive.recognise import exact_text, minimal_polynomial, surd, surds
+from glmref.derive.recognise import minimal_polynomial, surd, surds
 from glmref.derive.search import evaluate, levenberg_marquardt, search
 from glmref.errors import DataError, UsageError
 from glmref.exact import Exact, ball
@@ -171,15 +171,6 @@ def test_an_ansatz_says_its_stages_rows_and_equations():
     assert PairAnsatz("x", 3, 4, outer="Q").stages == "QPQPQ"
 
 
-@pytest.mark.parametrize(
-    ("order", "nystrom", "equations"),
-    [(4, False, 4), (6, False, 10), (6, True, 8), (8, False, 32), (8, True, 18)],
-)
-def test_the_number_of_equations(order, nystrom, equations):
-    # one for each free tree of orders 3, 5, .. and two growth parameters
-    assert len(PairAnsatz("x", 9, order, nystrom=nystrom).equations()) == equations
-
-
 def test_palindromes_hold_for_all_values_of_the_unknowns():
     for ansatz in (PairAnsatz("x", 5, 6, starts="qp"), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
         assert conditions_of(ansatz.document()).signs == {"f": [1, -1], "k": [1, -1]}
@@ -273,17 +264,6 @@ def test_a_number_without_such_a_form_is_left_alone() -> None:
     assert surd(value) is None
     assert minimal_polynomial(value, degree=5, height=1000) == [1, 0, 0, 0, -1, -1]
     assert surds({"x": value, "y": ball(Fraction(1, 3))}) == {"y": "1/3"}
-
-
-def test_polynomials_by_chance_are_not_looked_for() -> None:
-    # Three coefficients of ten digits fit any 30 digits: the search stops before.
-    assert minimal_polynomial(ball(2).sqrt().sqrt(), degree=8, digits=30) is None
-
-
-def test_roots_are_written_without_square_factors() -> None:
-    assert exact_text(Exact(Fraction(80, 121)).sqrt()) == "4*sqrt(5)/11"
-    assert exact_text(-Exact(12).sqrt()) == "-2*sqrt(3)"
-    assert exact_text(Exact(Fraction(1, 4)).sqrt()) == "1/2"
 
 
 # -- ``glmref derive`` on the command line: lists, help, bad input, progress, interruption

@@ -7,7 +7,7 @@ import pytest
 
 from glmref import Problem, load, problem, solve
 from glmref.engine import newton
-from glmref.engine.band import band_of, loop_structure, stays_within
+from glmref.engine.band import band_of, stays_within
 from glmref.engine.kernel import prepare
 from glmref.engine.shape import banded, shape_of
 from glmref.engine.solver_choice import choose_solver, newton_bytes, with_band
@@ -81,15 +81,6 @@ def test_where_there_is_no_band_the_cost_decides():
 
 
 # --- structure ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "line", ["out[0] = v[0] if v[0] > 0 else v[1]", "out[0:1] = v[0:1]", "out[0] = unknown(v[0])",
-             "out[int(v[0])] = 1.0"],
-)  # fmt: skip
-def test_what_depends_on_values_has_no_structure(line):
-    body = f"def f(v, params, out):\n    {line}"
-    assert loop_structure(body, "f", 2, 2, [], timed=False) is None
 
 
 def test_a_jacobian_that_leaves_the_band_is_refused():

@@ -234,15 +234,6 @@ def test_an_unrolled_body_computes_the_same_bits():
     np.testing.assert_array_equal(*ends)
 
 
-@pytest.mark.parametrize(
-    "line",
-    ["if q[0] > 0:\n        out[0] = 1.0", "while True:\n        out[0] = 1.0", "out[int(q[0])] = 1.0",
-     "out[7] = 1.0", "out[:] = q[:]", "out[0] = other(q[0])"],
-)  # fmt: skip
-def test_what_is_not_known_before_stays_a_loop(line):
-    assert unrolled(f"def f(q, params, out):\n    {line}", (2, 1, 2), 100) == ""
-
-
 def test_a_long_body_stays_a_loop():
     assert unrolled(BODY, (100, 1, 100), 500) == ""
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from glmref import Problem, solve
-from glmref.engine.outcome import Outcome, StartFailed, outcome_of
-from glmref.problems.user_functions import FunctionFailed, NoValue
+from glmref.engine.outcome import Outcome
 
 GROWTH = Problem(f=("y[0]*y[0]",), y0=(1.0,), name="growth")  # y = 1/(1 - t)
 
@@ -137,16 +136,3 @@ def test_rows_stand_at_the_times_asked_for(engine: str) -> None:
     last = solve("pendulum", "g6245", h=0.1, steps=7, every=0, engine=engine)
     np.testing.assert_array_equal(last.y, wide.y[-1:])
     assert wide.kernel.startswith("reference" if engine == "reference" else "python")
-
-
-@pytest.mark.parametrize(
-    ("error", "outcome", "why"),
-    [
-        (StartFailed("no start"), Outcome.STAGE_SOLVE_FAILED, ""),
-        (FunctionFailed("no function"), Outcome.FUNCTION_FAILED, ": no function"),
-        (NoValue("no value"), Outcome.NOT_FINITE, ": no value"),
-        (ZeroDivisionError("by zero"), Outcome.NOT_FINITE, ": by zero"),
-    ],
-)
-def test_an_exception_says_how_a_run_ends(error: Exception, outcome: Outcome, why: str) -> None:
-    assert outcome_of(error) == (outcome, why)

@@ -14,16 +14,13 @@ import glmref
 from glmref.catalogue.reader import load_document
 from glmref.cli import exchanging, main
 from glmref.errors import DataError, UsageError
-from glmref.exact import exact
 from glmref.exchange import import_tables
 from glmref.exchange.export import TARGETS, export
 from glmref.exchange.header import Comment, header
 from glmref.exchange.import_tables import read_table
-from glmref.exchange.numbers import decimal_of, lost, rounded
 from glmref.exchange.scheme import scheme_of
 from glmref.exchange.steppers import LANGUAGES, identifier
 from glmref.method import GLM, AdditiveGLM
-from glmref.views.notation import LATEX
 from tests.build import refused
 
 
@@ -170,19 +167,6 @@ def test_a_citation_cannot_end_a_comment_nor_add_lines_to_it() -> None:
     assert all(line.startswith(" *") for line in body.splitlines()[1:])
 
 
-def test_literals_are_the_nearest_doubles_and_the_residue_is_what_they_lost() -> None:
-    third = exact(Fraction(1, 3))
-    assert rounded(third, None) == "0.3333333333333333"
-    assert Fraction(lost(third, "0.3333333333333333")) == pytest.approx(
-        Fraction(1, 3) - Fraction(1 / 3), rel=1e-15
-    )
-    assert rounded(third, 5) == "0.33333"
-    assert rounded(exact(2), None) == "2.0"
-    assert rounded(exact(2), 5) == "2.0"
-    assert decimal_of(exact(Fraction(-1, 4)), 30) == "-0.25"
-    assert decimal_of(exact(Fraction(1, 3 * 10**9)), 4) == "3.333e-10"
-
-
 def test_identifiers_are_names_in_every_language() -> None:
     assert identifier("pair-rkn-6-8b") == "pair_rkn_6_8b"
     assert identifier("3-eighths") == "m_3_eighths"
@@ -233,20 +217,6 @@ def test_a_solution_that_several_values_make_is_carried_as_one_of_them() -> None
     found = stepper["integrate"](lambda p: p, lambda q: [-q[0]], 0.1, 5, q, p)
     expected = glmref.solve(target, name, h=0.1, steps=5).y[-1]
     assert [x for z in found for x in z] == pytest.approx(list(map(float, expected)), abs=1e-13)
-
-
-def test_expressions_in_latex() -> None:
-    latex = LATEX.of
-    assert latex("(3-sqrt(3))/6") == r"\frac{3-\sqrt{3}}{6}"
-    assert latex("-1/2") == r"-\frac{1}{2}"
-    assert latex("2*sqrt(5)/5") == r"\frac{2 \sqrt{5}}{5}"
-    assert latex("(1+sqrt(2))*3") == r"\left(1+\sqrt{2}\right)\cdot 3"
-    assert latex("root(2,3)") == r"\sqrt[3]{2}"
-    assert latex("1.5e-10") == r"1.5\cdot 10^{-10}"
-    assert latex("1/2-(b1-b2)") == r"\frac{1}{2}-\left(b1-b2\right)"
-    assert latex("a-(-b)") == r"a-\left(-b\right)"
-    assert latex("-(3-sqrt(3))/6") == r"-\frac{3-\sqrt{3}}{6}"
-    assert latex("3*(1/x)") == r"3\cdot \frac{1}{x}"
 
 
 @pytest.mark.peers

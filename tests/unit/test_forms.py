@@ -1,6 +1,6 @@
 """Spaces of forms: all of them, and the witness when none is left."""
 
-from glmref.exact import Ball, exact
+from glmref.exact import exact
 from glmref.exact.linalg import conjugate_transpose, matmul, sub
 from glmref.method import as_matrix
 from glmref.theory.forms import (
@@ -8,7 +8,6 @@ from glmref.theory.forms import (
     FormSpace,
     choose_form,
     combine,
-    is_nondegenerate,
     solved,
     unit_matrices,
 )
@@ -60,17 +59,6 @@ def test_combination_of_forms_combines_both_parts():
 
 def form(G, *D):
     return Form(as_matrix(G, "G"), tuple(tuple(map(exact, d)) for d in D))
-
-
-def test_degenerate_forms_are_told_from_others():
-    assert is_nondegenerate(form([[1, 0], [0, -1]], [1, 2], [3])) is True
-    assert is_nondegenerate(form([[1, 0], [0, -1]], [1, 2], [0])) is False
-    assert is_nondegenerate(form([[1, 1], [1, 1]], [1])) is False
-    assert is_nondegenerate(form([[1, 0]], [1])) is False
-    wide = Ball.decimal("0.0", 1)
-    assert is_nondegenerate(Form(((exact(1),),), ((wide,),))) is None
-    assert is_nondegenerate(Form(((wide,),), ((exact(1),),))) is None
-    assert is_nondegenerate(Form(((exact(1),),), ((wide, exact(0)),))) is False
 
 
 def test_the_first_form_that_is_nondegenerate_is_shown():

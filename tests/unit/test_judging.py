@@ -17,18 +17,6 @@ def test_numbers_go_in_and_come_back_as_they_are():
     assert back[3:] == (7, True, None, "text")
 
 
-def test_what_is_asked_is_answered_in_numbers_of_the_package():
-    gcd, roots, echelon = map(
-        asked, ("polynomials.gcd", "polynomials.real_roots", "linalg.echelon")
-    )
-    assert gcd((-ROOT, exact(1)), (exact(-2), exact(0), exact(1))) == (-ROOT, 1)
-    assert roots((exact(-2), exact(0), exact(1))) == 2
-    assert echelon(((ROOT, exact(2)), (exact(1), ROOT))) == (((1, ROOT),), (0,))
-    assert list(asked("polynomials.odd_factors")((exact(0), exact(0), exact(0), exact(1)))) == [
-        (0, 1)
-    ]
-
-
 def test_conjugates_and_signs_are_those_of_the_numbers():
     square, mirror = asked("numbers.squared"), asked("polynomials.mirror")
     assert square(1 + I * ROOT) == 3 and mirror((I, exact(2))) == (2, -I)

@@ -166,11 +166,6 @@ def test_a_verdict_that_is_open_always_has_a_reason():
     assert reason(False, True, "why") == "why"
 
 
-def test_an_order_beyond_those_of_all_trees_is_decided_along_paths():
-    found = Kernel(load("multistep-10")).order_range(free=False)
-    assert (found.lower, found.upper, found.exact) == (10, 10, True)
-
-
 @pytest.mark.parametrize(("one", "exact"), [("1", True), ("1.000", False)])
 def test_dense_output_in_decimals_is_not_exact(one, exact):
     method = load_document({
@@ -286,10 +281,6 @@ def test_a_stage_is_the_solution_as_far_as_every_path_says_so():
     series = Series.of_tables({"f": ([[Fraction(6)]], [[]]), "k": ([[Fraction(1)]], [[]])})
     method: Any = SimpleNamespace(palette=(("f", "k"), ("k", "f")))
     assert [path_orders(method, series, c, 3) for c in "fk"] == [[1], [1]]
-
-
-def test_an_order_that_needs_other_principal_parts_is_not_nearly_one_of_a_single_value():
-    assert len(Kernel(load("butcher-effective-5")).nearly()) == 5  # order 4, effectively 5
 
 
 def test_dense_output_and_any_matrix_are_judged_for_the_methods_that_have_them():

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import pytest
-
 from glmref import load
 from glmref.catalogue.reader import load_document
 from glmref.findings import Verdict
@@ -16,12 +14,6 @@ ONE = [["1", "0"], ["0", "1"]]
 
 def found(claim: str, value: Any, kind: str = "glm", **keys: Any) -> Any:
     return findings(doc(kind, {claim: value}, **keys))[claim]
-
-
-@pytest.mark.parametrize("claim", ["starting-order", "finishing-order"])
-def test_of_a_start_or_finish_that_is_not_there_the_order_is_0(claim: str) -> None:
-    known = Kernel(load("rk4")).range(claim)
-    assert (known.lower, known.upper, known.exact) == (0, 0, True)
 
 
 def test_a_pair_without_a_start_starts_exactly() -> None:

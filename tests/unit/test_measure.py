@@ -14,40 +14,15 @@ from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import fit_law, samples_of
 from glmref.measure.longtime import along, energy_scale, exponent, follow, g_form, watch
-from glmref.measure.orbit import POINTS, marks, orbit, plane_of
-from glmref.measure.timing import Timing, circumstances, repeat
+from glmref.measure.orbit import POINTS, marks, orbit
+from glmref.measure.timing import circumstances, repeat
 from glmref.measure.work_precision import (
     Deadline,
-    Reference,
     check_interruption,
     measure,
-    reference_state,
-    state_error,
 )
 from glmref.problems import Problem, problem
 from tests.build import refused, scene_text
-
-
-def test_one_duration_is_its_own_quartiles():
-    assert Timing.of([2.0]) == Timing(2.0, 2.0, 2.0, 1)
-
-
-def test_quartiles_of_five_durations_are_the_second_and_the_fourth():
-    assert Timing.of([5.0, 1.0, 4.0, 2.0, 3.0]) == Timing(3.0, 2.0, 4.0, 5)
-
-
-def test_quartiles_are_in_order():
-    timing = Timing.of([0.3, 0.1, 0.7, 0.2])
-    assert timing.q25 <= timing.median <= timing.q75
-
-
-def test_as_json_has_four_plain_numbers():
-    assert json.loads(json.dumps(Timing.of([1.0]).as_json())) == {
-        "median": 1.0,
-        "q25": 1.0,
-        "q75": 1.0,
-        "repeats": 1,
-    }
 
 
 def test_repeat_runs_as_often_as_asked_and_returns_the_last_result():
@@ -233,21 +208,6 @@ def test_an_energy_that_cancels_is_measured_by_its_terms():
 # -- paths in a plane: which plane, which points, and where they stop
 
 
-@pytest.mark.parametrize(
-    ("name", "axes", "pairs"),
-    [
-        ("kepler", ("q_1", "q_2"), [(0, 1)]),
-        ("pendulum", ("q", "p"), [(0, 1)]),
-        ("rigid-body", ("y_1", "y_2"), [(0, 1)]),
-        ("van-der-pol", ("y_1", "y_2"), [(0, 1)]),
-        ("figure-eight", ("x", "y"), [(0, 1), (2, 3), (4, 5)]),
-        ("outer-solar-system", ("x", "y"), [(3 * k, 3 * k + 1) for k in range(6)]),
-    ],
-)
-def test_the_plane_is_that_of_the_first_two_places(name, axes, pairs):
-    assert plane_of(problem(name)) == (axes, pairs)
-
-
 def test_marks_are_spread_evenly_from_the_start_to_the_end():
     for steps in (1, 7, 399, 400, 10_000, 123_457):
         found = marks(steps, POINTS)
@@ -344,18 +304,6 @@ def test_the_start_is_computed_once_and_its_cost_is_recorded():
     # three evaluations of the explicit start, one for the predictor
     assert found.start_evaluations == 4
     assert 0 < found.start_seconds < 1
-
-
-def test_a_stored_reference_is_found_by_its_time():
-    found = reference_state(problem("henon-heiles"), 10.0)
-    assert found.kind == "stored"
-    assert found.state[0] == pytest.approx(-0.014151561495647998, rel=1e-15)
-
-
-def test_a_state_error_is_relative_and_euclidean():
-    reference = Reference(np.array([3.0, 4.0]), 0.0, "exact")
-    assert state_error(np.array([3.0, 4.5]), reference) == pytest.approx(0.1)
-    assert state_error(np.array([0.5]), Reference(np.zeros(1), 0.0, "exact")) == 0.5
 
 
 def test_a_run_over_its_budget_is_cancelled_and_keeps_what_it_has():

@@ -12,7 +12,6 @@ from glmref.catalogue.lookup import load
 from glmref.exact import Exact
 from glmref.prove.kernel import Kernel
 from glmref.theory.coefficients import first_nonzero
-from glmref.theory.parasitism import growth
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import is_nystrom, paths, pruned
 
@@ -175,11 +174,6 @@ def test_a_start_whose_stages_are_not_the_solution_is_refuted_by_a_path():
     found = Kernel(wrong).range("nystrom-starting-order")
     assert (found.lower, found.upper) == (0, 2)
     assert Kernel(m).range("nystrom-starting-order").lower == 8
-
-
-def test_growth_of_a_pair_needs_only_the_eigenvalues_that_are_shared():
-    """The other half may have eigenvalues that no square roots give."""
-    assert growth(load("quinlan-8b")).free is True
 
 
 @pytest.mark.sampled(0, besides=("kahan-li-10", "19"))

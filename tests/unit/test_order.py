@@ -15,14 +15,10 @@ from glmref.findings import Proof
 from glmref.method import GLM
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
 from glmref.prove.kernel import Kernel
-from glmref.theory.error_constants import (
-    error_norm,
-)
 from glmref.theory.order import highest_order, order_of
 from glmref.theory.series import compose, flow
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import parse_tree
-from tests.build import conjugated_rk4
 from tests.literature.exactly import after_step, first_difference
 
 # name, order and failing tree with a free principal part, then with the identity, stage order
@@ -107,29 +103,6 @@ def test_the_starting_series_satisfies_the_definition():
     assert [first_difference(after, moved, k) for k in range(method.r)] == [result.order + 1] * 2
 
 
-def test_abscissae_of_g4123():
-    assert [c.as_fraction() for c in order_of(load("g4123")).abscissae["o"]] == [
-        F(1, 4),
-        F(5, 12),
-        F(11, 20),
-    ]
-
-
-def test_a_method_that_is_conjugate_to_rk4_has_its_order_only_with_a_free_start():
-    # Euler back by h/3, RK4, Euler forth again: Euler differs from the flow in h^2, so that the
-    # conjugate differs from RK4 in h^3
-    method = conjugated_rk4()
-    assert order_of(method).order == 4
-    assert order_of(method, principal="identity").order == 2
-
-
-def test_error_constants_of_rk4():
-    result = order_of(load("rk4"), principal="identity")
-    assert {str(t): x.as_fraction() for t, x in result.residuals.items()}["[oooo]"] == F(1, 120)
-    # Hairer, Norsett, Wanner (1993), table II.1.2 lists these up to gamma; the norm is theirs
-    assert error_norm(result.residuals) == pytest.approx(0.0145045823, rel=1e-8)
-
-
 def test_published_digits_are_enclosed():
     def d(text):
         return Ball.decimal(text, 10)
@@ -177,12 +150,6 @@ def test_a_method_that_is_not_preconsistent_has_order_0_and_a_reason(blocks, say
     result = order_of(GLM(**blocks))
     assert (result.order, result.decided, result.eta) == (0, True, None)
     assert says in result.witness
-
-
-def test_a_method_that_is_not_consistent_fails_at_the_single_node():
-    result = order_of(GLM(A=[[0]], U=[[1]], B=[[2]], V=[[1]]))
-    assert (result.order, str(result.failing_tree)) == (0, "o")
-    assert result.residual == 1
 
 
 def test_a_multiple_eigenvalue_that_is_harmless_is_decided():

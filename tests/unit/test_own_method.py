@@ -21,8 +21,6 @@ from glmref.views.show import show
 from glmref.views.tables import Style
 from tests.build import refused
 
-HEUN = {"A": [["0", "0"], ["1", "0"]], "b": ["1/2", "1/2"]}
-
 
 def heun() -> glmref.GLM:
     return glmref.from_rk(np.array([[0, 0], [1.0, 0]]), [0.5, 0.5], name="heun")
@@ -63,13 +61,6 @@ def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:
     assert facts.order == 2 and "order 2 to" in facts.order_witness
     assert facts.order_proved == [1, 2] and facts.order_to_digits == "5.0e-17"
     assert glmref.analyze(glmref.from_rk([["0", "0"], ["2/3", "0"]], ["1/4", "3/4"])).order == 2
-
-
-def test_multistep_and_splitting_coefficients_make_methods() -> None:
-    ab2 = glmref.from_lmm([0, -1, 1], [-0.5, 1.5, 0])
-    assert glmref.analyze(ab2).order == 2
-    assert glmref.analyze(glmref.from_splitting([0.5, 0.5], [1.0])).order == 2
-    assert glmref.analyze(glmref.from_one_leg([-1, 1], [0.5, 0.5])).order == 2
 
 
 def test_the_trapezoidal_rule_is_symmetric_however_it_is_written() -> None:

@@ -204,11 +204,6 @@ def test_zero_starting_values_are_right_to_a_low_order(name, expected, tree):
     assert found.reason == f"a carried value starts with a term of {tree}"
 
 
-def test_a_splitting_method_starts_from_the_solution():
-    found = Kernel(load("stormer-verlet")).range("starting-order")
-    assert (found.lower, found.reason) == (2, "every carried value starts with zero")
-
-
 # --- second-order systems -------------------------------------------------------------------------
 
 

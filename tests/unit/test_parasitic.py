@@ -11,7 +11,7 @@ from glmref.catalogue.lookup import load
 from glmref.engine.kept import stepper_of
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
-from glmref.exact.linalg import independent_rows, solve_affine
+from glmref.exact.linalg import solve_affine
 from glmref.measure import first_order
 from glmref.measure.first_order import Coupling, FirstOrder, along, coupling_of
 from glmref.measure.linearised import jacobians, step_derivatives
@@ -28,22 +28,6 @@ def test_n_has_one_mode_with_the_growth_parameter_of_its_file():
     assert mode.zeta == pytest.approx(-1)
     assert mode.mu == pytest.approx(1 - 2 / math.sqrt(3), abs=1e-14)
     assert mode.left @ mode.right == pytest.approx(1)
-
-
-def test_modes_come_by_increasing_argument():
-    arguments = [np.angle(mode.zeta) % (2 * math.pi) for mode in modes(load("g6245"))]
-    assert arguments == pytest.approx([math.pi / 2, math.pi, 3 * math.pi / 2])
-
-
-def test_a_one_step_method_and_an_adams_method_have_none():
-    assert modes(load("rk4")) == []
-    assert modes(load("ab-3")) == []
-
-
-def test_the_solution_is_the_first_value_or_repeated_in_past_values():
-    assert solution_direction(load("g6245")).tolist() == [1, 0, 0, 0]
-    assert solution_direction(load("leapfrog")).tolist() == [1, 1]
-    assert solution_direction(load("stormer-verlet")).tolist() == [1]
 
 
 def run(name, steps, **options):
@@ -247,16 +231,6 @@ def test_all_solutions_of_an_underdetermined_system():
     assert found.failed is None and not found.undecided
     assert found.point == (2, 0, 3)
     assert found.directions == ((-1, 1, 0),)
-
-
-def test_the_contradicting_row_is_named():
-    found = solve_affine(M([1, 1], [2, 2], [2, 2]), (exact(1), exact(2), exact(3)))
-    assert found.failed == 2
-
-
-def test_independent_rows_are_the_first_ones():
-    assert independent_rows(M([0, 0], [1, 2], [2, 4], [0, 1])) == [1, 3]
-    assert independent_rows(M([1, 0], [0, 1], [1, 1]), 1) == [0]
 
 
 def test_verdict_tells_zero_from_open_from_failed():

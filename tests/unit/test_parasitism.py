@@ -6,26 +6,15 @@ import pytest
 
 import glmref
 from glmref.errors import ExactnessError
-from glmref.exact import exact, root_of_unity
+from glmref.exact import exact
 from glmref.exact.linalg import diagonal
 from glmref.method import GLM, PartitionedGLM
-from glmref.method.families import linear_multistep, partitioned_runge_kutta
+from glmref.method.families import partitioned_runge_kutta
 from glmref.theory.parasitism import _parasitic, growth
 
 
 def growth_parameters(m):
     return tuple(g.mu for g in growth(m).growths)
-
-
-def test_growth_of_n_and_p_is_the_printed_one():
-    root = 2 / exact(3).sqrt()
-    assert growth_parameters(glmref.load("gsymplectic-n")) == (1 - root,)
-    assert growth_parameters(glmref.load("gsymplectic-p")) == (1 + root,)
-
-
-def test_eigenvalues_come_by_increasing_argument():
-    found = growth(glmref.load("g6245"))
-    assert [g.eigenvalue for g in found.growths] == [root_of_unity(k, 4) for k in (1, 2, 3)]
 
 
 def test_one_sign_of_one_weight_makes_it_grow():
@@ -34,13 +23,6 @@ def test_one_sign_of_one_weight_makes_it_grow():
     B[1][2] = -B[1][2]
     found = growth(m.bare(B=B))
     assert found.free is False and "eigenvalue -1 of V is" in found.witness
-
-
-def test_leapfrog_and_milne_simpson_grow():
-    # the parasitic root -1 of rho: mu = sigma(-1)/(-1 rho'(-1)), the growth parameter of the books
-    assert growth_parameters(linear_multistep(["-1", "0", "1"], ["0", "2", "0"])) == (-1,)
-    milne = linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"])
-    assert growth_parameters(milne) == (exact(-1) / 3,)
 
 
 def test_block_of_b_u_need_not_vanish_where_growth_does():

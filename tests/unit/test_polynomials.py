@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from glmref.exact import exact, root_of_unity
+from glmref.exact import exact
 from glmref.exact.judging import asked
 from glmref.judge.arithmetic import Interval
 from glmref.judge.numbers import is_nil
@@ -29,29 +29,6 @@ def test_division_and_gcd():
     assert poly.add(poly.mul(quotient, q), rest) == p
 
 
-def test_characteristic_polynomial_of_a_companion_matrix():
-    companion = ((exact(0), exact(1)), (exact(-6), exact(5)))
-    assert poly.characteristic(companion) == (6, -5, 1)
-
-
-@pytest.mark.parametrize(
-    ("roots", "schur", "closed"),
-    [
-        ([exact(Fraction(1, 2)), root_of_unity(1, 3) / 2], True, True),
-        ([exact(1), exact(Fraction(1, 2))], False, True),
-        ([exact(1), exact(1), root_of_unity(1, 8)], False, True),
-        ([exact(2), exact(Fraction(1, 2))], False, False),  # mirrored in the circle
-        ([exact(0), exact(0)], True, True),
-        ([exact(Fraction(1001, 1000)), exact(0)], False, False),
-        ([root_of_unity(k, 5) for k in range(5)], False, True),
-    ],
-)
-def test_roots_and_the_unit_circle(roots, schur, closed):
-    p = poly.from_roots(roots)
-    assert poly.is_schur(p) is schur
-    assert poly.in_disc(p) is closed
-
-
 def test_an_interval_around_0_is_a_coefficient_like_others_and_an_exact_0_stays_one():
     near, one, zero = Interval.ends(Fraction(-1, 9), Fraction(1, 9)), Fraction(1), Fraction(0)
     assert is_schur([near, one])
@@ -65,11 +42,6 @@ def test_approximate_roots_are_close():
     assert found == pytest.approx([-2, 1, 2**0.5])
     assert sorted(x.real for x in poly.approximate_roots(P(0, 0, 4, -4, 1))) == [0, 0, 2, 2]
     assert poly.approximate_roots(P(3)) == []
-
-
-def test_a_first_root_that_is_a_short_fraction_is_found_itself():
-    third, half = exact(Fraction(1, 3)), exact(Fraction(1, 2))
-    assert first_root(poly.mul((-third, exact(1)), (-half, exact(1)))) == Fraction(1, 3)
 
 
 def test_answers_about_roots_are_true_or_false():
@@ -87,12 +59,6 @@ def test_answers_about_roots_are_true_or_false():
     for question, holds, fails in cases:
         assert [question(p) for p in holds] == [True] * len(holds), question
         assert [question(p) for p in fails] == [False] * len(fails), question
-
-
-def test_roots_are_counted_where_they_are():
-    p = poly.from_roots([exact(x) for x in (-2, 0, 1, 1, 3)] + [SQRT2])
-    assert real_roots(p) == 5
-    assert [real_roots(q) for q in (P(7), P(1, 0, 1), P(-2, 0, 1))] == [0, 0, 2]
 
 
 def test_a_first_root_is_enclosed_from_above():

@@ -269,10 +269,6 @@ def test_orbits_below_the_range_have_a_field_that_is_not_finite():
     assert np.isfinite(p.solution(1.0)).all()
 
 
-def test_denormal_start_is_kept():
-    assert problem("harmonic-oscillator", q0="1e-310").y0[0] == 1e-310
-
-
 def test_faults_show_after_their_time():
     with np.errstate(all="ignore"):
         assert np.isfinite(problem("fault-nan").f(0.9, np.ones(1))).all()

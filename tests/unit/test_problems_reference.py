@@ -53,13 +53,6 @@ def test_a_float_in_a_file_is_refused(tmp_path):
         read_references(written(tmp_path, solution_document("pendulum", [{**GOOD, "t": 0.5}])))
 
 
-def test_references_belong_to_their_parameters():
-    assert [float(r.t) for r in problem("pendulum").references] == [10, 100]
-    assert problem("pendulum", q0=2.5).references == problem("pendulum").references
-    assert problem("pendulum", q0=1).references == ()
-    assert problem("kepler").references == ()
-
-
 def test_regenerated_digits_are_all_right():
     p = problem("pendulum")
     (entry,) = solution_entries(p, ["2"], digits=15)

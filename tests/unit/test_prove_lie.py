@@ -63,12 +63,6 @@ def test_words_count_the_orders_with_children_first():
         assert sum(colour_words(t).values()) == factorial(one.order) // one.density
 
 
-def test_dimensions_of_the_lie_algebras():
-    # necklace polynomials for two letters; Yoshida (1990) for compositions: 1, 1, 2, 4
-    assert [len(lie_elements(n, "splitting")) for n in range(1, 8)] == [2, 1, 2, 3, 6, 9, 18]
-    assert [len(lie_elements(n, "f")) for n in (1, 3, 5, 7)] == [1, 1, 2, 4]
-
-
 def test_the_logarithm_of_a_verlet_step():
     third = {w: a for w, a in verlet_logarithm(3, "f").items() if len(w) == 3}
     # A + B - [A, [A, B]]/24 - [B, [A, B]]/12 + ..

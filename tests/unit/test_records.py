@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.compute import measure
-from glmref.compute.records import Records, checksum, finite, key_of, lines_of, locked, made
+from glmref.compute.records import Records, checksum, key_of, lines_of, locked, made
 from glmref.errors import DataError, UsageError
 from tests.build import refused
 
@@ -44,10 +44,6 @@ def test_a_key_depends_on_content_not_on_order():
 @given(st.dictionaries(st.text(), st.floats(allow_nan=False, allow_infinity=False) | st.integers()))
 def test_a_key_survives_a_round_trip_through_json(task):
     assert key_of(json.loads(json.dumps(task))) == key_of(task)
-
-
-def test_nan_and_infinities_become_none():
-    assert [finite(x) for x in (1.5, math.nan, math.inf, -math.inf, None)] == [1.5] + [None] * 4
 
 
 def test_a_record_that_json_cannot_hold_is_refused_and_not_written(tmp_path):

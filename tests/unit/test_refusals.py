@@ -1,11 +1,11 @@
-"""What is refused, as rows of ``refusals.toml``: calls, expressions, files, command lines."""
+"""Rows of ``refusals.toml`` and ``values.toml``: what is refused, and what expressions are worth."""
 
 from __future__ import annotations
 
 import re
 import shlex
 import tomllib
-from functools import reduce
+from functools import cache, reduce
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,10 @@ import pytest
 from glmref import errors
 from tests.build import refused
 
-ROWS = tomllib.loads(Path(__file__).with_name("refusals.toml").read_text(encoding="utf-8"))
+ROWS, WORTH = (
+    tomllib.loads(Path(__file__).with_name(f"{x}.toml").read_text(encoding="utf-8"))
+    for x in ("refusals", "values")
+)
 
 
 def _filled(given: Any, values: list[Any]) -> Any:
@@ -76,10 +79,28 @@ EXPRESSIONS = [
 ]
 
 
+@cache
+def _names() -> dict[str, Any]:
+    """Return what the expressions of both files may name."""
+    return {name: _named(path) for x in (ROWS, WORTH) for name, path in x["names"].items()}
+
+
 @pytest.mark.parametrize(("group", "text", "words"), EXPRESSIONS)
 def test_an_expression_is_refused_in_one_sentence(group, text, words):
-    names = {name: _named(path) for name, path in ROWS["names"].items()}
-    refused(_error(group), re.escape(words), eval, text, names)
+    refused(_error(group), re.escape(words), eval, text, dict(_names()))
+
+
+VALUES = [
+    pytest.param(group.get("of", "@").replace("@", text), value, id=f"{group['about']}, {k}")
+    for group in WORTH["value"]
+    for k, (text, value) in enumerate(group["rows"], 1)
+]
+
+
+@pytest.mark.parametrize(("text", "value"), VALUES)
+def test_an_expression_has_its_value(text, value):
+    found, known = (eval(x, dict(_names())) for x in (text, value))
+    assert found == known
 
 
 FILES = [

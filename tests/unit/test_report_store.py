@@ -14,7 +14,6 @@ from glmref.catalogue.files import data_root
 from glmref.errors import UsageError
 from glmref.report import read
 from glmref.report.asv_results import Cell
-from glmref.report.markup import number
 from glmref.report.measurements import measurement_pages
 from glmref.report.side_pages import history_page
 from glmref.report.store import Results
@@ -271,15 +270,3 @@ def test_what_follows_no_grammar_is_shown_as_it_is_and_escaped(text: str) -> Non
     found = typeset(text)
     assert found.startswith(("<code>", "<math")) and "<b>" not in found
     ElementTree.fromstring(found)
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (1.23456789e-10, "1.23457e-10"), (0.1, "0.1"), (88387, "88387"), (True, "yes"),
-        (None, "–"), (float("nan"), "NaN"), (float("-inf"), "-infinite"), ("<b>", "<b>"),
-        ([1, None], "1, –"),
-    ],
-)  # fmt: skip
-def test_a_stored_value_is_shown_to_six_digits_or_named(value: Any, text: str) -> None:
-    assert number(value) == text

@@ -13,7 +13,7 @@ from glmref.cli import main
 from glmref.compute.records import Records
 from glmref.errors import DataError, GlmrefError, UsageError
 from glmref.scenes import answer, charts, load_scene, names, orbits, plan, rows, run
-from glmref.scenes.answers import duration, seconds_at
+from glmref.scenes.answers import seconds_at
 from glmref.scenes.reading import MAX_NAME, MAX_TEXT, MOST_ENTRIES, MOST_STEPS
 from tests.build import refused, scene_text
 
@@ -485,10 +485,6 @@ def test_a_law_is_asked_measured_and_shown(tmp_path):
 @pytest.mark.parametrize("name", names())
 def test_no_record_at_all_gives_an_answer_in_one_line(name):
     assert "\n" not in answer(load_scene(name), [])
-
-
-def test_durations_have_their_unit():
-    assert [duration(x) for x in (2.5, 1.5e-3, 7e-6, 3e-8)] == ["2.5 s", "1.5 ms", "7 us", "30 ns"]
 
 
 def test_charts_show_error_against_time_and_against_evaluations(tmp_path):

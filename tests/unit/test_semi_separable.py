@@ -92,19 +92,6 @@ def test_such_a_pair_is_recognised() -> None:
     assert not same_point(explicit)
 
 
-@pytest.mark.parametrize(
-    ("f", "found"),
-    [
-        ({"x": "v", "v": "-x - v/10"}, True),
-        ({"x": "v/sqrt(1 + v**2)", "v": "x*v*cos(t)"}, True),
-        ({"x": "v + x/1000", "v": "-x"}, False),
-        ({"x": "v*cos(t)", "v": "-x"}, False),
-    ],
-)
-def test_the_kind_is_found_in_expressions(f: dict[str, str], found: bool) -> None:
-    assert Problem.from_equations(f, {"x": 1, "v": 0}).semi_separable is found
-
-
 def test_the_kind_of_canonical_systems() -> None:
     assert not problem("kepler").semi_separable
     assert not problem("shear").semi_separable

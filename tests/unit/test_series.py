@@ -16,7 +16,6 @@ from glmref.theory.series import (
     compose,
     flow,
     identity,
-    inverse,
     modified_equation,
     substitute,
 )
@@ -56,11 +55,6 @@ def test_composition_is_the_sum_over_all_cuts():
     o, path, bush, t = map(Tree, ("o", "[o]", "[oo]", "[o[o]]"))
     kept = b[t] + a[o] * (b[Tree("[[o]]")] + b[bush]) + (a[o] ** 2 + a[path]) * b[path]
     assert compose(a, b)[t] == 11 * a[t] + kept + a[o] * a[path] * b[o]
-
-
-def test_the_inverse_of_euler_is_implicit_euler_with_a_negative_step():
-    euler = elementary_weights([[0]], [1], 6)
-    assert inverse(euler) == elementary_weights([[-1]], [-1], 6)
 
 
 @pytest.mark.parametrize("palette", [ROOTED, GENERAL])

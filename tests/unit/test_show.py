@@ -22,7 +22,6 @@ from glmref.views.show import show
 from glmref.views.tableau_text import decimal_text, tableau
 from glmref.views.tables import (
     Style,
-    columns,
     csv_text,
     findings_csv,
     findings_junit,
@@ -30,7 +29,6 @@ from glmref.views.tables import (
     json_text,
     one_line,
     plain,
-    shown_value,
 )
 
 UNICODE = Style(unicode=True, width=100)
@@ -123,29 +121,6 @@ def test_every_exact_entry_shown_stands_for_the_entry_itself() -> None:
         assert [parse(x) for x in cells] == list(row)
 
 
-@pytest.mark.parametrize(
-    ("x", "digits", "text"),
-    [
-        (Fraction(1, 4), 5, "0.25"),
-        (Fraction(1, 3), 5, "0.33333"),
-        (Fraction(2, 3), 1, "0.7"),
-        (Fraction(-7), 5, "-7"),
-        (Fraction(0), 5, "0"),
-        (Fraction(123456), 3, "123000"),
-        (Fraction(1, 10**20), 3, "1e-20"),
-        (Fraction(1, 8), 2, "0.12"),
-    ],
-)
-def test_rational_number_in_decimals(x: Fraction, digits: int, text: str) -> None:
-    assert decimal_text(exact(x), digits) == text
-
-
-def test_complex_numbers_show_both_parts() -> None:
-    assert decimal_text(parse("1/2-i*sqrt(3)/2"), 4) == "0.5-0.8660i"
-    assert decimal_text(parse("i/3"), 4) == "0.3333i"
-    assert decimal_text(parse("2*i"), 4) == "2i"
-
-
 def test_a_ball_around_zero_has_no_digit() -> None:
     root = ball(exact(2).sqrt())
     around = root * root - 2
@@ -202,13 +177,6 @@ def test_colour_is_for_terminals_and_never_against_no_color() -> None:
     assert not Style.of(terminal, {"TERM": "dumb"}).color
     assert Style(color=True).paint("x", "red") == "\x1b[31mx\x1b[0m"
     assert Style().paint("x", "red") == "x"
-
-
-def test_columns_are_aligned_and_the_last_is_free() -> None:
-    text = columns([["a", "1", "x y"], ["bbb", "22", ""]], style=Style(), head=["h", "n", "t"])
-    assert text.splitlines() == ["h    n   t", "---  --  ---", "a    1   x y", "bbb  22"]
-    assert columns([["a", "1"], ["b", "22"]], style=Style(), right="1") == "a   1\nb  22"
-    assert columns([], style=Style()) == ""
 
 
 @pytest.mark.parametrize(
@@ -279,13 +247,6 @@ def test_table_with_a_line_for_each_method_shows_what_does_not_hold() -> None:
     assert good == "  holds  exact     m  2 claims"
     one = findings_table([REFUTED], style=Style(), every=False)
     assert one == ("  holds  exact     b  refutes order: declared 5, found 1; tree [o] of order 2")
-
-
-def test_orders_by_name_are_written_out() -> None:
-    assert shown_value({"b": [10, "2.7e-85"], "low": [8, "1.0e-9"]}) == (
-        "b 10 to 2.7e-85, low 8 to 1.0e-9"
-    )
-    assert shown_value({"third": 3, "other": None}) == "third 3, other not decided"
 
 
 def test_what_was_not_judged_is_skipped_in_a_conformance_report() -> None:

@@ -61,11 +61,6 @@ def test_stability_function_of_gauss_2_is_the_pade_approximation():
     assert D == (1, Fraction(-1, 2), Fraction(1, 12))
 
 
-def test_stability_polynomial_of_leapfrog():
-    P = stability_polynomial(linear_multistep(["-1", "0", "1"], ["0", "2", "0"]))
-    assert P == ((-1,), (0, -2), (1,))  # w^2 - 2 z w - 1
-
-
 @pytest.mark.parametrize("m", [
     "gsymplectic-n", "s4-symmetric", "g4123", "ab-6", "bdf-5", "gauss-3", "gsymplectic-n-pair",
     composition(sdirk("(3+sqrt(3))/6"), ["1/3", "2/5"]),
@@ -118,11 +113,6 @@ def test_what_is_not_a_stable_or_not_decided_says_why(m, truth, reason):
 def test_behaviour_at_infinity_of_the_midpoint_rule():
     leading, unbounded = leading_part(stability_polynomial(runge_kutta(*tableau("gauss-1"))))
     assert poly.monic(leading) == P(1, 1) and unbounded == 0  # M tends to -1
-
-
-def test_oscillator_of_verlet_has_trace_2_minus_y_squared():
-    P = stability_polynomial(oscillator(splitting(["1/2", "1/2"], ["1"])))
-    assert P == ((1,), (-2, 0, 1), (1,))
 
 
 def test_oscillator_matches_the_step_by_hand():

@@ -270,10 +270,3 @@ def test_wrong_given_form_fails():
     pair = replace(pair_of(n, n), G=n.G, D_P=n.D, D_Q=(n.D[0], n.D[1] * 2))
     assert g_symplectic(pair).holds is False
     assert g_symplectic(replace(pair, D_Q=n.D)).holds is True
-
-
-def test_forms_of_gauss_with_itself_are_one_dimensional():
-    assert (
-        len(find_forms(partitioned_runge_kutta(*tableau("gauss-3"), *tableau("gauss-3"))).forms)
-        == 1
-    )
