@@ -10,12 +10,12 @@ from ..errors import DataError, ExactnessError
 from ..exact import Ball, Exact, Scalar
 from ..exact.expression import Weight, parse, rational, weigh
 from ..exact.linalg import Matrix, Vector
+from ..judge.grammar import NAME, RESERVED, may_be_declared
 from ..system.arguments import whole
 from ..system.budget import spend
-from .keys import MAX_SIZE, RESERVED
+from .keys import MAX_SIZE
 from .strict_json import shown
 
-_NAME = re.compile("[A-Za-z_][A-Za-z_0-9]*")
 #: Keys whose strings are prose or name other things: a constant is not used there.
 _PROSE = frozenset({"name", "title", "source", "notes", "broken"})
 
@@ -70,7 +70,7 @@ class Entries:
             if not isinstance(block, dict):
                 raise self.error(f"`{key}` must be an object of names and expressions")
             for name, text in block.items():
-                if not re.fullmatch(r"[A-Za-z_][A-Za-z_0-9]*", name) or name in RESERVED:
+                if not may_be_declared(name):
                     raise self.error(
                         f"`{key}` has the name {shown(name)}, which cannot be used; take letters, "
                         f"digits and _, but none of {', '.join(sorted(RESERVED))}"
@@ -85,7 +85,7 @@ class Entries:
         """Refuse a constant that stands nowhere: the name where it should stand is wrong."""
         if not self.constants:
             return
-        used = set(_NAME.findall(" ".join(_strings(self.doc))))
+        used = set(re.findall(NAME, " ".join(_strings(self.doc))))
         for name in self.constants:
             if name not in used:
                 raise self.error(

@@ -26,7 +26,6 @@ FORMATS = (FORMAT, "glmref-method-2")
 SECOND = frozenset(["embedded", "c", "dense", "nystrom", "rosenbrock"])
 MAX_SIZE = 200  # stages or values of one method
 MAX_ORDER = 19  # the largest order one can claim: paths are compared up to 20, and one must fail
-RESERVED = frozenset(["i", "pi", "sqrt", "root", "exp"])
 STATUS = ("as printed", "corrected", "derived", "regenerated")
 
 #: Keys every class has.

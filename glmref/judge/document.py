@@ -8,6 +8,7 @@ from typing import NamedTuple
 from .arithmetic import Fraction
 from .claims import MODIFIED, ORDERS, SECOND
 from .fields import Numbers
+from .grammar import may_be_declared
 from .linalg import (
     apply,
     combine,
@@ -89,6 +90,9 @@ class Method:
         require(fine, f"{', '.join(sorted(later))} belongs to {formats[1]}")
         require(document.get("field", "real") in ("real", "complex"), "another field")
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
+        names = [x for key in ("unknowns", "constants") for x in as_object(document.get(key, {}))]
+        fine = all(map(may_be_declared, names)) and len({*names}) == len(names)
+        require(fine, "a constant has a name that it cannot have")
         self.kind, self.base = kind, base
         made = getattr(self, "make_" + kind.replace("-", "_"))()
         self.pair, self.additive = type(made) is tuple, kind in ("additive", "rosenbrock")

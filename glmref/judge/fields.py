@@ -110,7 +110,7 @@ class Numbers:
             own = as_object(document.get("constants", {}), "constants are an object")
             unknowns = as_object(document.get("unknowns", {}))
             if name in unknowns:
-                require(name in self.unknowns and name not in own, "an unknown")
+                require(name in self.unknowns, "an unknown")
                 found = self.unknowns[name]
             elif name in own:  # it uses constants above it, never itself
                 above = {*list(own)[: list(own).index(name)], *unknowns}

@@ -30,12 +30,19 @@ def short(pattern: str, text: object, what: str) -> re.Match[str]:
 
 
 BLANK = r"[ \t\n\r\f\v]"
+NAME = r"[A-Za-z_][A-Za-z_0-9]*"
 NUMERAL = r"[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+"
+RESERVED = frozenset({"i", "pi", "sqrt", "root", "exp"})  # names that no constant has
+
+
+def may_be_declared(name: str) -> bool:
+    """Tell whether a constant or unknown may have this name."""
+    return re.fullmatch(NAME, name) is not None and name not in RESERVED
 
 
 def tokens(numeral: str) -> re.Pattern[str]:
     """Return the pattern of a token: a numeral of this pattern, a name, or a sign."""
-    return re.compile(rf"{BLANK}*(?:({numeral})|([A-Za-z_][A-Za-z_0-9]*)|([-+*/(),]))")
+    return re.compile(rf"{BLANK}*(?:({numeral})|({NAME})|([-+*/(),]))")
 
 
 TOKEN = tokens(NUMERAL)
@@ -193,7 +200,7 @@ def plain(text: str) -> str:
 def written_out(text: object, constants: Mapping[str, object]) -> str:
     """Return an entry without blanks, its constants written out in parentheses."""
     found = re.sub(
-        r"[A-Za-z_][A-Za-z_0-9]*",
+        NAME,
         lambda m: f"({written_out(constants[m[0]], constants)})" if m[0] in constants else m[0],
         plain(as_text(text, "a constant is no text")),
     )
