@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from typing import NamedTuple
 
-from .arithmetic import Fraction, Number
+from .arithmetic import Fraction, Number, Ring, tick
 from .document import Component
 from .grammar import rational
 from .linalg import (
+    blocks_of,
     characteristic,
     combine,
+    dot,
     entries,
     identity,
     inverse_matrix,
@@ -21,9 +22,8 @@ from .linalg import (
     multiples,
     scale,
     times,
-    transpose,
 )
-from .numbers import apart, conj, vanishes
+from .numbers import apart, conj, live, vanishes
 from .polynomials import (
     OnAxis,
     divide,
@@ -48,34 +48,65 @@ STABILITY = (
 )
 
 
-def stability(m: Component) -> tuple[list, list, list]:
-    """Return det(I - z A), nodes z where it is not 0, and its values and M(z) there."""
-    below, nodes, found, z = characteristic(m.A)[::-1], [], [], Fraction(0)
-    while len(nodes) <= len(m.A):
-        value = horner(below, z)
-        if bool(value):
-            back = inverse_matrix(minus(identity(len(m.A)), scale(z, m.A)))
-            nodes.append(z)
-            found.append((value, combine(m.V, scale(z, times(m.B, back, m.U)))))
-        z += 1
-    return below, nodes, found
+class PowerSeries(Ring):
+    """A series in z through a power; what lies above is left out."""
+
+    __slots__ = ("c",)
+
+    def __init__(self, c: list) -> None:
+        self.c = c
+
+    def __bool__(self) -> bool:
+        return any(map(live, self.c))
+
+    def __add__(self, other: Number) -> PowerSeries:
+        if not isinstance(other, PowerSeries):
+            return PowerSeries([self.c[0] + other, *self.c[1:]])
+        return PowerSeries([x + y for x, y in zip(self.c, other.c, strict=True)])
+
+    def __mul__(self, other: Number) -> PowerSeries:
+        if not isinstance(other, PowerSeries):
+            return PowerSeries(multiples(other, self.c))
+        tick()
+        return PowerSeries([dot(self.c[: k + 1], other.c[k::-1]) for k, _ in enumerate(self.c)])
+
+    __radd__, __rmul__ = __add__, __mul__
 
 
-def stability_polynomial(m: Component) -> list:
-    """Return P(w, z) = det(w I - M(z)) det(I - z A): for each power of w a polynomial in z."""
-    _, nodes, found = stability(m)
-    columns = transpose([multiples(value, characteristic(M)) for value, M in found])
-    return [interpolate(nodes, column) for column in columns]
+def stability(A: list, U: list, B: list, V: list) -> tuple[PowerSeries, list]:
+    """Return det(I - z A) and M(z) = V + z B U + z^2 B A U + .. through the power s of z."""
+    none, stages, terms = [Fraction(0)] * len(A), U, [V]
+    for _ in A:
+        terms.append(times(B, stages))
+        stages = times(A, stages)
+    below = PowerSeries([Fraction(1), *none])
+    for block in blocks_of(A):
+        below = below * PowerSeries((characteristic(block)[::-1] + none)[: len(A) + 1])
+    M = [[PowerSeries([term[i][j] for term in terms]) for j, _ in enumerate(V)]
+         for i, _ in enumerate(V)]  # fmt: skip
+    return below, M
+
+
+def stability_polynomial(A: list, U: list, B: list, V: list) -> list:
+    """Return P(w, z) = det(w I - M(z)) det(I - z A): for each power of w a polynomial in z.
+
+    Its degree in z is at most s. With few stages and many values the two change places: it is
+    w^r z^s P'(1/z, 1/w), P' that of V, B, U, A in the place of A, U, B, V.
+    """
+    if len(A) < len(V):
+        turned = stability_polynomial(V, B, U, A)
+        return [[p[len(V) - k] for p in reversed(turned)] for k in range(len(V) + 1)]
+    below, M = stability(A, U, B, V)
+    return [(below * c).c for c in characteristic(M)]
 
 
 def poles(m: Component) -> list:
     """Return det(I - z A) without what it shares with all entries of M(z) det(I - z A)."""
-    below, nodes, found = stability(m)
-    common = below = trim(below)
-    for i, j in product(range(m.r), range(m.r)):
-        entry = interpolate(nodes, [value * M[i][j] for value, M in found])
-        common = gcd(common, entry) if entry else common
-    return divide(below, common)[0]
+    below, M = stability(*m)
+    common = trim(below.c)
+    for entry in (x for row in M for x in row):
+        common = gcd(common, (below * entry).c) if below * entry else common
+    return divide(below.c, common)[0]
 
 
 def poles_lie_right(m: Component) -> bool:
@@ -155,7 +186,7 @@ class StabilityCase(Case):
     @cached_property
     def P(self) -> list:
         """Return P(w, z) = det(w I - M(z)) det(I - z A)."""
-        return stability_polynomial(self.m)
+        return [trim(p) for p in stability_polynomial(*self.m)]
 
     @cached_property
     def at_infinity(self) -> list:

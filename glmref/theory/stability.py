@@ -16,6 +16,7 @@ from typing import cast
 
 from ..errors import ExactnessError, UsageError
 from ..exact import BallMatrix, Exact, Scalar, ball, exact, linalg
+from ..exact.judging import asked
 from ..exact.linalg import Matrix
 from ..method import GLM, Method
 from . import polynomials as poly
@@ -26,6 +27,8 @@ _I = Exact(-1).sqrt()
 
 #: Points of the imaginary axis at which a violation of A-stability is looked for.
 SAMPLES = ("1", "3", "1/3", "10", "1/10", "50", "1/50", "2", "6")
+
+_polynomial = asked("rules_stability.stability_polynomial")
 
 #: P(w, z) as the coefficients of 1, w, .., w^r, each a polynomial in z (or in y).
 Bivariate = tuple[Polynomial, ...]
@@ -50,56 +53,8 @@ def stability_matrix(m: GLM, z: Scalar | int | Fraction) -> Matrix:
 
 @lru_cache(maxsize=8)
 def stability_polynomial(m: GLM) -> Bivariate:
-    """Return ``P(w, z) = det(w I - M(z)) det(I - z A)``: by powers of w, polynomials in z.
-
-    With few stages and many values the two change places: P(w, z) is ``w^r z^s P'(1/z, 1/w)``, P'
-    that of the method with V, B, U, A in the place of A, U, B, V.
-    """
-    if m.s >= m.r:
-        return tuple(map(poly.trim, _by_series(m.A, m.U, m.B, m.V)))
-    turned = _by_series(m.V, m.B, m.U, m.A)
-    return tuple(poly.trim([p[m.r - k] for p in reversed(turned)]) for k in range(m.r + 1))
-
-
-def _by_series(A: Matrix, U: Matrix, B: Matrix, V: Matrix) -> Bivariate:
-    """Return P by the method of Faddeev and LeVerrier over ``M(z) = V + z B U + z^2 B A U + ..``.
-
-    The degree of P in z is at most s: what lies above is left out. Nothing is interpolated: with
-    s + 1 points published decimals of 49 stages would lose more digits than they have.
-    """
-    series, stages, r, size = [V], U, len(V), len(A) + 1
-    for _ in A:
-        series.append(linalg.matmul(B, stages))
-        stages = linalg.matmul(A, stages)
-    M = [[tuple(term[i][j] for term in series) for j in range(r)] for i in range(r)]
-    coefficients: list[Polynomial] = [(_ONE,)]
-    N: list[list[Polynomial]] = [[(_ONE,) if i == j else () for j in range(r)] for i in range(r)]
-    for k in range(1, r + 1):
-        N = [
-            [_sum_of_products(M[i], [row[j] for row in N], size) for j in range(r)]
-            for i in range(r)
-        ]
-        trace: Polynomial = ()
-        for i in range(r):
-            trace = poly.add(trace, N[i][i])
-        coefficients.append(tuple(x * Fraction(-1, k) for x in trace))
-        for i in range(r):
-            N[i][i] = poly.add(N[i][i], coefficients[-1])
-    poles: Polynomial = (_ONE,)
-    for block in poly.blocks_of(A):
-        poles = poly.mul(poles, poly.characteristic(block))
-    whole = [poly.mul(poles[::-1], p)[:size] for p in reversed(coefficients)]
-    return tuple((*p, *(_ZERO,) * (size - len(p))) for p in whole)
-
-
-def _sum_of_products(
-    left: Sequence[Polynomial], right: Sequence[Polynomial], size: int
-) -> Polynomial:
-    """Return the sum of left_k right_k, without the powers from ``size`` on."""
-    total: Polynomial = ()
-    for p, q in zip(left, right, strict=True):
-        total = poly.add(total, poly.mul(p, q)[:size])
-    return poly.trim(total)
+    """Return ``P(w, z) = det(w I - M(z)) det(I - z A)``: by powers of w, polynomials in z."""
+    return tuple(map(poly.trim, _polynomial(m.A, m.U, m.B, m.V)))
 
 
 def without_content(m: GLM, P: Bivariate) -> Bivariate:
