@@ -40,11 +40,9 @@ from .schemes import (
     dense_output,
     further,
     merged,
-    pair,
     reach,
-    rosenbrock,
     runge_kutta,
-    w_method,
+    scheme_of,
 )
 from .verdicts import reaches, vanishing
 from .wrong_entry import ROUNDING, corrected, row_apart
@@ -125,17 +123,16 @@ class _Orders:
     def schemes(self, weights: Sequence[Vector]) -> list[tuple[str, Scheme]]:
         """Return schemes with other weights, a row for each component, by what the order is of."""
         m = self.method
-        if m.rosenbrock:
-            return [("", rosenbrock(m.alpha, m.gamma, weights[0][: len(m.alpha)]))]
-        if m.additive:
+        if m.additive and not m.rosenbrock:
             parts = [(c.A, w) for c, w in zip(m.components, weights, strict=True)]
             return [("", additive(parts, self.times or ()))]
-        if len(m.components) > 1:
-            if self.kind == "nystrom":
-                words = zip(("the position", "the velocity"), "fk", strict=True)
-                return [(word, pair(m, weights, root, nystrom=True)) for word, root in words]
-            return [("", pair(m, weights, "fk", nystrom=False))]
-        return [("", runge_kutta(m.A, weights[0], m.abscissae_given))]
+        if len(m.components) == 1:
+            return [("", runge_kutta(m.A, weights[0], m.abscissae_given))]
+        other = m.weighted(tuple((w,) for w in weights))
+        if self.kind == "nystrom":
+            words = zip(("the position", "the velocity"), "fk", strict=True)
+            return [(word, scheme_of(other, roots=root, nystrom=True)) for word, root in words]
+        return [("", scheme_of(other))]
 
     def rows(self, said: Said) -> list[_Row | Callable[[str], Finding]]:
         """Return what decides one thing that is said."""
@@ -151,7 +148,7 @@ class _Orders:
                 for what, scheme in self.schemes(main)
             ]
         if said.claim == W_ORDER.key:
-            return [_Row("W-order", said.order, [w_method(m.alpha, m.gamma, m.b)])]
+            return [_Row("W-order", said.order, [scheme_of(m.with_any_matrix())])]
         if said.claim == "part":
             c = m.components[said.number - 1]
             times = None if self.times is None else self.times[said.number - 1]

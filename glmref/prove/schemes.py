@@ -10,14 +10,8 @@ coloured trees its systems have:
 t_n + c_i h, so that the matrix below it has row sums c.
 
 *Additive*, ``y' = f1(y) + .. + fk(y)`` with shared stages: k colours that all mix
-(Kennedy, Carpenter 2003, section 2; Sandu, Guenther 2015).
-
-*Nystrom*, ``q' = v, v' = g(q, v)``: position and velocity, where q' is linear in v, so that a
-vertex f has at most one child: the pair of :mod:`glmref.method.nystrom`.
-
-*Rosenbrock* with the exact Jacobian: below a vertex with one child stands alpha + gamma, below
-others alpha (Hairer, Wanner 1996, IV.7, theorem 7.4). *W-methods*, any matrix J in its place:
-``y' = (f(y) - J y) + J y``, two kinds of vertices, J linear (ibid., theorem 7.7).
+(Kennedy, Carpenter 2003, section 2; Sandu, Guenther 2015). Nystrom, Rosenbrock and W-methods and
+splittings have the trees of the systems of their methods, see :attr:`.method.Method.system`.
 
 *Dense output* b(theta), a polynomial: A / theta, b(theta) / theta is a method of step theta h. A
 condition is a polynomial in theta of known degree; it vanishes if it does at enough points.
@@ -35,13 +29,12 @@ from typing import Any
 from ..errors import BudgetError
 from ..exact import Exact, Scalar
 from ..exact.linalg import Matrix, Vector, row_sums
-from ..method import PartitionedGLM
+from ..method import Method
 from ..method.component import Palette
-from ..method.nystrom import nystrom as as_pair
 from ..system.budget import limited, spend
 from ..theory.coefficients import first_nonzero, is_zero
 from ..theory.starting_series import StartingSeries, component
-from ..theory.trees import Tree, is_nystrom
+from ..theory.trees import Tree, counted
 from .digits import staircase_of
 from .kernel import HIGHEST
 
@@ -304,123 +297,41 @@ def general_linear(A: Matrix, rows: Sequence[Vector]) -> Scheme:
     )
 
 
-def _filtered(good: Callable[[Tree], bool]) -> Callable[[Tree], bool]:
-    """Return trees that are good at every vertex."""
-
-    @cache
-    def counts(t: Tree) -> bool:
-        return good(t) and all(map(counts, t.children))
-
-    return counts
+@cache
+def _leaves_alike(t: Tree) -> bool:
+    """Tell whether all leaves have the colour 1: of f - J and J they have the same condition."""
+    return all(map(_leaves_alike, t.children)) if t.children else t.colour == "1"
 
 
-def nystrom(
-    A: Matrix,
-    b: Vector,
-    b_prime: Vector,
-    c: Vector,
-    A_prime: Matrix | None = None,
-    *,
-    roots: str = "fk",
-) -> Scheme:
-    """Return the scheme of q'' = g(q), or with A' of q'' = g(q, q').
+#: How trees of Rosenbrock methods are written, by the system: with any J, a vertex f or J.
+_WRITTEN = {
+    "rosenbrock": ((r"[12]\[", "["), (r"[12]", "o")),
+    "w": (("1", "f"), ("2", "J")),
+}
 
-    ``Q_i = q + c_i h v + h^2 sum a_ij g_j``, ``q1 = q + h v + h^2 sum b_j g_j``,
-    ``v1 = v + h sum b'_j g_j``.
+
+def scheme_of(method: Method, *, roots: str = "", nystrom: bool = False) -> Scheme:
+    """Return the scheme of a method that carries one value of each component.
 
     Parameters
     ----------
-    A, b, b_prime, c : matrices and vectors of shapes (s, s), (s,), (s,), (s,)
-    A_prime : matrix (s, s), optional
-        ``V_i = v + h sum a'_ij g_j``; without it g does not see v.
+    method : Method
+        Where time is no component of its own.
     roots : str
-        ``"f"`` for the conditions of the position, ``"k"`` for those of the velocity.
+        Colours whose trees are conditions; all by default.
+    nystrom : bool
+        Whether only the trees of second-order systems count.
     """
-    made = as_pair(A, b, b_prime, c, A_prime)
-    return pair(made, [x.B[0] for x in made.components], roots, nystrom=True)
-
-
-def pair(method: PartitionedGLM, weights: Sequence[Vector], roots: str, *, nystrom: bool) -> Scheme:
-    """Return the scheme of a pair that carries one value of each component, with other weights.
-
-    With ``nystrom`` only the trees of second-order systems count.
-    """
-    blocks = {x.colour: (x.A, b) for x, b in zip(method.components, weights, strict=True)}
+    palette, system = method.palette, "nystrom" if nystrom else method.system
+    if nystrom:  # where f has no child f
+        palette = {**palette, "f": "k"}
+    counts = counted(system)
     return Scheme(
-        {
-            "f": "k" if method.separable or nystrom else "fk",
-            "k": "f" if method.separable else "fk",
-        },
-        blocks,
-        roots,
-        is_nystrom if nystrom else None,
-    )
-
-
-def _sum(a: Matrix, b: Matrix) -> Matrix:
-    return tuple(
-        tuple(x + y for x, y in zip(*rows, strict=True)) for rows in zip(a, b, strict=True)
-    )
-
-
-def _chained(t: Tree) -> bool:
-    """Return s (alpha + gamma below it) for an only child, m for children of a branching vertex."""
-    wanted = "s" if len(t.children) == 1 else "m"
-    return all(x.colour == wanted for x in t.children)
-
-
-def rosenbrock(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
-    """Return scheme with the exact Jacobian.
-
-    ``k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j``, ``y1 = y + sum b_i k_i``.
-    """
-    return Scheme(
-        {"m": "ms", "s": "ms"},
-        {"m": (alpha, b), "s": (_sum(alpha, gamma), b)},
-        "m",
-        _filtered(_chained),
-        ((r"[ms]\[", "["), (r"[ms]", "o")),
-    )
-
-
-def w_method(alpha: Matrix, gamma: Matrix, b: Vector) -> Scheme:
-    """Make a scheme with any matrix for the Jacobian; J is the vertex of the linear part.
-
-    A colour says what the vertex is (f or J) and what it hangs on: below f stands alpha, below J
-    alpha + gamma.
-    """
-    both = _sum(alpha, gamma)
-    return Scheme(
-        {"f": "fj", "j": "FJ", "F": "fj", "J": "FJ"},
-        {"f": (alpha, b), "j": (alpha, b), "F": (both, b), "J": (both, b)},
-        "fj",
-        _filtered(lambda t: t.colour in "fF" or len(t.children) < 2),
-        ((r"F", "f"), (r"j", "J")),
-    )
-
-
-def splitting(a: Vector, b: Vector, *, kick_first: bool = False, quadratic: bool = False) -> Scheme:
-    """Make a scheme of a splitting of ``q' = f(p), p' = g(q)``: drift a_1, kick b_1, drift ..
-
-    With ``kick_first`` the kick b_1 is the first step; with ``quadratic`` f is linear, as for
-    q'' = g(q), so that a vertex f has at most one child.
-    """
-    s = len(a)
-
-    def lower(row: Vector, *, diagonal: bool) -> Matrix:
-        return tuple(
-            tuple(x if j < i or (diagonal and j == i) else _ZERO for j, x in enumerate(row))
-            for i in range(s)
-        )
-
-    return Scheme(
-        {"f": "k", "k": "f"},
-        {
-            "f": (lower(a, diagonal=not kick_first), a),
-            "k": (lower(b, diagonal=kick_first), b),
-        },
-        "fk",
-        is_nystrom if quadratic else None,
+        palette,
+        {x.colour: (x.A, x.B[0]) for x in method.components},
+        roots or "".join(palette),
+        (lambda t: _leaves_alike(t) and counts(t)) if system in _WRITTEN else counts,
+        _WRITTEN.get(system, ()),
     )
 
 

@@ -20,10 +20,13 @@ from ..errors import BudgetError, DataError
 from ..exact import Ball, Exact, Scalar
 from ..exact.decimals import SHORT, rounded_places
 from ..exact.linalg import Matrix, Vector, row_sums
+from ..method.families import splitting
+from ..method.nystrom import nystrom
+from ..method.rosenbrock import RosenbrockGLM
 from ..system.budget import limited
 from . import schemes
 from .digits import rounded_up
-from .schemes import Scheme, reach
+from .schemes import Scheme, reach, scheme_of
 
 #: Residuals: what doubles cannot see, relative to the largest entry; and what is no rounding at
 #: all, in tables of decimals and of fractions.
@@ -160,12 +163,12 @@ class Trial:
         if self.kind == "additive":
             return schemes.additive(list(zip(A, b, strict=True)), self.c)
         if self.kind == "rosenbrock":
-            return schemes.rosenbrock(A[0], A[1], b[0])
+            return scheme_of(RosenbrockGLM.of(A[0], A[1], b[0]))
         if self.kind == "nystrom":
             c = self.c[0]
             if c is None:
                 raise DataError("a Nystrom method needs c")
-            return schemes.nystrom(A[0], b[0], b[1], tuple(c), *A[1:])
+            return scheme_of(nystrom(A[0], b[0], b[1], tuple(c), *A[1:]), nystrom=True)
         if self.kind == "glm":
             return schemes.general_linear(A[0], b)
         if self.kind == "low-storage":
@@ -173,9 +176,8 @@ class Trial:
         if self.kind == "shu-osher":
             return schemes.shu_osher(A[0], A[1], self.c[0] if self.c else None)
         if self.kind in ("splitting", "composition"):
-            return schemes.splitting(
-                b[0], b[1], kick_first=self.kick_first, quadratic=self.quadratic
-            )
+            pair = splitting(b[0], b[1], "p" if self.kick_first else "q")
+            return scheme_of(pair, nystrom=self.quadratic)
         return schemes.runge_kutta(A[0], b[0], self.c[0] if self.c else None, apart=True)
 
     def reached(self, order: int, weights: Sequence[Scalar] | None = None) -> Any:
