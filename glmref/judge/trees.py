@@ -94,10 +94,13 @@ def read_tree(text: object) -> Tree:
     given, place = as_text(text, "a tree is a short text"), 0
     require(0 < len(given) <= 200, "a tree is a short text")
 
+    def need(truth: object) -> None:
+        require(truth, f"{given!r} is no tree, which is seen at its place {place + 1}")
+
     def vertex() -> Tree:
         nonlocal place
         colour, children = given[place : place + 1], []
-        require(colour and colour in "ofk123456789[", f"{given!r} is no tree")
+        need(colour and colour in "ofk123456789[")
         place += colour != "["
         if colour == "o":  # always a single vertex: with children the colour o is not written
             return "o", ()
@@ -106,12 +109,12 @@ def read_tree(text: object) -> Tree:
             place += 1
             while given[place : place + 1] not in ("]", ""):
                 children.append(vertex())
-            require(children and given[place : place + 1] == "]", f"{given!r} is no tree")
+            need(children and given[place : place + 1] == "]")
             place += 1
         return colour, tuple(sorted(children))
 
     tree = vertex()
-    require(place == len(given), f"{given!r} is no tree")
+    need(place == len(given))
     return tree
 
 

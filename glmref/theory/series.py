@@ -272,48 +272,14 @@ def _contracted(t: Tree, field: Mapping[Tree, Any], series: Series, *, whole: bo
     return total
 
 
-def lie_derivative(field: Series, series: Series) -> Series:
-    """Return the derivative of a series along a field: the linear part of ``exponential``.
-
-    ``(d_b a)(t) = a(empty) b(t) + sum of b(part cut off) a(rest)`` over the edges of t.
-
-    Raises
-    ------
-    UsageError
-        For different palettes.
-    """
-    order = _check_palettes(field, series)
-    known, values = field.support(), {}
-    for t in trees_up_to(order, series.palette):
-        total = times(field[t], series.empty(t.colour))
-        for (part, rest), ways in edge_cuts(t).items():
-            if part in known:
-                total = plus(total, times(times(ways, known[part]), series[rest]))
-        values[t] = total
-    empty = {c: times(0, x) for c, x in series._empty.items()}
-    return Series(values, empty, order, series.palette)
-
-
-def bracket(first: Series, second: Series) -> Series:
-    """Return ``second' first - first' second``, the change of a field along the flow of another."""
-    left, right = lie_derivative(first, second), lie_derivative(second, first)
-    values = {t: _minus(left[t], right[t]) for t in left}
-    return Series(values, 0, left.order, left.palette)
-
-
 def conjugated(field: Series, along: Series) -> Series:
-    """Return a field in the coordinates that the flow of ``along`` for h changes: exp(ad) field.
+    """Return a field in the coordinates that the flow of ``along`` for h changes.
 
     If the flow of ``field`` is the map Phi and that of ``along`` the map chi, it is the field of
     ``chi^-1 Phi chi``.
     """
-    total = term = field
-    for j in range(1, field.order):
-        term = bracket(along, term).map(partial(times, Fraction(1, j)))
-        if not term.support():
-            break
-        total = Series({t: plus(total[t], term[t]) for t in total}, 0, field.order, field.palette)
-    return total
+    chi = exponential(along)
+    return _logarithm(compose(compose(chi, exponential(field)), inverse(chi)))
 
 
 class AfterFlow:

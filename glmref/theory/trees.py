@@ -36,10 +36,8 @@ MAX_ORDER = 14
 
 #: Colours that occur together: of one method, of a partitioned one, of the parts of a sum.
 _FAMILIES = ("o", "fk", "123456789")
-_READ = "".join(_FAMILIES)
 #: The place of every colour in the order in which trees are sorted, and palettes stand.
 _PLACES = {colour: k for k, colour in enumerate(ascii_letters + "123456789")}
-_MAX_TEXT = 2000  # characters of a tree's text form
 
 
 class Tree:
@@ -168,28 +166,11 @@ def parse_tree(text: str) -> Tree:
     UsageError
         Naming the place that cannot be read.
     """
-    if not isinstance(text, str) or len(text) > _MAX_TEXT:
-        raise UsageError(f"a tree is a text of at most {_MAX_TEXT} characters such as '[o[oo]]'")
-    open_roots: list[tuple[str, list[Tree]]] = [("", [])]
-    place = 0
-    while place < len(text):
-        letter = text[place]
-        if letter == "[" or (letter in _READ[1:] and text[place + 1 : place + 2] == "["):
-            open_roots.append(("o" if letter == "[" else letter, []))
-            place += 1 if letter == "[" else 2
-        elif letter in _READ:
-            open_roots[-1][1].append(single(letter))
-            place += 1
-        elif letter == "]" and len(open_roots) > 1 and open_roots[-1][1]:
-            colour, children = open_roots.pop()
-            open_roots[-1][1].append(tree(children, colour))
-            place += 1
-        else:
-            raise UsageError(f"{text!r} is not a tree: {letter!r} at place {place + 1}")
-    if len(open_roots) != 1 or len(open_roots[0][1]) != 1:
-        raise UsageError(f"{text!r} is not one tree such as 'o', '[o[oo]]' or 'f[kk[f]]'")
-    result = open_roots[0][1][0]
-    seen = {vertex.colour for vertex in _vertices(result)}
+    try:
+        result = from_judged(judged.read_tree(text))
+    except Refused as error:
+        raise UsageError(f"{error}; a tree is such as 'o', '[o[oo]]' or 'f[kk[f]]'") from None
+    seen = _colours(result)
     if not any(seen <= set(family) for family in _FAMILIES):
         raise UsageError(
             f"{text!r} mixes 'o' with 'f' and 'k' or digits: the colours of a tree are those of "
@@ -198,12 +179,8 @@ def parse_tree(text: str) -> Tree:
     return result
 
 
-def _vertices(t: Tree) -> Iterator[Tree]:
-    waiting = [t]
-    while waiting:
-        vertex = waiting.pop()
-        yield vertex
-        waiting.extend(vertex.children)
+def _colours(t: Tree) -> set[str]:
+    return {t.colour}.union(*map(_colours, t.children))
 
 
 #: Trees of one order that are listed: more than the judge takes, who needs one where one fails.

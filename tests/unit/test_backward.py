@@ -48,13 +48,11 @@ from glmref.theory.order import order_of
 from glmref.theory.second_order import second_order
 from glmref.theory.series import (
     Series,
-    bracket,
     compose,
     conjugated,
     exponential,
     flow,
     inverse,
-    lie_derivative,
     modified_equation,
 )
 from glmref.theory.symplectic import g_symplectic
@@ -89,11 +87,8 @@ def test_laws_of_the_exponential(seed):
         assert exponential(b, chi) == compose(phi, chi)
         minus = Series({t: -x for t, x in b.support().items()}, 0, 5, palette)
         assert exponential(minus) == inverse(phi)
-        assert modified_equation(compose(compose(chi, phi), inverse(chi))) == conjugated(b, c)
-        # the bracket is a Lie bracket
-        d = _random_field(seed + 2, 5, palette)
-        total = [bracket(x, bracket(y, z)) for x, y, z in ((b, c, d), (c, d, b), (d, b, c))]
-        assert all(sum(s[t] for s in total) == 0 for t in b)
+        chosen = conjugated(b, c)
+        assert compose(exponential(chosen), chi) == compose(chi, phi) and chosen != b
 
 
 def test_the_field_of_the_flow_is_that_of_the_problem():
@@ -376,15 +371,13 @@ def test_the_outputs_conserve_the_invariant(name):
     found = modified(name, 6)
     order = found.conjugate_field.order
     invariant = _series(found.invariant_terms, order, found.field.palette)
-    change = over_free_trees(lie_derivative(found.field.truncate(order), invariant))
-    assert all(abs(complex(x)) < 1e-60 and is_zero(x) is not False for x in change.values())
     after = over_free_trees(composed(invariant, found.map.truncate(order)))
     for free, x in found.invariant_terms.items():
         assert abs(complex(x - coefficient(after, free.root))) < 1e-60
     # the Hamiltonian of the changed variables is not conserved by the output
     if name != "pair-4-4":
         other = _series(found.hamiltonian_terms, order, found.field.palette)
-        assert over_free_trees(lie_derivative(found.field.truncate(order), other))
+        assert over_free_trees(composed(other, found.map.truncate(order))) != over_free_trees(other)
 
 
 # -- values at a state
