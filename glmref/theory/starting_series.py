@@ -478,9 +478,9 @@ def _solver() -> Any:
         def settle_first(self) -> None:
             """Take the principal part of order 1; where none is found, that of most conditions.
 
-            The shift along the flow adds a multiple of W u to beta, which takes an entry to zero;
-            the others solve a regular part of (K - I) beta = -W R([o]), K = W B U N: that its
-            corank is 1 is proved over balls, too.
+            The others solve all rows of (K - I) beta = -W R([o]), K = W B U N, but those that
+            contradict these: that the corank is 1 is proved over balls, too. What is left free is
+            the shift along the flow, a multiple of W u.
             """
             before, decided = dict(self.eta), False
             with suppress(Refused):
@@ -494,43 +494,13 @@ def _solver() -> Any:
             columns = [linalg.matvec(c.W, linalg.matvec(c.B, linalg.matvec(c.U, x))) for x in c.N]
             square = linalg.sub(linalg.transpose(tuple(columns)), linalg.identity(len(columns)))
             residual = _scalars(self.condition((node[0], (node,))))
-            beta = _bordered(square, residual, linalg.matvec(c.W, c.u))
-            if beta is None:
-                if decided:
-                    return
+            found = linalg.solve_affine(square, tuple(-x for x in residual))
+            if len(found.directions) == 1:
+                self.move(node, list(map(as_number, found.point)))
+            elif not decided:
                 raise Refused("no principal part of order 1 is shown to be the only one")
-            self.move(node, list(map(as_number, beta)))
 
     return Made
-
-
-def _bordered(square: Matrix, residual: Vector, along: Vector) -> list[Scalar] | None:
-    """Return the x with square x = -residual and one entry 0, where along has none.
-
-    ``None`` means that none is shown.
-
-    One row is left out: the others must be regular in the other columns. Where several may be, it
-    is the one that the x found satisfies best.
-    """
-    size, best = len(square), None
-    for column in (j for j in range(size) if along[j].is_zero() is False):
-        kept = [j for j in range(size) if j != column]
-        for row in range(size):
-            rows = [i for i in range(size) if i != row]
-            part = tuple(tuple(square[i][j] for j in kept) for i in rows)
-            try:
-                found = linalg.solve(part, tuple((-residual[i],) for i in rows))
-            except ExactnessError:
-                continue
-            x: list[Scalar] = [_ZERO] * size
-            for j, value in zip(kept, found, strict=True):
-                x[j] = value[0]
-            left = (linalg.dot(square[row], x) + residual[row]).magnitude()
-            if best is None or left < best[0]:
-                best = left, x
-        if best is not None:
-            return best[1]
-    return None
 
 
 def tableau(table: Mapping[str, Any]) -> Any:
