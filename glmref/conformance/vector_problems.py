@@ -1,9 +1,8 @@
-"""The problems of the vectors, and how every file of ``data/vectors`` is read and checked."""
+"""The problems of the vectors, and how a file of ``data/vectors`` is read."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -52,13 +51,7 @@ def folder() -> Path:
 @cache
 def problems() -> Mapping[str, TestProblem]:
     """Return every problem of the vectors, by name."""
-    path = folder() / "problems.json"
-    document = document_in(path, PROBLEMS_FORMAT)
-    with as_specified(path):
-        return _problems(document)
-
-
-def _problems(document: Mapping[str, Any]) -> Mapping[str, TestProblem]:
+    document = document_in(folder() / "problems.json", PROBLEMS_FORMAT)
     found = {}
     for entry in document["problems"]:
         halves = {k: tuple(entry[k]) for k in ("f", "dq", "dp") if k in entry}
@@ -71,11 +64,8 @@ def _problems(document: Mapping[str, Any]) -> Mapping[str, TestProblem]:
             dq=halves.get("dq"),
             dp=halves.get("dp"),
         )
-        d, quadratic = problem.dimension, entry.get("quadratic")
-        if quadratic is not None:
-            check_numbers(quadratic, (d, d), f"quadratic of {entry['name']}")
         found[entry["name"]] = TestProblem(
-            entry["name"], halves, entry["t0"], entry["y0"], quadratic, problem
+            entry["name"], halves, entry["t0"], entry["y0"], entry.get("quadratic"), problem
         )
     return found
 
@@ -93,30 +83,3 @@ def array(numbers: Any) -> np.ndarray:
     if isinstance(numbers, str):
         return np.float64(numbers)  # type: ignore[return-value]
     return np.array([array(x) for x in numbers])
-
-
-@contextmanager
-def as_specified(path: Path) -> Iterator[None]:
-    """Say in one sentence that a file is not what ``data/vectors/README.md`` specifies."""
-    try:
-        yield
-    except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        what = " ".join(f"{type(error).__name__}: {error}"[:200].split())
-        raise DataError(
-            f"{path.name}: the file is not as data/vectors/README.md says ({what})"
-        ) from None
-
-
-def check_numbers(given: Any, shape: tuple[int | None, ...], place: str) -> None:
-    """Refuse what is no array of finite decimals of a shape; ``None`` is any length but 0."""
-    try:
-        found = array(given)
-    except (TypeError, ValueError):
-        raise ValueError(f"{place} is no array of decimals in strings") from None
-    fits = len(found.shape) == len(shape) and all(
-        n > 0 and n == (n if want is None else want)
-        for n, want in zip(found.shape, shape, strict=True)
-    )
-    if not fits or not np.isfinite(found).all():
-        wanted = " x ".join("n" if n is None else str(n) for n in shape)
-        raise ValueError(f"{place} must be {wanted} finite decimals")

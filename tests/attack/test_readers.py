@@ -1,4 +1,4 @@
-"""Small attacks on the readers of records, problems, vectors and certificates; what they found."""
+"""Small attacks on the readers of records, problems and certificates; what they found."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ import json
 import pytest
 
 from glmref import Problem, load
-from glmref.conformance.vectors import vectors_of
-from glmref.errors import BudgetError, DataError, UsageError
+from glmref.errors import BudgetError, UsageError
 from glmref.exact import Exact
 from glmref.exact.linalg import conjugate_transpose
 from glmref.system.budget import limited
@@ -23,7 +22,6 @@ from . import (
     surroundings,
     tableaux,
     texts,
-    vectors,
 )  # fmt: skip
 
 
@@ -37,8 +35,6 @@ from . import (
         (tableaux, 60, ("refused", "unread", "holds")),
         (imports, 60, ("refused", "read", "exported")),
         (surroundings, 30, ("damaged entry", "the same")),
-        (vectors, 6, ("refused",)),
-        pytest.param(vectors, 40, ("refused", "holds"), marks=pytest.mark.slow),
         (certificates, 12, ("no",)),
         pytest.param(certificates, 60, ("no", "yes"), marks=pytest.mark.slow),
     ],
@@ -90,48 +86,6 @@ def test_a_nested_formula_is_refused_with_a_short_sentence():
 def test_a_problem_that_is_none_is_refused_with_a_short_sentence(given):
     caught = refused(UsageError, "", Problem, **{"f": ("y[0]",), "y0": (1.0,)} | given)
     assert len(caught) < 200
-
-
-@pytest.mark.parametrize(
-    ("place", "value"),
-    [
-        (("cases", 0, "kind"), None), (("cases", 0, "h"), "0"), (("cases", 0, "output"), [["1"]]),
-        (("cases", 0, "problem"), "zzz"), (("cases", 0, "input"), [["x", "1"]]), (("values",), "x"),
-        (("cases", 0, "bound"), "nan"), (("coefficients", "A"), [["1"], ["1", "2"]]),
-        (("cases", 0, "id"), "<script>"), (("cases", 0, "stages"), [["0", "1"], ["2"]]),
-        (("cases", 0, "stages"), [["0"]]), (("cases", 0, "flags"), ["zzz"]),
-        (("cases", 0, "conserved"), "inf"), (("coefficients", "c"), ["0"]),
-        (("cases", 10, "rows", 3, "error"), "0"),
-        (("cases", 10, "rows", 3, "steps"), 10_001),
-        (("cases", 5, "wrong", 0, "output"), [["1"]]), (("cases", 5, "wrong", 0, "flag"), "zzz"),
-    ],
-)  # fmt: skip
-def test_a_vector_file_that_is_not_as_specified_is_refused(tmp_path, monkeypatch, place, value):
-    doc = json.loads(json.dumps(vectors.sound()["rk4"]))
-    *path, last = place
-    block = doc
-    for key in path:
-        block = block[key]
-    block[last] = value
-    (tmp_path / "rk4.json").write_text(json.dumps(doc))
-    (tmp_path / "problems.json").write_text(json.dumps(vectors.sound()["problems"]))
-    for module in (vectors.vector_problems, vectors.vectors):
-        monkeypatch.setattr(module, "folder", lambda: tmp_path)
-    vectors._forget()
-    try:
-        refused(DataError, r"rk4\.json: the file is not as data/vectors/README", vectors_of, "rk4")
-    finally:
-        vectors._forget()
-
-
-@pytest.mark.parametrize(
-    "matrix", [[["1", "0"], ["0", "("]], [["1"], ["0", "1"]], [[1, 0], [0, 1]]]
-)
-def test_a_quadratic_form_that_is_none_is_refused_by_its_problem(matrix):
-    doc = json.loads(json.dumps(vectors.sound()["problems"]))
-    doc["problems"][0]["quadratic"] = matrix
-    with pytest.raises(ValueError, match="quadratic of linear"):
-        vectors.vector_problems._problems(doc)
 
 
 def test_the_reciprocal_of_a_number_of_thousands_of_digits():
