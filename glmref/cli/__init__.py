@@ -18,7 +18,6 @@ from .. import __version__
 from ..errors import GlmrefError
 from ..system.process import guarded, limited_by_parent, within
 from .auditing import audit, check
-from .benching import bench
 from .browsing import list_, show
 from .certifying import certify
 from .checking import verify
@@ -38,6 +37,7 @@ __all__ = ["group", "main"]
 
 #: Words that are no commands here, and what does what they ask for.
 _ELSEWHERE = {
+    "bench": "`asv run` in a checkout, see CONTRIBUTING.md",
     "help": "`glmref --help` and `glmref COMMAND --help`",
     "integrate": "`glmref.solve` in Python, `glmref compare PROBLEM` or `glmref run SCENE`",
     "plot": "`glmref show NAME --plot FILE.svg`, or `glmref.plot` in Python",
@@ -110,11 +110,10 @@ EXAMPLES = {
     board: "glmref board scipy reference",
     report: "glmref report --single-file",
 }
-#: Old names of commands, with the new ones; and what serves those who change glmref.
+#: Old names of commands, with the new ones.
 HIDDEN = {
     check: "glmref verify FILE",
     certify: "glmref verify NAME --certificates DIR",
-    bench: "",
 }
 
 for command, example in EXAMPLES.items():
@@ -122,7 +121,7 @@ for command, example in EXAMPLES.items():
     group.add_command(command)
 for command, new in HIDDEN.items():
     command.hidden = True
-    command.epilog = f"An old name: take `{new}`." if new else "For contributors: CONTRIBUTING.md."
+    command.epilog = f"An old name: take `{new}`."
     group.add_command(command)
 
 

@@ -10,8 +10,8 @@ from ..errors import UsageError
 from ..views.tables import one_line
 from .output import HOLDS, complain, say
 
-#: What is read when nothing is named: what `glmref run` and `glmref bench` write.
-PLACES = (Path("report"), Path(".asv", "results"))
+#: What is read when nothing is named: what `glmref run` writes.
+PLACE = Path("report")
 
 
 @click.command(short_help="Write stored results as HTML pages.")
@@ -35,14 +35,14 @@ PLACES = (Path("report"), Path(".asv", "results"))
 def report(
     results: tuple[Path, ...], output: Path | None, single: bool, every: bool, docs: str
 ) -> int:
-    """Write HTML pages of stored results: runs, methods, benchmarks; nothing is computed.
+    """Write HTML pages of stored results: runs, methods, measurements; nothing is computed.
 
     RESULTS are files and folders: scenes of your own that have been run into the folder report,
-    records of `glmref run`, findings of `glmref verify --format
-    json` and of the conformance suite, portraits NAME.svg of `glmref show NAME --plot`, results of
-    asv, method files of your own, which get a page each. By default the folder report and
-    .asv/results. Pages are written of these only; with --all also those of the catalogue, with the
-    measurements that come with the data (verdicts, observed orders, stability regions).
+    records of `glmref run`, findings of `glmref verify --format json` and of the conformance suite,
+    portraits NAME.svg of `glmref show NAME --plot`, method files of your own, which get a page
+    each. By default the folder report. Pages are written of these only; with --all also those of
+    the catalogue, with the measurements that come with the data (verdicts, observed orders,
+    stability regions).
     """
     from ..catalogue.files import data_root
     from ..catalogue.lookup import names
@@ -50,7 +50,7 @@ def report(
     from ..report.markup import counted
 
     shipped = data_root() / "measurements"
-    places = [x for given in results for x in _places(given)] if results else list(PLACES)
+    places = [x for given in results for x in _places(given)] if results else [PLACE]
     places = [x for x in places if results or x.exists()]
     if every and shipped.is_dir():
         places.append(shipped)
@@ -58,7 +58,7 @@ def report(
     for where, why in found.odd:
         complain(f"not shown: {where}: {why}")
     if found.is_empty and not every:
-        where = ", ".join(one_line(x) for x in results or PLACES)
+        where = ", ".join(one_line(x) for x in results or [PLACE])
         raise UsageError(
             f"there are no results in {where}; write some with `glmref run SCENE`, or give --all "
             "for the pages of the catalogue"
@@ -90,10 +90,10 @@ def _places(given: Path) -> list[Path]:
 
     name = load_scene(given).name
     ends = [f"{quick}{end}" for quick in ("", "-quick") for end in (SUFFIX, f"{ABOUT_SUFFIX}.json")]
-    found = [x for end in ends if (x := PLACES[0] / f"{name}{end}").is_file()]
+    found = [x for end in ends if (x := PLACE / f"{name}{end}").is_file()]
     if not found:
         raise UsageError(
-            f"there are no results of {one_line(given)} in {PLACES[0]}; run "
+            f"there are no results of {one_line(given)} in {PLACE}; run "
             f"`glmref run {one_line(given)}`, then this command again"
         )
     return found

@@ -19,7 +19,7 @@ from .measurements import measurement_pages
 from .methods import by_class, is_shipped_name, method_page, overview
 from .runs import run_page
 from .searching import search_page
-from .side_pages import audits_page, errata_page, history_page, measured_page
+from .side_pages import audits_page, errata_page, measured_page
 from .store import MARK, Results
 
 _SAID = "Pages of `glmref report`. This folder is rewritten; keep nothing else in it.\n"
@@ -35,8 +35,6 @@ def pages_of(
     front += measurement_pages(results)
     if catalogue:
         front += [audits_page(site), errata_page(site, known)]
-    if catalogue or results.benchmarks:
-        front.append(history_page(results))
     front.append(measured_page(results, __version__))
     if methods:
         front.append(search_page(site, results, by_class(results, methods), catalogue=catalogue))

@@ -1,4 +1,4 @@
-"""Pages beside methods and runs: errata, audited codes, benchmark history, how it was measured."""
+"""Pages beside methods and runs: errata, audited codes, how it was measured."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from markupsafe import Markup
 
 from ..catalogue.audits import STATUSES, audited_codes, named
 from ..catalogue.errata import VERDICTS, load_errata
-from ..views.tables import counted
-from .markup import SEARCH, Column, Figure, Page, Site, Table, number, render, wrapped
+from .markup import SEARCH, Column, Page, Site, Table, number, render, wrapped
 from .store import Results
 
 
@@ -101,53 +100,6 @@ def _marked(text: str) -> str:
     return wrapped(Markup("").join(marked))
 
 
-# --- benchmarks ---------------------------------------------------------------------------------
-
-
-def history_page(results: Results) -> Page:
-    """Write asv's results: error beside time, commit by commit."""
-    benchmarks = []
-    for index, home in enumerate(dict.fromkeys(x.benchmark for x in results.benchmarks)):
-        cells = [x for x in results.benchmarks if x.benchmark == home]
-        titles = list(dict.fromkeys(name for x in cells for name in x.parameters))
-        functions = list(dict.fromkeys(f for x in cells for f in x.values))
-        commits = list(dict.fromkeys(x.commit for x in cells))
-        columns = [
-            Column("series", "benchmark"),
-            Column("number", "number of the commit", linear=True),
-        ]
-        columns += [Column("commit", "commit"), Column("date", "date")]
-        columns += [Column(f, f, "s" if f.startswith("time") else "") for f in functions]
-        rows = [
-            [
-                ", ".join(x.parameters.get(t, "") for t in titles) or home,
-                number(commits.index(x.commit) + 1), x.commit[:8], x.date[:10],
-                *(number(x.values.get(f)) for f in functions),
-            ]
-            for x in cells
-        ]  # fmt: skip
-        table = Table(f"b{index}", f"{counted(len(rows), 'measurement')} of {home}", columns, rows)
-        figures = [
-            Figure(
-                table.id, ["number"], functions, f"history of {home}",
-                "Against the number of the commit, oldest first.", "series",
-            )
-        ]  # fmt: skip
-        times = [f for f in functions if f.startswith("time")]
-        errors = [f for f in functions if f.startswith("track") and "error" in f]
-        if times and errors:
-            figures.append(
-                Figure(
-                    table.id, times, errors, f"error against time, {home}",
-                    "Error against run time, every commit.", "series",
-                )
-            )  # fmt: skip
-        benchmarks.append((home, figures, table))
-    pictures = tuple(x.lines_of(table) for _, figures, table in benchmarks for x in figures)
-    body = render("history.html", benchmarks=benchmarks)
-    return Page("history", "Benchmarks", body, "benchmarks", pictures=pictures)
-
-
 # --- how it was measured ------------------------------------------------------------------------
 
 
@@ -162,7 +114,6 @@ def measured_page(results: Results, version: str) -> Page:
         "measured.html",
         version=version,
         machines=[(json.loads(text), count) for text, count in places.items()],
-        commits=list(dict.fromkeys((x.commit, x.machine, x.python) for x in results.benchmarks)),
         files=results.files,
         odd=results.odd,
     )

@@ -1,4 +1,4 @@
-"""Read what is stored: records, findings, portraits, benchmark results, measurements.
+"""Read what is stored: records, findings, portraits, measurements.
 
 A report is made of what is there. A line that is torn, a record of a version that is not known, a
 file that is something else: each is kept with the reason, shown on the page that says how things
@@ -28,7 +28,6 @@ from ..system.arguments import shown
 from ..system.files import read_text
 from ..system.shown import DARK
 from ..views.tables import counted
-from .asv_results import Cell, read_results
 
 #: Formats of the findings and of stability regions that are understood.
 FINDINGS, REGIONS = "glmref-findings-1", "glmref-stability-1"
@@ -68,7 +67,6 @@ class Results:
     abouts: dict[str, Record] = field(default_factory=dict)  #: Name of a run -> what it answers.
     #: Method -> findings of `glmref verify`; of two about one claim the one that was read first.
     findings: dict[str, list[Record]] = field(default_factory=dict)
-    benchmarks: list[Cell] = field(default_factory=list)  #: Cells of asv.
     #: Name -> document with a format of its own.
     measurements: dict[str, Record] = field(default_factory=dict)
     regions: dict[str, Record] = field(default_factory=dict)  #: Method -> its stability.
@@ -81,7 +79,7 @@ class Results:
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to show."""
-        shown = (self.runs, self.findings, self.benchmarks, self.measurements, self.regions)
+        shown = (self.runs, self.findings, self.measurements, self.regions)
         return not any((*shown, self.own, self.portraits))
 
     def of_others(self) -> list[str]:
@@ -121,7 +119,7 @@ class Results:
 
 
 def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
-    """Read files, and folders to any depth; a folder of results of asv is read as one.
+    """Read files, and folders to any depth.
 
     An SVG file ``NAME.svg`` of one of the ``methods`` is a portrait.
 
@@ -151,33 +149,23 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
 
 
 def _files(path: Path, above: tuple[str, ...] = ()) -> Iterator[Path]:
-    """Yield files of a folder in order; one with asv's results is a whole."""
+    """Yield files of a folder in order."""
     if not path.is_dir():
         yield path
         return
     place = os.path.realpath(path)
     if place in above:  # a link to a folder that this one lies in
         return
-    if (path / "benchmarks.json").is_file() or any(path.glob("*/machine.json")):
-        yield path
-        return
     for inner in sorted(path.iterdir()):
         # pages of an earlier report lie in a folder with this mark, hidden folders are not ours
-        if inner.name == ".asv" or not inner.name.startswith("."):
-            if inner.is_dir() and (inner / MARK).is_file():
-                continue
-            inner = inner / "results" if inner.name == ".asv" else inner
+        if not inner.name.startswith(".") and not (inner / MARK).is_file():
             yield from _files(inner, (*above, place))
 
 
 def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
     """Read one file by its kind."""
     try:
-        if path.is_dir():
-            cells = read_results(path)
-            found.benchmarks += cells
-            found.files.append((path.name, counted(len(cells), "cell") + " of benchmarks"))
-        elif path.suffix in (SUFFIX, ".jsonl"):
+        if path.suffix in (SUFFIX, ".jsonl"):
             _take_records(found, path)
         elif path.suffix == ".json":
             _take_document(found, path, methods)

@@ -105,7 +105,7 @@ CUT = """return [...document.querySelectorAll('svg.chart')].flatMap((svg) => {
 });"""
 
 PAGES = (
-    *("index", "audits", "errata", "history", "measured", "measured-needs", "search"),
+    *("index", "audits", "errata", "measured", "measured-needs", "search"),
     *(f"run-{NAME}", "run-odd", "run-many"),
     *(f"method-{name}" for name in METHODS),
 )
@@ -513,7 +513,7 @@ def test_one_file_shows_one_section_at_a_time(chromium: Any, site: Path) -> None
 @pytest.mark.parametrize("dark", [False, True])
 @pytest.mark.parametrize(
     "page",
-    ["index", "errata", "history", "measured", "measured-needs", "run-odd", f"run-{NAME}",
+    ["index", "errata", "measured", "measured-needs", "run-odd", f"run-{NAME}",
      "method-rk4", "method-pair-4-4"],
 )  # fmt: skip
 def test_axe_finds_no_serious_fault(chromium: Any, site: Path, page: str, *, dark: bool) -> None:

@@ -91,14 +91,6 @@ def test_a_named_pipe_is_no_tableau_and_no_certificate(tmp_path, capsys):
             assert ("named pipe" in captured.err) == (name != "loop")
 
 
-def test_a_named_pipe_is_no_result_of_asv(tmp_path: Path) -> None:
-    for name in ("benchmarks.json", "y/machine.json", "y/z.json"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        os.mkfifo(tmp_path / name)
-    ((where, why),) = read([tmp_path]).odd
-    assert "named pipe" in why
-
-
 def test_a_named_pipe_is_no_function_of_a_scene(tmp_path, capsys):
     os.mkfifo(tmp_path / "mine.py")
     (tmp_path / "s.toml").write_text(
@@ -155,7 +147,7 @@ def test_an_output_that_cannot_be_is_named(
     findings = {"format": "glmref-findings-1", "findings": [finding]}
     (tmp_path / "in" / "found.json").write_text(json.dumps(findings), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("glmref.cli.reporting.PLACES", (Path("in"),))
+    monkeypatch.setattr("glmref.cli.reporting.PLACE", Path("in"))
     # a page of each method would take seconds, and none is to be written
     monkeypatch.setattr(sys.modules["glmref.report.build"], "pages_of", lambda *_, **__: [])
     monkeypatch.setattr("glmref.report.markup.Site.document", lambda *_, **__: "new")

@@ -488,7 +488,7 @@ def test_an_own_scene_has_its_page_and_nothing_of_the_catalogue(with_own_scene: 
 
 def test_without_results_the_report_says_what_to_run(with_own_scene: Path, cli) -> None:
     for given, words in (
-        ([], "no results in report, .asv/results; write some with `glmref run SCENE`"),
+        ([], "no results in report; write some with `glmref run SCENE`"),
         (["."], "no results in .; write some with"),
         (["duffing.toml"], "no results of duffing.toml in report; run `glmref run duffing.toml`"),
     ):

@@ -13,9 +13,7 @@ import pytest
 from glmref.catalogue.files import data_root
 from glmref.errors import UsageError
 from glmref.report import read
-from glmref.report.asv_results import Cell
 from glmref.report.measurements import measurement_pages
-from glmref.report.side_pages import history_page
 from glmref.report.store import Results
 from glmref.report.typeset import typeset
 
@@ -131,16 +129,6 @@ def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(tmp_path, drawing, 
     assert found.portraits == {} and why in found.odd[0][1]
 
 
-def test_results_of_asv_are_read_as_one_and_a_broken_file_is_named(tmp_path: Path) -> None:
-    machine = tmp_path / "results" / "machine"
-    machine.mkdir(parents=True)
-    (machine / "machine.json").write_text("{}", encoding="utf-8")
-    assert read([tmp_path]).files == [("results", "0 cells of benchmarks")]
-    (machine / "abc-env.json").write_text("[]", encoding="utf-8")
-    (odd,) = read([tmp_path]).odd
-    assert odd[0] == "results" and "abc-env.json" in odd[1]
-
-
 def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(tmp_path):
     (tmp_path / "a.jsonl").write_text(json.dumps(GOOD) + "\n", encoding="utf-8")
     pages = tmp_path / "pages" / "data"
@@ -156,7 +144,7 @@ def test_a_path_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
         read([tmp_path / "nothing"])
 
 
-# -- measurements, benchmarks and errata on the pages: what is stored, and pictures where they fit
+# -- measurements and errata on the pages: what is stored, and pictures where they fit
 
 
 def measured(**doc: Any) -> str:
@@ -212,24 +200,6 @@ def test_cases_are_opened_and_their_runs_are_rows_under_the_method_they_belong_t
     assert "<tr><td>g6245, newton<td>g6245<td>newton<td>10<td>0.001<td>0.5" in body
     assert 'data-x="seconds steps" data-y="error"' in body
     assert "<td>1e-06: 3" in body  # what belongs to the track and to none of its runs
-
-
-def cell(commit: str, date: str, values: dict[str, float | None]) -> Cell:
-    return Cell(
-        "bench.Kepler", {"method": "rk4", "steps": "100"}, values, {}, commit, date, "m", "3.11"
-    )
-
-
-def test_benchmarks_are_a_history_and_error_beside_time() -> None:
-    cells = [
-        cell("a" * 40, "2026-01-01T00:00:00", {"time_run": 0.0125, "track_error": 1e-6}),
-        cell("b" * 40, "2026-02-01T00:00:00", {"time_run": 0.00625, "track_error": None}),
-    ]
-    body = history_page(Results(benchmarks=cells)).body
-    assert body.count("<figure") == 2 and 'data-x="time_run" data-y="track_error"' in body
-    assert "<tr><td>rk4, 100<td>1<td>aaaaaaaa<td>2026-01-01<td>0.0125<td>1e-06" in body
-    assert "<td>2<td>bbbbbbbb<td>2026-02-01<td>0.00625<td>–" in body
-    assert "No result of asv" in history_page(Results()).body
 
 
 @pytest.mark.parametrize("value", [[], {}, [1, {}], {"a": []}, "text", None, 3, [[1, 2], [3]]])
