@@ -4,4 +4,4 @@ cc -O2 -o rk4 docs/ways/rk4.c
 glmref conformance cmd:./rk4 --list
 glmref conformance cmd:./rk4
 glmref conformance "cmd:./rk4 slip" || echo "exit code $?: the defect is named above"
-glmref probe cmd:./rk4
+glmref conformance cmd:./rk4 --identify

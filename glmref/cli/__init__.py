@@ -22,13 +22,12 @@ from .browsing import list_, show
 from .certifying import certify
 from .checking import verify
 from .comparing import compare, problems
+from .conforming import conformance
 from .deriving import derive
 from .describing import analyze
 from .exchanging import convert
 from .feeding import feed
-from .linting import lint
 from .output import BAD_INPUT, INTERNAL, complain, confess
-from .probing import board, conformance, probe
 from .reporting import report
 from .running import run
 
@@ -47,11 +46,14 @@ _ELSEWHERE = {
 
 #: Old names of commands, and the words that they stand for.
 _OLD = {
+    "board": ("conformance", "--board"),
     "campaign": ("run",),
     "cite": ("show", "--bibtex"),
     "errata": ("list", "--errata"),
     "export": ("convert",),
     "import": ("convert",),
+    "lint": ("audit", "--lines"),
+    "probe": ("conformance", "--identify"),
 }
 
 
@@ -102,12 +104,9 @@ EXAMPLES = {
     compare: "glmref compare kepler --tolerance 1e-6",
     run: "glmref run kepler --plan",
     convert: "glmref convert gauss-2 --to c --output gauss_2.c",
-    audit: "glmref audit src/integrators",
-    lint: "glmref lint .",
+    audit: "glmref audit src/integrators --lines",
     feed: "glmref feed --output public",
-    probe: "glmref probe scipy",
-    conformance: "glmref conformance reference --list",
-    board: "glmref board scipy reference",
+    conformance: "glmref conformance scipy --identify",
     report: "glmref report --single-file",
 }
 #: Old names of commands, with the new ones.

@@ -1,4 +1,4 @@
-"""``glmref check``: a tableau from a file or a pipe; nothing but its numbers is needed."""
+"""``glmref audit`` and ``check``: tableaux in sources, and one from a file or a pipe."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..catalogue import canonical
 from ..errors import BudgetError, GlmrefError, UsageError
 from ..findings import Finding, Verdict
 from ..views.tables import counted, findings_json, one_line, plain
+from .linting import LINES, by_lines
 from .output import (
     BAD_INPUT,
     FAILED,
@@ -23,6 +24,7 @@ from .output import (
     complain,
     complete_method,
     count_option,
+    file_option,
     format_option,
     on_option,
     say,
@@ -156,44 +158,66 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
 
 
 @click.command(short_help="Check all tableaux in the sources of a code.")
-@click.argument("sources", type=click.Path(path_type=Path), metavar="PATH...", nargs=-1,
-                required=True)  # fmt: skip
+@click.argument("sources", type=click.Path(path_type=Path), metavar="[PATH]...", nargs=-1)
 @click.option(
     "--from",
-    "form",
+    "notation",
     type=Notation(READ),
     help="Package in whose notation the tables are written; by default any notation.",
 )
-@click.option("--format", "old", type=Notation(READ), hidden=True)  # what --from was called
 @click.option("--all", "every", is_flag=True, help="Show the tables that are right, too.")
 @click.option("--fast", is_flag=True, help="Do not look for the entry that is wrong.")
-@click.option("--strict", is_flag=True, help="Exit with 1 when a table is unread, too.")
+@click.option(
+    "--strict", is_flag=True, help="Exit with 1 when a table is unread, too; see --lines."
+)
 @on_option
+@click.option(
+    "--lines", is_flag=True,
+    help="Check method files and plain tableaux (JSON, TOML) as well, and say what is wrong by "
+    "file and line, by default below this folder.",
+)  # fmt: skip
+@format_option(LINES, "With --lines: the format of the output; table by default.", None)
+@click.option("--since", metavar="COMMIT", help="With --lines: only of changed lines.")
+@file_option("--sarif", "With --lines: write SARIF, too.")
+@file_option("--badge", "With --lines: write the JSON of a shields.io endpoint, too.")
+@click.option("--allow-empty", is_flag=True, help="With --lines: exit with 0 without a table.")
 def audit(
     sources: tuple[Path, ...],
-    form: str | None,
-    old: str | None,
+    notation: str | None,
     every: bool,
     fast: bool,
     strict: bool,
     on: str | None,
+    lines: bool,
+    **more: Any,
 ) -> int:
     """Check every tableau in files or checkouts: one line of JSON each, then a count.
 
     C, C++, CUDA, Fortran, Julia, Python, Rust, Java, MATLAB, Go and JavaScript are read. Nothing
     in the sources is executed. A table that is not understood is listed as unread, with its line,
     and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
+
+    With --lines an error is a claim that fails; a warning is a question, or a claim that is not
+    decided; with --strict a note is what looks like a table and could not be read, and any of them
+    gives exit code 1. Where no table is read it is 2 (0 with --since and --allow-empty).
     """
+    if lines:
+        if notation or every or fast or on:
+            raise UsageError("--lines reads any notation; leave --from, --all, --fast, --on away")
+        return by_lines(sources, findings_of, strict=strict, **more)
+    if any(more.values()):
+        raise UsageError("--format, --since, --sarif, --badge and --allow-empty are for --lines")
+    if not sources:
+        raise UsageError("name the files or folders to audit; . is this folder")
     from ..audit.sources import LINE
     from ..audit.sources import audit as examine
     from ..audit.table_verdicts import summary
     from ..compute import executor
 
-    form = form or old
     records = []
     with executor(on) as where:
         for source in sources:
-            for record in examine(source, form or "", search=not fast, on=where):
+            for record in examine(source, notation or "", search=not fast, on=where):
                 records.append(record)
                 if every or record["status"] not in ("right", "found", "digits"):
                     say(canonical.one_line({"format": LINE, **plain(record)}))
@@ -205,9 +229,9 @@ def audit(
     if unread == len(records):
         what = "is understood" if records else "is found"
         name = ", ".join(map(str, sources))
-        read = f" read as {form}; name another --from, or none" if form else ""
-        hint = "" if form else "; a table can be given as JSON, too (docs/check.md)"
-        if not form and not records and any(x.is_dir() for x in sources):
+        read = f" read as {notation}; name another --from, or none" if notation else ""
+        hint = "" if notation else "; a table can be given as JSON, too (docs/check.md)"
+        if not notation and not records and any(x.is_dir() for x in sources):
             hint = f"; a file given by its name is searched more closely{hint}"
         complain(f"no table {what} in {name}{read}{hint}")
         return FAILED if strict and records else BAD_INPUT

@@ -1,53 +1,39 @@
-"""``glmref lint``: the tableaux of a repository, for code hosts and hooks."""
+"""``glmref audit --lines``: the tableaux of a repository, for code hosts and hooks."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-import click
-
+from ..findings import Finding
 from ..views import sarif as formats
 from ..views.sarif import Level
 from ..views.tables import counted
-from .output import BAD_INPUT, FAILED, HOLDS, complain, file_option, format_option, say
+from .output import BAD_INPUT, FAILED, HOLDS, complain, say
 
-_FORMATS = {"table": formats.text, "github": formats.github, "sarif": formats.sarif}
+LINES = {"table": formats.text, "github": formats.github, "sarif": formats.sarif}
 
 
-@click.command(short_help="Check the tableaux of a repository, line by line.")
-@click.argument("places", nargs=-1, type=click.Path(path_type=Path), metavar="[FILE|FOLDER]...")
-@click.option("--since", metavar="COMMIT", help="Only tables with lines changed since COMMIT.")
-@click.option("--strict", is_flag=True, help="Show notes; exit with 1 for them and for warnings.")
-@format_option(tuple(_FORMATS))
-@file_option("--sarif", "Write SARIF, too.")
-@file_option("--badge", "Write the JSON of a shields.io endpoint, too.")
-@click.option("--allow-empty", is_flag=True, help="Exit with 0 where no table is read.")
-def lint(
+def by_lines(
     places: tuple[Path, ...],
-    since: str | None,
+    examine: Callable[[str], list[Finding]],
+    *,
     strict: bool,
-    form: str,
+    form: str | None,
+    since: str | None,
     sarif: Path | None,
     badge: Path | None,
     allow_empty: bool,
 ) -> int:
-    """Check all tableaux in files and folders, by default the folder where this runs.
-
-    Method files and plain tableaux (JSON, TOML) are checked as by `glmref verify`, sources in the
-    formats that their ending and words suggest as by `glmref audit`; other files are left out. An
-    error is a claim that fails; a warning is a question, or a claim that is not decided; a note is
-    what looks like a table and could not be read. Exit code 1 for errors, 2 when no table is read
-    (0 with --since and --allow-empty).
-    """
+    """Say what is wrong with the tableaux in files and folders, and return the exit code."""
     from ..audit.lint import changed_since
     from ..audit.lint import lint as find
-    from .auditing import findings_of
 
     root = Path.cwd()
     changed = None if since is None else changed_since(root, since)
-    found = find(places or (Path(),), root, findings_of, changed, notes=strict)
+    found = find(places or (Path(),), root, examine, changed, notes=strict)
     if found.remarks or form == "sarif":
-        say(_FORMATS[form](found.remarks))
+        say(LINES[form or "table"](found.remarks))
     if sarif is not None:
         sarif.write_text(formats.sarif(found.remarks) + "\n", encoding="utf-8")
     if badge is not None:

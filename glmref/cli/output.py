@@ -71,10 +71,12 @@ def _completed(names: Iterable[str], incomplete: str) -> list[CompletionItem]:
 
 
 def format_option(
-    formats: Sequence[str] = ("table", "json", "csv"), said: str = "Format of the output."
+    formats: Iterable[str] = ("table", "json", "csv"),
+    said: str = "Format of the output.",
+    default: str | None = "table",
 ) -> Callable[[Any], Any]:
     """Return the option ``--format`` of a command."""
-    return click.option("--format", "form", type=Word(formats), default="table", help=said)
+    return click.option("--format", "form", type=Word([*formats]), default=default, help=said)
 
 
 def count_option(name: str, most: int, said: str) -> Callable[[Any], Any]:

@@ -4,7 +4,7 @@ An adapter (:class:`.adapter.Adapter`) shows an integrator to the suite. Then::
 
     pytest --pyargs glmref.conformance --glmref-adapter package.module:Adapter
     python -m glmref.conformance package.module:Adapter --format json
-    glmref probe package.module:Adapter
+    glmref conformance package.module:Adapter --identify
 
 ``cmd:program argument ...`` instead of a Python object speaks JSON lines over a pipe
 (:mod:`.pipe`), so that any language takes part. The numbers the suite compares with lie in

@@ -1,4 +1,4 @@
-"""``glmref board``: integrator by property, each cell with its run, and the wrong one red."""
+"""``glmref conformance --board``: integrator by property, each cell with its run, and the wrong one red."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_the_exit_code_is_that_of_an_unexpected_verdict(
     name: str, rows: Row, code: int, tmp_path: Path, monkeypatch: Any, capsys: Any
 ) -> None:
     monkeypatch.setattr(suite, "board", lambda *_: iter([Run(name, "", "c", (rows,))]))
-    assert main(["board", "--output", str(tmp_path / "b")]) == code
+    assert main(["conformance", "--board", "--output", str(tmp_path / "b")]) == code
     assert "1 method of 1 integrator, 0 did not run" in capsys.readouterr().out
 
 
@@ -96,11 +96,13 @@ def test_a_recipe_names_what_the_line_of_the_list_names(cli) -> None:
             word in text.split() for word in (*needs.packages.split(), *needs.system.split())
         )
         assert text.startswith("FROM python:") and f'"{name}"' in text
-    assert "scipy" in cli("board", "--recipe", "scipi", code=2).err
+    assert "scipy" in cli("conformance", "--recipe", "scipi", code=2).err
 
 
 def test_a_name_that_is_no_adapter_is_refused(tmp_path: Path, capsys: Any) -> None:
-    assert main(["board", "--output", str(tmp_path / "board"), "exported-pyton"]) == 2
+    assert (
+        main(["conformance", "--board", "--output", str(tmp_path / "board"), "exported-pyton"]) == 2
+    )
     assert "there is no adapter named 'exported-pyton'" in capsys.readouterr().err
 
 

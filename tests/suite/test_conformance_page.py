@@ -73,7 +73,7 @@ def test_a_command_does_what_the_page_shows(here, capsys, words, code, shown):
 def test_the_smallest_adapter_passes_and_is_read_as_what_it_is(here: Path, capsys) -> None:
     assert glmref_main(["conformance", "mine:RungeKutta4"]) == 0
     assert "13 of 13 hold" in capsys.readouterr().out
-    assert glmref_main(["probe", "mine:RungeKutta4", "--format", "json"]) == 0
+    assert glmref_main(["conformance", "mine:RungeKutta4", "--identify", "--format", "json"]) == 0
     (probe,) = json.loads(capsys.readouterr().out)["probes"]
     assert [x["name"] for x in probe["matches"]] == ["rk4"]
 

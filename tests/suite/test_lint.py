@@ -1,4 +1,4 @@
-"""``glmref lint``, the GitHub Action and the pre-commit hook, on a repository with one wrong table."""
+"""``glmref audit --lines``, the GitHub Action and the pre-commit hook, on a repository with one wrong table."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_wrong_entry_is_named_with_its_line(repository: Path, cli, tmp_path: Path) -> None:
     (repository / "wrong.json").write_text(WRONG)
     sarif, badge = tmp_path / "x.sarif", tmp_path / "badge.json"
-    said = cli("lint", "--sarif", sarif, "--badge", badge, code=1)
+    said = cli("audit", "--lines", "--sarif", sarif, "--badge", badge, code=1)
     places = re.findall(r"^(\S+):(\d+): error: ", said.out, re.MULTILINE)
     assert places == [("src/rk.c", "4"), ("src/rk.c", "12"), ("wrong.json", "8")]
     assert "a[2][1] is 1/3 and should be 2/3" in said.out
@@ -85,11 +85,11 @@ def test_a_wrong_entry_is_named_with_its_line(repository: Path, cli, tmp_path: P
 
 @pytest.mark.slow
 def test_only_tables_with_changed_lines_are_judged(repository: Path, cli) -> None:
-    said = cli("lint", "--since", "HEAD^", "--format", "github", code=1)
+    said = cli("audit", "--lines", "--since", "HEAD^", "--format", "github", code=1)
     (line,) = said.out.splitlines()
     assert line.startswith("::error file=src/rk.c,line=12,title=glmref table::T1: order 1")
     assert "1 table: 1 error" in said.err
-    assert "0 tables" in cli("lint", "--since", "HEAD").err
+    assert "0 tables" in cli("audit", "--lines", "--since", "HEAD").err
 
 
 def test_a_table_of_which_a_line_was_taken_out_is_judged(repository: Path, cli) -> None:
@@ -98,7 +98,7 @@ def test_a_table_of_which_a_line_was_taken_out_is_judged(repository: Path, cli) 
     git(repository, "add", ".")
     git(repository, "commit", "--quiet", "-m", "w")
     (repository / "w.json").write_text("".join(lines[:6] + lines[7:]))
-    assert cli("lint", "--since", "HEAD", code=1).out.startswith("w.json:")
+    assert cli("audit", "--lines", "--since", "HEAD", code=1).out.startswith("w.json:")
 
 
 @pytest.mark.parametrize(
@@ -119,11 +119,11 @@ def test_what_is_a_tableau_and_what_is_said_of_it(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text(content)
-    assert main(["lint"]) == code
+    assert main(["audit", "--lines"]) == code
     out, err = capsys.readouterr()
     assert words in out and bool(out) is bool(words)
     assert ("no table is found in this folder" in err) is (code == 2)
-    assert main(["lint", "--allow-empty"]) == (code if code == 1 else 0)
+    assert main(["audit", "--lines", "--allow-empty"]) == (code if code == 1 else 0)
 
 
 @pytest.mark.parametrize(
@@ -135,18 +135,18 @@ def test_what_is_a_tableau_and_what_is_said_of_it(
     ],
 )
 def test_what_is_not_there_is_refused(words: list[str], said: str, repository: Path, cli) -> None:
-    assert said in cli("lint", *words, code=2).err
+    assert said in cli("audit", "--lines", *words, code=2).err
 
 
 def test_since_outside_of_a_checkout_is_refused(tmp_path: Path, monkeypatch, cli) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
-    assert "git cannot answer here" in cli("lint", "--since", "HEAD", code=2).err
+    assert "git cannot answer here" in cli("audit", "--lines", "--since", "HEAD", code=2).err
 
 
 def test_messages_do_not_end_a_workflow_command(repository: Path, capsys) -> None:
     (repository / "a,b:c%.json").write_text(WRONG)
-    assert main(["lint", "a,b:c%.json", "--format", "github"]) == 1
+    assert main(["audit", "--lines", "a,b:c%.json", "--format", "github"]) == 1
     assert capsys.readouterr().out.startswith("::error file=a%2Cb%3Ac%25.json,line=8,")
 
 
@@ -245,6 +245,6 @@ def test_the_hook_takes_every_ending_that_is_read() -> None:
 def test_the_only_file_of_a_folder_is_read_as_when_it_is_named(tmp_path: Path, cli) -> None:
     own = "double A[2][2] = {{0, 0}, {%s, 0}}, b[2] = {0, 1}, c[2] = {0, 0.5};\n"
     (tmp_path / "own.c").write_text(own % "0.5")
-    assert "1 table: 0 errors" in cli("lint", tmp_path).err
+    assert "1 table: 0 errors" in cli("audit", "--lines", tmp_path).err
     (tmp_path / "other.c").write_text("int main(void) { return 0; }\n")
-    assert "no table is found" in cli("lint", tmp_path, code=2).err
+    assert "no table is found" in cli("audit", "--lines", tmp_path, code=2).err

@@ -11,7 +11,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.cli import main
-from glmref.cli.probing import _page
+from glmref.cli.conforming import _page
 from glmref.conformance.adapters.reference import Adapter as Reference
 from glmref.conformance.identify import _arrays, as_method, identify, matches, recognised
 from glmref.conformance.probe import read
@@ -276,12 +276,25 @@ def test_scipy_is_read_as_dormand_prince_and_dop853_as_its_table() -> None:
 
 
 def test_the_command_prints_a_page_and_strict_json(capsys: pytest.CaptureFixture[str], cli) -> None:
-    assert "gauss-2" in cli("probe", "reference", "--method", "gauss-2").out
-    assert main(["probe", "reference", "--method", "gsymplectic-n", "--format", "json"]) == 0
+    assert "gauss-2" in cli("conformance", "reference", "--identify", "--method", "gauss-2").out
+    assert (
+        main(
+            [
+                "conformance",
+                "reference",
+                "--identify",
+                "--method",
+                "gsymplectic-n",
+                "--format",
+                "json",
+            ]
+        )
+        == 0
+    )
     document = json.loads(capsys.readouterr().out)
     assert document["format"] == "glmref-probe-1"
     (probe,) = document["probes"]
     assert probe["matches"][0]["name"] == "gsymplectic-n"
     assert probe["analysis"]["g_symplectic"]["holds"] is True
-    for wrong in (["probe", "nothing"], ["probe", "reference", "--method", "rk5"]):
-        assert len(cli(*wrong, code=2).err.splitlines()) == 1
+    for wrong in (["nothing"], ["reference", "--method", "rk5"]):
+        assert len(cli("conformance", "--identify", *wrong, code=2).err.splitlines()) == 1

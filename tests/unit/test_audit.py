@@ -67,17 +67,17 @@ def test_the_command_goes_on_after_what_it_cannot_read(tmp_path: Path, cli) -> N
 def test_nothing_read_is_an_error_and_unread_is_not_strictly_right(tmp_path, capsys, cli):
     """Plain C arrays, which no reader takes; and one table that is read beside one that is not."""
     (tmp_path / "rk.c").write_text("double A[2][2] = {{0, 0}, {1, 0}};\ndouble b[2] = {.5, .5};\n")
-    out = cli("audit", tmp_path / "rk.c", "--format", "odeint", code=2)
+    out = cli("audit", tmp_path / "rk.c", "--from", "odeint", code=2)
     assert out.out == "" and "no table is found in" in out.err and "--from" in out.err
     path = tmp_path / "two.json"
     path.write_text('[{"A": [[0]], "b": [1], "order": 1}, {"A": [[0]], "b": [1, 2]}]')
-    assert main(["audit", str(path), "--format", "json", "--fast"]) == 0
+    assert main(["audit", str(path), "--from", "json", "--fast"]) == 0
     (row,) = [json.loads(x) for x in capsys.readouterr().out.splitlines()]
     assert (row["format"], row["status"]) == ("glmref-audited-table-1", "unread")
-    assert main(["audit", str(path), "--format", "json", "--strict", "--fast"]) == 1
+    assert main(["audit", str(path), "--from", "json", "--strict", "--fast"]) == 1
     path = tmp_path / "one.json"
     path.write_text('{"A": [[0]], "b": [1, 2]}')
-    assert "no table is understood in" in cli("audit", path, "--format", "json", code=2).err
+    assert "no table is understood in" in cli("audit", path, "--from", "json", code=2).err
 
 
 def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
@@ -89,7 +89,7 @@ def test_nothing_in_a_source_is_executed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("form", ["petsc", "julia", "odeint"])
 def test_a_folder_without_sources_is_one_sentence(form: str, tmp_path: Path, cli) -> None:
-    assert "holds no file" in cli("audit", tmp_path, "--format", form, code=2).err
+    assert "holds no file" in cli("audit", tmp_path, "--from", form, code=2).err
 
 
 def with_abscissae(name: str) -> dict[str, Any]:
@@ -318,13 +318,9 @@ def test_a_table_that_a_step_completes_is_unread(tmp_path: Path) -> None:
 
 
 def test_the_notation_is_given_with_from_as_in_import(tmp_path: Path, cli) -> None:
-    """``--format``, which elsewhere is that of the output, is accepted, too."""
     source = tmp_path / "weights.c"
     source.write_text("double a21 = 1.0;\ndouble b1 = 0.5;\ndouble b2 = 0.5;\n", encoding="utf-8")
-    found = []
-    for option in ("--from", "--format"):
-        found.append(cli("audit", source, option, "constants", "--all").out)
-    assert found[0] == found[1] and '"found": 2' in found[0]
+    assert '"found": 2' in cli("audit", source, "--from", "constants", "--all").out
 
 
 # --- any file -------------------------------------------------------------------------------------

@@ -145,13 +145,13 @@ def test_a_link_of_a_checkout_that_leads_out_is_unread(inner, capsys):
     (inner.parent / "secret.json").write_text('{"A": [["0"]], "b": ["2"], "order": 1}')
     (inner / "link.json").unlink()
     (inner / "link.json").symlink_to(inner.parent / "secret.json")
-    main(["audit", str(inner), "--format", "json", "--all"])
+    main(["audit", str(inner), "--from", "json", "--all"])
     rows = {x["path"]: x for x in map(json.loads, capsys.readouterr().out.splitlines())}
     assert rows["link.json"]["status"] == "unread"
     assert "leads out of the checkout" in rows["link.json"]["remarks"][0]
     assert rows["good.json"]["status"] != "unread"
     # the near miss: the link itself is named on the command line
-    main(["audit", str(inner / "link.json"), "--format", "json", "--all"])
+    main(["audit", str(inner / "link.json"), "--from", "json", "--all"])
     assert json.loads(capsys.readouterr().out.splitlines()[0])["status"] != "unread"
 
 

@@ -1,4 +1,4 @@
-"""``glmref conformance`` and ``glmref probe``: is this code the method, and which method is it."""
+"""``glmref conformance``: is this code the method, and which method is it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import UsageError
 from ..findings import Verdict
 from ..views.tables import FORMATS, Style, columns, counted, json_text, one_line, shown_value
 from .output import FAILED, HOLDS, INTERNAL, Progress, complain, format_option, say
@@ -18,40 +19,83 @@ if TYPE_CHECKING:
     from ..conformance.identify import Probe
 
 
-@click.command(short_help="Test that an integrator implements its method.")
-@click.argument("adapter", metavar="ADAPTER")
+@click.command(short_help="Test integrators, or find out which method they are.")
+@click.argument("adapters", nargs=-1, metavar="[ADAPTER]...")
 @click.option(
     "--known-failures", metavar="FILE", help="Lines `id: reason` of the expected failures."
 )
 @format_option(FORMATS)
 @click.option("--list", "ids", is_flag=True, help="Write the ids of the checks and stop.")
-def conformance(adapter: str, known_failures: str | None, form: str, ids: bool) -> int:
+@click.option(
+    "--identify", "named", is_flag=True,
+    help="Read the coefficients out of the running integrator, name its methods, analyze them.",
+)  # fmt: skip
+@click.option("--method", metavar="NAME", help="With --identify: this one of its methods only.")
+@click.option(
+    "--board", "page", is_flag=True,
+    help="Test many integrators, by default all that are shipped but for the engines of glmref, "
+    "and write a page: integrator by property.",
+)  # fmt: skip
+@click.option(
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="With --board: the folder of the page and of the runs; board by default.",
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(1, 10**6),
+    metavar="SECONDS",
+    help="With --board: time limit of each integrator; 600 by default.",
+)
+@click.option("--recipe", metavar="ADAPTER", help="Write its container recipe and stop.")
+def conformance(
+    adapters: tuple[str, ...],
+    known_failures: str | None,
+    form: str,
+    ids: bool,
+    named: bool,
+    method: str | None,
+    page: bool,
+    output: Path | None,
+    seconds: float | None,
+    recipe: str | None,
+) -> int:
     """Run the conformance suite on an integrator.
 
     ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit codes: 0
-    every check holds, 1 one fails, 2 the adapter or an option is bad; under pytest the codes are
-    pytest's.
+    every check holds, 1 one fails, 2 the adapter or an option is bad; with --identify 3 when
+    something could not be determined, which the output says; with --board 1 also when the adapter
+    that is wrong on purpose passes, and what is not installed is grey, with the reason. Under
+    pytest the codes are pytest's.
     """
+    if recipe is not None:
+        from ..conformance.board import recipe as recipe_of
+
+        say(recipe_of(recipe).rstrip())
+        return HOLDS
+    if (method and not named) or ((output or seconds) and not page):
+        raise UsageError("--method is for --identify, --output and --seconds are for --board")
+    others = ids or known_failures
+    if (named and (page or others or form not in ("table", "json"))) or (page and others):
+        raise UsageError("--identify and --board stand alone; --identify writes a table or json")
+    if page:
+        return _board(adapters, output or Path("board"), seconds or 600)
+    if len(adapters) != 1:
+        raise UsageError("name one adapter, as in `glmref conformance scipy`; --board takes many")
+    if named:
+        return _identify(adapters[0], method, form)
     from ..conformance.suite_findings import findings_of, ids_of, text_of
 
     # what the adapter prints goes to stderr, so that stdout holds the findings and nothing else
     with redirect_stdout(sys.stderr):
-        listed = ids_of(adapter) if ids else []
-        found = [] if ids else findings_of(adapter, known_failures)
+        listed = ids_of(adapters[0]) if ids else []
+        found = [] if ids else findings_of(adapters[0], known_failures)
     say("\n".join(listed) if ids else text_of(found, form, Style.of(sys.stdout)))
     return FAILED if any(x.verdict is Verdict.FAILS for x in found) else HOLDS
 
 
-@click.command(short_help="Identify the method of an integrator.")
-@click.argument("adapter", metavar="ADAPTER")
-@click.option("--method", metavar="NAME", help="This one of the adapter's methods only.")
-@format_option(("table", "json"))
-def probe(adapter: str, method: str | None, form: str) -> int:
-    """Read the coefficients out of a running integrator, name the method, and analyze it.
-
-    ADAPTER is package.module:Name, cmd:program, or a shipped adapter such as scipy. Exit code 3
-    when something could not be determined; the output says what.
-    """
+def _identify(adapter: str, method: str | None, form: str) -> int:
+    """Say which methods an integrator is, and return the exit code."""
     from ..conformance.identify import FORMAT, identify
     from ..conformance.suite_findings import loaded
 
@@ -66,34 +110,11 @@ def probe(adapter: str, method: str | None, form: str) -> int:
     return INTERNAL if any(x.reading is None or x.notes for x in found) else HOLDS
 
 
-@click.command(short_help="Run the conformance suite on many integrators: one page.")
-@click.argument("adapters", nargs=-1, metavar="[ADAPTER]...")
-@click.option(
-    "--output",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=Path("board"),
-    help="Folder of the page and of the runs; board by default.",
-)
-@click.option(
-    "--seconds",
-    type=click.FloatRange(1, 10**6),
-    default=600,
-    help="Time limit of each integrator; 600 by default.",
-)
-@click.option("--recipe", metavar="ADAPTER", help="Write its container recipe and stop.")
-def board(adapters: tuple[str, ...], output: Path, seconds: float, recipe: str | None) -> int:
-    """Run the conformance suite on integrators, and write a page: integrator by property.
-
-    An ADAPTER is written as for `glmref conformance`; by default all that are shipped, except for
-    the engines of glmref. What is not installed is grey, with the reason. Exit code 1 when a check
-    fails, or when the adapter that is wrong on purpose passes.
-    """
+def _board(adapters: tuple[str, ...], output: Path, seconds: float) -> int:
+    """Write the page of many integrators, and return the exit code."""
     from ..conformance import board as suite
     from ..report.board import build_board
 
-    if recipe is not None:
-        say(suite.recipe(recipe).rstrip())
-        return HOLDS
     runs = []
     with Progress(len(adapters or suite.DEFAULT), "board", "adapter") as progress:
         for run in suite.board(adapters, seconds):
