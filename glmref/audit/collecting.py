@@ -45,6 +45,8 @@ _SPELT["half"] = Exact(1) / 2
 _UNPAIRED = re.compile(r"^[^()\[\]{};]*(?:\([^()\[\]{};]*\)[^()\[\]{};]*)*[()\[\]{};]")
 #: A list in a text that is compiled at run time.
 _DECLARED = re.compile(r"[A-Za-z_]\w*\[\w*\] *= *\{[-+\w., ]*\}")
+#: What makes an array of another one, entries of which are set later.
+_ARITHMETIC = frozenset("sum dot matmul @ *".split())
 _CONTINUES = frozenset("+ - * / // ** ^ = , ( [ { && || \\ :: ? .".split())
 
 
@@ -546,6 +548,8 @@ class Collector:
                     self._lose(found[0], "a DATA statement is not understood", target[0].line)
 
     def _assign(self, row: Sequence[Token], equal: int) -> None:
+        if equal > 1 and row[equal - 1].text == "." and self.language.name == "julia":
+            row, equal = [*row[: equal - 1], *row[equal:]], equal - 1  # a[4, :] .= b
         if self._several(row, equal):
             return
         target = _target(row[:equal], self.language)
@@ -696,6 +700,9 @@ class Collector:
                 block.items = [x for x in block.items if x.value is not block.names[name]]
             if isinstance(value, Unread):
                 self.failed.append((block, item, row))
+                value.computed = bool(_ARITHMETIC & {x.text for x in row}) and any(
+                    isinstance(block.names.get(x.text), list) for x in row
+                )
             block.items.append(item)
             block.names[name] = value
             if isinstance(value, list):
@@ -800,6 +807,8 @@ class Collector:
                 self._lose(name, f"an entry of {name} lies outside of it", line)
             return
         own = block.names.get(name)
+        if isinstance(own, Unread) and own.computed:  # its other entries are computed from an array
+            return
         if not isinstance(own, Entries) or index in own:
             own = self._begun(block, name, line)
             own.cleared = "alloc" in block.called.lower()  # as the other entries of the object are

@@ -766,10 +766,19 @@ class Folder:
             if places == [2, 1] and isinstance(dims[0], list):  # rows first
                 return transposed(self._reshaped(given[0], [dims[0][::-1]]))
             return self._reshaped(given[0], dims if len(given) < 3 else given[1:])
-        if low in _OF_LISTS and len(given) == 1 and isinstance(given[0], list) and not words:
-            return _OF_LISTS[low](given[0])
+        if low in _OF_LISTS and given and isinstance(given[0], list):
+            return self._of_list(low, given, words)
         if low in ("exp", "log", "sin", "cos", "tan", "abs", "min", "max", "sum", "len", "diag"):
             raise Unread(f"the function {low!r} is not read")
+        return _NOT_KNOWN
+
+    def _of_list(self, low: str, given: list[Any], words: Mapping[str, Any]) -> Any:
+        more = [*given[1:], *words.values()]
+        if not more:
+            return _OF_LISTS[low](given[0])
+        rows = all(isinstance(x, list) for x in given[0])
+        if low == "sum" and rows and whole_number(more[0]) in (1 + self.language.base, -1):
+            return [total(row) for row in given[0]]
         return _NOT_KNOWN
 
     def _filled(self, low: str, given: list[Any]) -> Any:
@@ -834,7 +843,8 @@ class Folder:
     def _member(self, x: Any, t: Token) -> Any:
         name = t.text
         called = self.sees("(")
-        given = [y for _, y in self._arguments()[0]] if called else []
+        values, words = self._arguments() if called else ([], {})
+        given = [y for _, y in values]
         if name == "sqrt":
             return _rooted(x)
         if name.lower() in ARITHMETIC and len(given) == 1:
@@ -849,8 +859,8 @@ class Folder:
             return transposed(x)
         if name == "reshape":
             return self._reshaped(x, given)
-        if name == "sum" and called and not given and isinstance(x, list):
-            return total(x)
+        if name == "sum" and called and isinstance(x, list):
+            return self._function(name, [x, *given], words)
         if name in _COPIES:
             return given[0] if name == "newInstance" and given else x
         raise Unread(f"{name!r} of a value is not read", t.line)
@@ -961,6 +971,7 @@ def total(x: Sequence[Any]) -> Number:
 _OF_LISTS: Mapping[str, Callable[[list[Any]], Any]] = {
     **dict.fromkeys("flip flipud fliplr reverse reversed".split(), lambda x: x[::-1]),
     "sum": total,
+    "vec": lambda x: x,
     "diff": lambda x: [pairwise("-", q, p) for p, q in itertools.pairwise(x)],
 }
 

@@ -11,7 +11,7 @@ import math
 import re
 from bisect import bisect_left, bisect_right
 from collections import Counter, deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations, product
 from math import isqrt
@@ -570,20 +570,26 @@ def _matrices(
 _PLAIN_BLOCKS = CHOICES | {"", "do", "try", "unsafe"}
 
 
+def _own_part(block: Block, collector: Collector) -> tuple[list[Block], set[int], list[Token]]:
+    """Return the functions in a block, and its lines and tokens without those of them."""
+    inner = [x for x in block.blocks if x.kind == "code" and x.name not in _PLAIN_BLOCKS]
+    own = set(range(block.line, block.last + 1))
+    own = own.difference(n for x in inner for n in range(x.line, x.last + 1))
+    low, high = (f(collector.tokens, y, key=lambda x: x.line)
+                 for f, y in ((bisect_left, block.line), (bisect_right, block.last)))  # fmt: skip
+    return inner, own, [x for x in collector.tokens[low:high] if x.line in own]
+
+
 def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -> list[Table]:
     """Add the steps that functions make; what is computed says more than names do."""
-    lines = [x.line for x in collector.tokens]
     flows = OF_FLOWS.search(collector.text)
     steps = MULTISTEP.search(collector.text)
     known = functions(blocks, collector)
     for block in blocks:
         if block.kind != "code" or (block.parent and block.name in _PLAIN_BLOCKS):
             continue
-        inner = [x for x in block.blocks if x.kind == "code" and x.name not in _PLAIN_BLOCKS]
-        own = set(range(block.line, block.last + 1))
-        own = own.difference(n for x in inner for n in range(x.line, x.last + 1))
-        low, high = bisect_left(lines, block.line), bisect_right(lines, block.last)
-        given = flat([x for x in collector.tokens[low:high] if x.line in own], collector.language)
+        inner, own, said = _own_part(block, collector)
+        given = flat(said, collector.language)
         made = list(steps_of(block, given, collector))
         if known and all(x.unread or not x.followed for x in made):
             more = steps_of(block, followed(given, known), collector)
@@ -593,9 +599,10 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
             table.order, table.key, table.source = _own_order(block), key_of(table.A), STEP
             table.computed = True
         unread, made = [x for x in made if x.unread], [x for x in made if not x.unread]
-        if not (made or unread or inner) and _RUNGE.search(block.own or block.name):
+        if not (made or unread or inner) and _calls_again(given) and _RUNGE.search(
+                block.own or block.name):  # fmt: skip
             unread = [Table(block.name, block.line, unread=_BY_NAME, general=True, last=block.last,
-                            block=block)] if _calls_again(given) else []  # fmt: skip
+                            block=block)]  # fmt: skip
         if unread and not made and not any(x.line in own for x in found):
             found = [*found, unread[0]]
         # ones alone are the weights of many methods
@@ -632,10 +639,9 @@ _BY_NAME = "its name says that this is a step of a Runge-Kutta method, in a form
 
 
 def _calls_again(given: Sequence[Token]) -> bool:
-    """Return whether a function of time, state and step is called three times or more."""
-    return (
-        max(Counter(x.name for x in calls(given) if len(x.arguments) > 2).values(), default=0) > 2
-    )
+    """Return whether a function of time and state is called three times or more in a step."""
+    count = Counter(x.name for x in calls(given) if len(x.arguments) > 2)
+    return max(count.values(), default=0) > 2 and _steps_in(given, ("*", "/", ",", ")"))
 
 
 def _holds_step(table: Table, step: Table) -> bool:
@@ -690,31 +696,52 @@ _METHOD = re.compile(
 #: Lines before a function, and of it, in which a comment says what it is; lines of a function that
 #: has one purpose; different coefficients of a step.
 _ABOVE, _LINES, _DIFFERENT = 4, 200, 2
+#: Names of the size of a step, of which a step has products.
+_STEP_SIZE = re.compile(
+    r"(?:\w*_)?(?:hh?|dt|tau|eps|epsilon|delta_?t|[δΔ]t|(?:time_?)?step(?:_?size)?)(?:_[a-z]*|\d*)"
+    r"|\w*(?-i:Dt|DT|DeltaT|Step|StepSize)",
+    re.IGNORECASE,
+)
+
+
+def _steps_in(row: Sequence[Token], marks: Collection[str] = ("*", "/", ".*", "./")) -> bool:
+    """Return whether the size of a step stands beside one of some marks, as in a product."""
+    return any(
+        x.kind == "name" and {y.text, z.text} & {*marks} and _STEP_SIZE.fullmatch(x.text)
+        for y, x, z in zip([row[-1], *row], row, [*row[1:], row[0]], strict=False)
+    )  # fmt: skip
 
 
 def _called_a_method(
     found: list[Table], blocks: list[Block], collector: Collector
 ) -> Iterator[Table]:
-    """Yield as unread each function that is called a method and has coefficients in products.
+    """Yield as unread each step that is called a method and has coefficients in products.
 
-    Nothing of it has been read, nor said to be unread, so that no method is passed over in silence.
+    It, or the class around it, is called so, and nothing of either has been read, or said to be
+    unread, so that no method is passed over in silence.
     """
     code = [x for x in blocks if x.kind == "code" and x.parent is not None
             and x.last - x.line < _LINES and x.name not in _PLAIN_BLOCKS]  # fmt: skip
     taken = [(x.line, max(x.line, x.last)) for x in found]
-    lines = [x.line for x in collector.tokens]
-    for block in sorted(code, key=lambda x: x.last - x.line):
+
+    def called(block: Block) -> re.Match[str] | None:
         near = (x.text for x in collector.remarks
                 if block.line - _ABOVE <= x.last and x.line <= block.line + _ABOVE)  # fmt: skip
         said = _METHOD.search(block.own or block.name) or _METHOD.search(" ".join(near))
-        if not said or any(a <= block.last and block.line <= b for a, b in taken):
+        free = not any(a <= block.last and block.line <= b for a, b in taken)
+        return said if free else None
+
+    for block in sorted(code, key=lambda x: x.last - x.line):
+        around = [x for x in (block, block.parent) if x in code]
+        said, which = next(((y, x) for x in around if (y := called(x))), (None, block))
+        if said is None or any(a <= block.last and block.line <= b for a, b in taken):
             continue
-        row = collector.tokens[bisect_left(lines, block.line) : bisect_right(lines, block.last)]
-        given = list(_coefficients_in([x for x in row if x.kind != "line"]))
-        if len({x for x, _ in given}) < _DIFFERENT:
+        row = [x for x in _own_part(block, collector)[2] if x.kind != "line"]
+        given = list(_coefficients_in(row))
+        if len({x for x, _ in given}) < _DIFFERENT or not _steps_in(row):
             continue
         why = f"it is called {said[0]!r} and has coefficients in its arithmetic, which are not read"
-        taken.append((block.line, block.last))
+        taken.append((which.line, which.last))
         yield Table(block.own or block.name, given[0][1], unread=why, general=True,
                     last=block.last, block=block)  # fmt: skip
 
@@ -792,7 +819,7 @@ def _not_folded(given: list[Table], blocks: list[Block], language: Language) -> 
             why = next((str(y) for y in (x.value, *entries) if isinstance(y, Unread)), "")
             around = [block, *([block.parent] if entries and block.parent else [])]
             rows += [(x.name, x.line, why, around)] if why else []
-        for name, line, why, around in rows:
+        for name, line, why, around in sorted(rows, key=lambda x: x[1]):
             if role_of(name)[1] != "A" or not _CALLED_A.search(name):
                 continue
             weights = any(
@@ -804,6 +831,7 @@ def _not_folded(given: list[Table], blocks: list[Block], language: Language) -> 
                     y.source == name and y.block in around) for y in given):  # fmt: skip
                 why = f"the matrix `{name}` is not read: {why}"
                 yield Table(name, line, unread=why, general=True, last=line, block=block)
+                break  # others are made of it, or are its other part
 
 
 #: Roles of lists that are coefficients of a method where another one stands beside.
@@ -1039,6 +1067,7 @@ def _of_block(
     unread: list[Table] = []
     halves: list[tuple[Candidate, list[Array]]] = []
     used: set[int] = set()
+    made = [x.with_role("embedded") if _is_embedded(x, made, text) else x for x in made]
     other = others(block, made, text=text) if about else []
     for x in other:
         anchor, table = x.arrays[0], x.table
@@ -1089,6 +1118,19 @@ def _of_block(
                 unread.append(table)
     built = _built(block, found)
     return [*(x.table for x in other), *built, *_passed_over(block, made, built), *unread]
+
+
+def _is_embedded(x: Array, made: Sequence[Array], text: str) -> bool:
+    """Return whether a row ``E`` without another one is of embedded weights: by its sum, or use.
+
+    Those of an error estimate sum to 0; what is assigned to an error is meant as such.
+    """
+    if not (x.flat and x.role == "error" and _E.search(x.name)):
+        return False
+    alone = not any(y.flat and y.role == "embedded" for y in made)
+    total = sum(map(size, x.value))
+    use = rf"\b\w*err\w*[^=\n]*=(?!=)[^;\n]*\b{re.escape(x.name)}\b(?![\[\w\]]* *-)"
+    return alone and abs(total - 1) < 0.5 and not re.search(use, text, re.IGNORECASE)
 
 
 def _is_beside(x: Candidate, others: Sequence[Candidate]) -> bool:
@@ -1319,6 +1361,8 @@ def _is_nystrom(x: Candidate, near: list[Array]) -> bool:
 _STEPS = frozenset(("steps", "nsteps", "n_steps", "num_steps"))
 #: Names that embedded weights do not have.
 _ESTIMATE = re.compile(r"(?:^|_)(?:rk_?)?E(?:rr\w*)?$")
+#: The letter of weights of either kind; after ``rk`` or ``ros`` it is that of an estimate.
+_E = re.compile(r"(?:^|(?<!rk)(?<!ros)_)E$")
 #: Names that weights of an error estimate do not have.
 _EMBEDDED = re.compile(r"(?:^|_)b_?(?:hat|star|emb\w*|low\w*)$", re.IGNORECASE)
 
@@ -1353,7 +1397,7 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
-            named = role_of(y.name)[1] == "embedded"
+            named = role_of(y.name)[1] in ("embedded", "error")
             if abs(total) < LOOSE and not _EMBEDDED.search(y.name):
                 table.errors.append(row)
             elif _near(total, 1) or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE)):
@@ -1374,8 +1418,10 @@ def _of_dense_output(y: Array, weights: Sequence[Any]) -> list[tuple[str, Rows]]
         return []
     width = max(map(len, value))
     rows = [[*r, *([ZERO] * (width - len(r)))] for r in value]
-    for made in (rows, [list(r) for r in zip(*rows, strict=True)]):
-        made += [[ZERO] * len(made[0])] * (len(made) == s - 1)
+    for given in (rows, [list(r) for r in zip(*rows, strict=True)]):
+        given += [[ZERO] * len(given[0])] * (len(given) == s - 1)
+        live = [k for k, column in enumerate(zip(*given, strict=True)) if any(map(size, column))]
+        made = [r[live[0] : live[-1] + 1] for r in given] if live else given  # not 1 = theta^0
         good = sum(abs(sum(map(size, r)) - size(w)) < 1e-6
                    for r, w in zip(made, weights, strict=False))  # fmt: skip
         sums = [sum(map(size, r)) for r in zip(*made, strict=True)]

@@ -299,6 +299,9 @@ def _order(
     return status
 
 
+_AS_WEIGHTS = "they have an order as weights: embedded ones may stand in place of their difference"
+
+
 def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
     """Judge the weights of error estimates, which sum to 0."""
     for error in table.errors:
@@ -307,7 +310,9 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
         total = abs(complex(sum(vector(error), Exact(0))))
         if total > 1e-12 * method.scale:
             remarks.append(f"the weights of the error estimate sum to {total:.3g}, not to 0")
-            said = estimate(method, list(vector(error)))
+            row = list(vector(error))
+            weights = len(row) == len(method.b[0]) and method.reached(2, row).to(method.coarse)
+            said = [_AS_WEIGHTS] if weights else estimate(method, row)
             k = re.search(r"error weight (\d+) =", " ".join(said))
             remarks += [f"{x}{_line(error[int(k[1]) - 1 :] if k else error)}" for x in said]
             if total > method.coarse and status in _GOOD:

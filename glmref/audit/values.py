@@ -37,6 +37,7 @@ class Unread(Exception):
     def __init__(self, what: str, line: int = 0) -> None:
         super().__init__(what)
         self.line = line
+        self.computed = False  # from an array
 
 
 class Number:
