@@ -32,7 +32,6 @@ from glmref.prove.facts import facts_of
 from tests.build import invertible, refused
 from tests.examples import law
 
-SMALL = st.integers(-2, 2)
 LAWS = settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 #: One value and several; explicit, diagonally and fully implicit; multistep; u = (1, 1); with start
 #: and finish; symmetric; published decimals.

@@ -21,7 +21,7 @@ from glmref.errors import UsageError
 from glmref.exact import Exact
 from glmref.method import PartitionedGLM
 from glmref.views.tables import Style
-from tests.build import floats
+from tests.build import floats, refused
 
 
 class Opaque:
@@ -231,8 +231,7 @@ def test_an_adapter_that_iterates_without_end_is_refused() -> None:
                 problem.f(t, y + k)
             return y
 
-    with pytest.raises(UsageError, match="more than 200 points"):
-        read(Subject(Endless()), "black-box", 1)
+    refused(UsageError, "more than 200 points", read, Subject(Endless()), "black-box", 1)
 
 
 @pytest.mark.parametrize(

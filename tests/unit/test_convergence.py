@@ -10,7 +10,6 @@ from mpmath import mp, mpf
 from glmref.catalogue.lookup import load
 from glmref.engine.reference import stepper
 from glmref.measure.convergence import (
-    effective_order,
     isochronous,
     isochronous_separable,
     isochronous_threefold,
@@ -59,17 +58,6 @@ def test_differences_do_not_see_a_wrong_limit_and_a_target_does():
     assert abs(observed_order(shifted, target=[mpf(1), mpf(2)]).order) < 0.01
 
 
-def test_a_sequence_without_order_does_not_settle():
-    found = observed_order(lambda n: [math.sin(n * n)], most=200)
-    assert not found.settled
-
-
-def test_a_sequence_that_does_not_change_has_no_order():
-    found = observed_order(lambda n: [1.0])
-    assert math.isnan(found.order)
-    assert not found.settled
-
-
 def test_the_window_stops_when_it_is_settled():
     calls = []
     run = run_of((1, 4), (0.1, 5))
@@ -80,11 +68,6 @@ def test_the_window_stops_when_it_is_settled():
 
     observed_order(counted)
     assert calls == [6, 12, 24, 48, 96]
-
-
-def test_the_record_is_plain_json():
-    found = observed_order(lambda n: [1.0]).as_json()
-    assert found["order"] is None and found["settled"] is False
 
 
 @pytest.mark.sampled(1)
@@ -144,20 +127,6 @@ def test_an_expectation_that_is_wrong_does_not_change_the_result():
     for expected in (2, 3, 5):
         found = method_order(load("rk4"), isochronous(), expected=expected)
         assert abs(found.order - 4) < 0.05
-
-
-def test_the_effective_order_exceeds_the_order_where_theory_says_so():
-    method = load("butcher-effective-5")
-    assert abs(method_order(method, isochronous(), expected=5).order - 4) < 0.05
-    assert abs(effective_order(method, expected=5).order - 5) < 0.05
-
-
-def test_the_effective_order_of_a_method_without_such_luck_is_its_order():
-    assert abs(effective_order(load("rk4"), expected=4).order - 4) < 0.05
-
-
-def test_the_effective_order_of_a_pair_is_measured_on_a_separable_problem():
-    assert abs(effective_order(load("symplectic-euler-a"), expected=2).order - 2) < 0.05
 
 
 @pytest.mark.slow

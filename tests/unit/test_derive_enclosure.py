@@ -70,8 +70,7 @@ def test_a_root_that_is_not_the_one_within_the_digits_is_refused(gap, centre, sa
 
 
 def test_a_system_that_is_not_square_is_refused() -> None:
-    with pytest.raises((Refused, ValueError)):
-        root_near(lambda v: [v[0]], [0, 0])
+    refused((Refused, ValueError), "", root_near, lambda v: [v[0]], [0, 0])
 
 
 def changed(name: str, **changes: Any) -> Mapping[str, Any]:

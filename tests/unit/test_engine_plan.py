@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from glmref import Problem, UsageError
-from glmref.engine.plan import MOST_STEPS, Grid, plan_of, step_size
+from glmref.engine.plan import MOST_STEPS, Grid, plan_of
 from tests.build import refused
 
 OF = Problem(f=("y[0]",), y0=(1.0,), t_span=(1.0, 2.0))
@@ -71,10 +71,6 @@ def test_a_grid_is_a_sequence() -> None:
             for outside in (len(grid), -len(grid) - 1):
                 with pytest.raises(IndexError):
                     grid[outside]
-
-
-def test_a_step_size_may_be_a_text_and_tiny() -> None:
-    assert step_size("0.5") == 0.5 and step_size(-5e-324) == -5e-324
 
 
 def test_so_many_steps_as_can_be_counted_are_counted():

@@ -2,50 +2,15 @@
 
 import pytest
 
-import glmref
 from glmref.catalogue.lookup import load
 from glmref.exact import Ball, exact, linalg
 from glmref.method import GLM, as_matrix, as_vector
 from glmref.method.families import linear_multistep, runge_kutta
 from glmref.method.sweep import build_partitioned as build
-from glmref.theory.equivalence import drop_idle_stages, merge_equal_stages, reduce
+from glmref.theory.equivalence import reduce
 from glmref.theory.reduction import reduction
 from glmref.theory.stability import stability_polynomial
 from tests.shipped import multistep, tableau
-
-
-def test_trapezoidal_rule_reduces_to_one_value():
-    m = linear_multistep(*multistep("am-1"))
-    assert reduction(m).seen == (m.r - 1,)
-    small = reduce(m)
-    assert (small.s, small.r) == (1, 1)
-    assert small.A == tableau("gauss-1")[0]
-
-
-def test_milne_simpson_reduces_to_two_values():
-    small = reduce(linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
-    assert (small.s, small.r) == (1, 2) and reduce(small) is small
-
-
-def test_irreducible_methods_stay_as_they_are():
-    for name in ("gsymplectic-n", "g4123", "g6245"):
-        m = glmref.load(name)
-        assert reduce(m) is m
-
-
-def test_idle_stages_are_dropped():
-    m = runge_kutta([["1/2", "0"], ["7", "3"]], ["1", "0"])
-    assert drop_idle_stages(m).A == ((exact(1) / 2,),)
-    used = runge_kutta([["1/2", "1"], ["7", "3"]], ["1", "0"])
-    assert drop_idle_stages(used) is used
-
-
-def test_equal_stages_are_merged():
-    m = runge_kutta([["1/4", "1/4"], ["1/2", "0"]], ["1/3", "2/3"])
-    small = merge_equal_stages(m)
-    assert small.A == ((exact(1) / 2,),) and small.B == ((1,),)
-    other = runge_kutta([["1/4", "1/4"], ["1/2", "1"]], ["1/3", "2/3"])
-    assert merge_equal_stages(other) is other
 
 
 @pytest.mark.parametrize(

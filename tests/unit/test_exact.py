@@ -20,14 +20,6 @@ from tests.build import refused
 BETA = ((exact(330).sqrt() * 65274 - 347009) / 1265902).sqrt()  # of the order-6 method
 
 
-def test_sqrt_6_is_sqrt_2_times_sqrt_3_and_not_a_digit_away() -> None:
-    product = exact(2).sqrt() * exact(3).sqrt()
-    assert (product - exact(6).sqrt()).is_zero()
-    near = product - exact(6).sqrt() + Fraction(1, 10**200)
-    assert not near.is_zero()
-    assert near.sign() == 1
-
-
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 16])
 def test_roots_of_unity_have_their_order(n: int) -> None:
     z = root_of_unity(1, n)
@@ -100,13 +92,6 @@ def test_a_long_number_is_not_divided_by_through_its_minimal_polynomial() -> Non
     assert thread_time() - begun < 1
 
 
-def test_reciprocals_of_sums_of_roots_stay_polynomial_and_exact() -> None:
-    x = exact(2).sqrt() + exact(3).sqrt() + exact(5).sqrt()
-    assert x * (1 / x) == 1
-    y = (1 / x) ** 3
-    assert y * x**3 == 1
-
-
 @pytest.mark.parametrize("value", [0.5, "1", True, None])
 def test_a_float_never_mixes_with_exact_numbers(value: object) -> None:
     with pytest.raises(TypeError):
@@ -119,8 +104,7 @@ def test_a_float_never_mixes_with_exact_numbers(value: object) -> None:
 def test_division_by_an_exact_zero_is_an_error() -> None:
     hidden = exact(2).sqrt() * exact(2).sqrt() - 2
     for divide in (lambda: exact(1) / hidden, lambda: exact(1) / 0, lambda: 1 / hidden):
-        with pytest.raises(ZeroDivisionError):
-            divide()
+        refused(ZeroDivisionError, "", divide)
 
 
 def test_equal_numbers_are_equal_however_written_and_have_no_hash() -> None:
@@ -138,14 +122,6 @@ def test_complex_numbers_have_no_sign_and_no_float() -> None:
     assert complex(i) == 1j
 
 
-def test_as_fraction_notices_rational_results_of_irrational_arithmetic() -> None:
-    x = exact(2).sqrt()
-    assert (x * x / 3).as_fraction() == Fraction(2, 3)
-    assert x.as_fraction() is None
-    large = x * 10**3000  # its square has more digits than Python turns into an int from text
-    assert (large * large).as_fraction() == 2 * 10**6000
-
-
 def test_to_mpf_is_right_to_100_digits() -> None:
     with mpmath.workdps(100):
         assert (
@@ -157,26 +133,12 @@ def test_to_mpf_is_right_to_100_digits() -> None:
         )
 
 
-def test_decimal_ball_reaches_one_unit_of_its_last_digit_and_no_further() -> None:
-    x = Ball.decimal("0.333", 3)
-    assert x.contains(Fraction(1, 3))
-    assert x.contains(Fraction(334, 1000))
-    assert not x.contains(Fraction(3341, 10000))
-
-
 def test_zero_of_a_ball_is_three_valued() -> None:
     assert Ball.decimal("0.5", 3).is_zero() is False
     assert Ball.decimal("0.000", 3).is_zero() is None
     assert ball(0).is_zero() is True
     assert [ball(x).sign() for x in (0, 2, -2)] == [0, 1, -1]
     refused(ExactnessError, "its sign is not known", Ball.decimal("0.000", 3).sign)
-
-
-def test_an_error_bound_is_never_lost_in_arithmetic() -> None:
-    x = Ball.decimal("0.500", 3)
-    assert (x - x).contains_zero()
-    assert (x - x).radius() >= 2e-3
-    assert (x / 3).radius() > 3e-4
 
 
 def test_a_rational_that_was_enclosed_is_copied_and_sent_and_others_say_why_not() -> None:
@@ -188,22 +150,10 @@ def test_a_rational_that_was_enclosed_is_copied_and_sent_and_others_say_why_not(
     refused(TypeError, "cannot leave its process", pickle.dumps, root)
 
 
-def test_negative_powers_of_every_kind_of_number():
-    assert exact(2) ** -2 == exact(Fraction(1, 4))
-    assert exact(2).sqrt() ** -3 == exact(2).sqrt() / 4
-    assert (ball(2) ** -2 - exact(Fraction(1, 4))).is_zero() is not False
-
-
 def test_a_number_is_false_where_it_is_zero_and_plus_leaves_it_alone() -> None:
     assert exact(1) and not exact(0) and not exact(2).sqrt() * exact(8).sqrt() - 4
     for x in (exact(3), ball(3)):
         assert (+x - 3).is_zero() is True
-
-
-def test_the_root_of_a_ball_contains_the_root_and_little_else() -> None:
-    cube = Ball.decimal("8.000", 3).root(3)
-    assert cube.contains(2) and cube.is_real()
-    assert not cube.contains(Fraction(2001, 1000))
 
 
 def test_a_ball_around_another_has_its_midpoint_and_the_radius_that_was_asked() -> None:
@@ -248,8 +198,7 @@ def test_what_is_no_exact_number_is_not_computed_with(x: Exact, other: object) -
     operations: list[Any] = [operator.add, operator.sub, operator.mul, operator.truediv]
     for operation in operations:
         for pair in ((x, other), (other, x)):
-            with pytest.raises(TypeError):
-                operation(*pair)
+            refused(TypeError, "", operation, *pair)
 
 
 def test_a_ball_does_not_depend_on_what_was_asked_before() -> None:

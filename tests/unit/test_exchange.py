@@ -19,7 +19,7 @@ from glmref.exchange.export import TARGETS, export
 from glmref.exchange.header import Comment, header
 from glmref.exchange.import_tables import read_table
 from glmref.exchange.scheme import scheme_of
-from glmref.exchange.steppers import LANGUAGES, identifier
+from glmref.exchange.steppers import LANGUAGES
 from glmref.method import GLM, AdditiveGLM
 from tests.build import refused
 
@@ -165,16 +165,6 @@ def test_a_citation_cannot_end_a_comment_nor_add_lines_to_it() -> None:
     assert "\\" not in body
     assert '"""' not in body
     assert all(line.startswith(" *") for line in body.splitlines()[1:])
-
-
-def test_identifiers_are_names_in_every_language() -> None:
-    assert identifier("pair-rkn-6-8b") == "pair_rkn_6_8b"
-    assert identifier("3-eighths") == "m_3_eighths"
-    assert identifier("") == "method"
-    assert [identifier(x) for x in ("double", "new", "std", "step", "R")] == [
-        "m_double", "m_new", "m_std", "m_step", "m_r"
-    ]  # fmt: skip
-    assert len(identifier("x" * 100)) <= 63
 
 
 @pytest.mark.slow

@@ -7,7 +7,6 @@ from glmref.theory.forms import (
     Form,
     FormSpace,
     choose_form,
-    combine,
     solved,
     unit_matrices,
 )
@@ -49,12 +48,6 @@ def test_the_forms_that_are_left_satisfy_every_entry():
     assert choose_form(space).G == ((1,),)
     none = solved(unit[1:], identities, lambda form: form.D[0][0])
     assert not none.principal and "entry (1, 1) of D" in none.witness
-
-
-def test_combination_of_forms_combines_both_parts():
-    a = Form(((exact(1),),), ((exact(2),),))
-    both = combine((2, 3), (a, a))
-    assert both.G == ((5,),) and both.D == ((10,),)
 
 
 def form(G, *D):

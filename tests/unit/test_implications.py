@@ -113,8 +113,7 @@ def test_a_start_in_decimals_is_proved_of_one_exact_method(
     monkeypatch.setattr("glmref.prove.implications.target_of", lambda *x: asked.append(x))
     monkeypatch.setattr("glmref.prove.implications.prove_blocks", lambda *given: sys.exit())
     if proved:
-        with pytest.raises(SystemExit):
-            implied_by({}, method)
+        refused(SystemExit, "", implied_by, {}, method)
     else:
         assert implied_by({}, method) is None
     assert bool(asked) is proved

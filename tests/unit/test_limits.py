@@ -2,11 +2,10 @@
 
 import math
 
-import numpy as np
 import pytest
 
-from glmref import Problem, load, problem, solve
-from glmref.measure.limits import damped_eigenvalues, ray_end, stable_step
+from glmref import Problem, load, solve
+from glmref.measure.limits import ray_end, stable_step
 from glmref.scenes import answer, charts, load_scene, plan, run
 from glmref.views.chart import Series, svg
 from tests.build import scene_text
@@ -32,14 +31,6 @@ def test_ends_on_the_negative_axis_are_those_of_the_literature(method, end):
     assert stable_step(DECAY, load(method), t_end=2) == pytest.approx(end / 50, rel=1e-6)
 
 
-def test_a_rotation_has_its_limit_on_the_imaginary_axis():
-    spring = Problem(f=("y[1]", "-9*y[0]"), y0=(1, 0), t_span=(0, 10))
-    # 2 sqrt(2) of the classical method (Hairer, Wanner, section IV.2)
-    limit = stable_step(spring, load("rk4"), t_end=10)
-    assert limit == pytest.approx(2 * math.sqrt(2) / 3, rel=1e-5)
-    assert stable_step(spring, load("gauss-2"), t_end=10) == math.inf
-
-
 @pytest.mark.parametrize("method", ["euler", "rk4", "dormand-prince-5"])
 def test_runs_stay_below_the_prediction_and_grow_beyond_it(method):
     """The eigenvalue is constant, so that the prediction is sharp: a tenth on both sides shows."""
@@ -48,18 +39,6 @@ def test_runs_stay_below_the_prediction_and_grow_beyond_it(method):
         far = solve(DECAY, method, h=limit * factor, steps=400)
         size = abs(far.y[-1, 0]) if len(far.y) else math.inf
         assert (size < 2) == stays
-
-
-def test_growing_and_slow_parts_set_no_limit():
-    growing = Problem(f=("3*y[0]", "-0.01*y[1]"), y0=(1, 1), t_span=(0, 1))
-    assert damped_eigenvalues(growing, 1.0) == ()
-    assert stable_step(growing, load("rk4"), t_end=1) == math.inf
-
-
-def test_a_function_has_its_jacobian_by_differences_and_pairs_have_no_prediction():
-    own = Problem(f=lambda t, y: np.array([-50 * (y[0] - np.cos(t))]), y0=(1,), t_span=(0, 2))
-    assert stable_step(own, load("euler"), t_end=2) == pytest.approx(2 / 50, rel=1e-4)
-    assert stable_step(problem("kepler"), load("stormer-verlet"), t_end=1) is None
 
 
 SCENE = scene_text(

@@ -324,8 +324,7 @@ def test_a_run_cancelled_by_nobody_else_was_cancelled_by_the_user():
         problem("pendulum"), "rk4", h=1e-3, steps=10**7, engine="interpreted", cancel=lambda: True
     )
     assert found.outcome is Outcome.CANCELLED
-    with pytest.raises(KeyboardInterrupt):
-        check_interruption(found, Deadline(1.0))
+    refused(KeyboardInterrupt, "", check_interruption, found, Deadline(1.0))
 
 
 @pytest.mark.parametrize(

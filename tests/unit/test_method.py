@@ -85,11 +85,6 @@ def test_rounding_happens_once_and_its_residue_is_kept() -> None:
     assert rounded.A_residue[0, 0] == 0.0  # 1/4 is
 
 
-def test_complex_methods_round_to_complex_arrays() -> None:
-    method = load("g6245-w3-complex")
-    assert method.to_float().V.dtype == np.complex128
-
-
 def pair(**changes: Any) -> PartitionedGLM:
     hats = {f"{key}_hat": value for key, value in HALF.items()}
     return PartitionedGLM(**{**HALF, **hats, **changes})

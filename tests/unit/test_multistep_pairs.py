@@ -13,7 +13,7 @@ from glmref.exact import Exact
 from glmref.prove.kernel import Kernel
 from glmref.theory.coefficients import first_nonzero
 from glmref.theory.starting_series import StartingSeries
-from glmref.theory.trees import is_nystrom, paths, pruned
+from glmref.theory.trees import is_nystrom
 
 #: First halves of alpha and beta with their denominators: Quinlan and Tremaine (1990), Quinlan
 #: (1999), Hairer, Lubich and Wanner (2006), table XV.7.1.
@@ -147,15 +147,6 @@ def test_paths_decide_as_all_trees_of_second_order_systems_do():
     ]
     assert [all(level.values()) for level in levels] == [True] * 8 + [False]
     assert found.tree in {str(t) for t, zero in levels[8].items() if not zero}
-
-
-def test_there_is_one_path_of_each_order_and_colour():
-    palette = (("f", "k"), ("k", "f"))
-    assert [str(t) for n in (1, 2, 3) for t in paths(n, palette)] == [
-        "f", "k", "f[k]", "k[f]", "f[k[f]]", "k[f[k]]",
-    ]  # fmt: skip
-    assert paths(5, palette)[0].density == 120
-    assert set(pruned(paths(4, palette)[0]).values()) == {1}
 
 
 @pytest.mark.parametrize("name", ["pair-6-7", "ruth-3"])

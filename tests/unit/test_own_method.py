@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -41,15 +40,6 @@ def test_arrays_nested_floats_and_families_make_the_same_method() -> None:
     for method in (arrays, floats, mixed):
         assert (method.A, method.B) == (heun().A, heun().B)
         assert method.is_exact and glmref.analyze(method).order == 2
-
-
-def test_a_float_is_the_shortest_decimal_that_gives_it() -> None:
-    method = glmref.from_rk([[0.1]], [1.0])
-    assert method.A[0][0] == Fraction(1, 10)
-    tiny = glmref.from_rk([[1e-5]], [1.0])
-    assert tiny.A[0][0] == Fraction(1, 100000)
-    turned = glmref.from_rk(np.array([[0.5 + 0.25j]]), [1.0])
-    assert turned.A[0][0] == Exact(1) / 2 + parse("i") / 4
 
 
 def test_a_rounded_tableau_is_told_from_an_exact_one() -> None:

@@ -22,7 +22,7 @@ from glmref.prove.kernel import Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.order import OrderResult, order_of
 from glmref.theory.stability import oscillator, parasitic_curvature
-from glmref.theory.trees import counted, is_nystrom, parse_tree, trees
+from glmref.theory.trees import counted, is_nystrom, trees
 from tests.bseries import order_residuals
 from tests.build import refused
 from tests.shipped import shipped
@@ -211,12 +211,6 @@ def nystrom_order_of(pair: Any, most: int = 9) -> OrderResult:
     return order_of(pair, max_order=most, principal="identity", counts=counted("nystrom"))
 
 
-def test_a_vertex_f_with_two_children_does_not_count():
-    assert is_nystrom(parse_tree("k[f[k]f]"))
-    assert not is_nystrom(parse_tree("f[kk]"))
-    assert not is_nystrom(parse_tree("k[f[kk]]"))
-
-
 def nystrom_trees(order):
     return [t for t in trees(order, SEPARABLE) if is_nystrom(t)]
 
@@ -272,8 +266,7 @@ def test_shared_stages_and_no_end_of_the_search():
 
 def test_other_pairs_cannot_claim_row_sums():
     doc = copy.deepcopy(dict(document("stormer-verlet")))
-    with pytest.raises(DataError, match="row-sums"):
-        load_document({**doc, "claims": {"row-sums": True}})
+    refused(DataError, "row-sums", load_document, {**doc, "claims": {"row-sums": True}})
     for name in ("stormer-verlet", "ruth-3", "pair-4-4"):
         method: Any = load(name)
         assert facts_for(method).judge("row-sums", True).verdict is Verdict.OPEN

@@ -21,6 +21,7 @@ from glmref.measure.prediction import _on_values
 from glmref.measure.underlying import Underlying
 from glmref.problems import Problem, problem
 from glmref.theory.residuals import Residual, verdict_of
+from tests.build import refused
 
 
 def test_n_has_one_mode_with_the_growth_parameter_of_its_file():
@@ -70,8 +71,7 @@ def test_the_parasitic_size_needs_all_values():
     from glmref.engine.solve import solve
 
     found = solve(problem("pendulum"), "rk4", h=0.1, steps=2, engine="reference")
-    with pytest.raises(UsageError, match="history=True"):
-        parasitic_size(found, np.ones(1))
+    refused(UsageError, "history=True", parasitic_size, found, np.ones(1))
 
 
 # -- derivatives of a step by its stages against differences of steps
@@ -231,15 +231,6 @@ def test_all_solutions_of_an_underdetermined_system():
     assert found.failed is None and not found.undecided
     assert found.point == (2, 0, 3)
     assert found.directions == ((-1, 1, 0),)
-
-
-def test_verdict_tells_zero_from_open_from_failed():
-    tiny = Ball.decimal("0.0", 20)
-    assert verdict_of(((exact(0),),)).holds is True
-    opened = verdict_of(((exact(0), tiny),))
-    assert opened.holds is None and 0 < opened.residual < 1e-19
-    failed = verdict_of(((tiny, exact(0)), (exact(2), exact(-3))))
-    assert failed.holds is False and failed.entry == (1, 1) and failed.residual == 3
 
 
 def test_the_size_of_a_residual_is_that_of_its_largest_entry():

@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 
 import glmref
-from glmref.exact import Ball, ball, exact, isolated_roots
-from glmref.method.families import linear_multistep, runge_kutta, splitting
+from glmref.exact import Ball, ball, exact
+from glmref.method.families import linear_multistep, runge_kutta
 from glmref.theory import polynomials as poly
 from glmref.theory.periodicity import (
     _March,
@@ -19,18 +19,6 @@ from glmref.theory.periodicity import (
     periodicity,
 )
 from tests.shipped import tableau
-
-
-def test_leapfrog_is_periodic_up_to_1():
-    found = periodicity(linear_multistep(["-1", "0", "1"], ["0", "2", "0"]))
-    assert found.end.contains(1) and found.end.radius() < 1e-9
-    assert found.proven < 1 and "leave the circle" in found.witness
-
-
-def test_milne_simpson_is_periodic_up_to_the_square_root_of_3():
-    # w^2 (1 - z/3) - (4 z/3) w - (1 + z/3): the discriminant vanishes at y^2 = 3
-    found = periodicity(linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
-    assert found.end.contains(exact(3).sqrt())
 
 
 @pytest.mark.sampled(1)
@@ -45,39 +33,16 @@ def test_order_6_methods_are_periodic_as_far_as_measured(name, expected):
     assert found.end.radius() < 1e-9 and found.start == 0
 
 
-def test_s5t_leaves_the_circle_before_the_end_that_a_coarse_search_sees():
-    # two eigenvalues of opposite sign meet at 2.0760 and are back on the circle at 2.0790
-    found = periodicity(glmref.load("s5t-w3"), conserving=True)
-    assert found.value == pytest.approx(2.07596, abs=6e-6)
-
-
-def test_published_decimals_are_open_unless_conservation_is_granted():
-    found = periodicity(glmref.load("s3-w3"))
-    assert found.end is None and not found.infinite and "published decimals" in found.witness
-
-
 @pytest.mark.parametrize("s", [1, 2, 3])
 def test_gauss_methods_are_periodic_on_the_whole_axis(s):
     found = periodicity(runge_kutta(*tableau(f"gauss-{s}")))
     assert found.infinite and found.value == float("inf")
 
 
-def test_p_is_periodic_on_the_whole_axis_and_n_is_not():
-    assert periodicity(glmref.load("gsymplectic-p")).infinite
-    found = periodicity(glmref.load("gsymplectic-n"))
-    assert not found.infinite and 2.06 < found.value < 2.061
-
-
 @pytest.mark.parametrize("m", [runge_kutta(*tableau("radau-iia-2")), runge_kutta([["0"]], ["1"])])
 def test_dissipative_and_growing_methods_have_no_interval(m):
     found = periodicity(m)
     assert found.end.is_zero() is True and found.value == 0
-
-
-def test_verlet_is_periodic_up_to_2():
-    found = periodicity(splitting(["1/2", "1/2"], ["1"]))
-    assert found.end.contains(2)
-    assert found.start == Fraction(1, 64)  # q and p share the eigenvalue 1 at y = 0
 
 
 def test_the_end_is_a_root_of_the_discriminant():
@@ -115,16 +80,6 @@ def test_signs_are_compared_where_they_are_sure():
     i, wide = exact(-1).sqrt(), Ball.decimal("0.0", 1)
     assert _opposite(ball(2), ball(-3)) and _opposite(ball(2) * i, ball(-3) * i)
     assert not _opposite(ball(2), ball(3)) and not _opposite(ball(2), wide)
-
-
-def test_isolated_roots_are_enclosed_and_others_are_none():
-    found = isolated_roots((exact(-2), exact(0), exact(1)))
-    assert len(found) == 2 and all(x.radius() < 1e-20 for x in found)
-    assert all(any(x.contains(root) for x in found) for root in (exact(2).sqrt(), -exact(2).sqrt()))
-    near = (exact(1), exact(-2 - Fraction(1, 10**8)), exact(1))  # roots 1 -+ 1e-4
-    assert sorted(float(x.real) for x in isolated_roots(near)) == pytest.approx([0.9999, 1.0001])
-    assert isolated_roots((exact(1), exact(-2), exact(1))) is None
-    assert isolated_roots((Ball.decimal("1.0", 1), ball(-2), ball(1))) is None
 
 
 def test_mirrored_polynomials_are_told_from_others():
@@ -172,14 +127,6 @@ def test_a_method_on_every_other_point_has_half_the_interval(alpha, beta):
     # every other coefficient of the characteristic polynomial is 0 for every y
     other = periodicity(linear_multistep(spread(alpha, 1), spread(beta, 2)))
     assert once.value is not None and other.value == pytest.approx(once.value / 2, rel=1e-9)
-
-
-def test_eigenvalues_that_leave_the_circle_before_the_first_point_are_said_to():
-    # Stormer and Verlet's method with the force backwards: (w - 1)^2 = y^2 w, from a double root
-    found = periodicity(splitting(["1/2", "1/2"], ["-1"]))
-    assert found.witness == "at y = 1/64 an eigenvalue of M(iy) is off the circle"
-    assert found.value is None and not found.infinite and found.proven == 0
-    assert found.end is not None and found.end.is_zero() is None
 
 
 @pytest.mark.slow

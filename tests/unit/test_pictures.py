@@ -23,10 +23,6 @@ from glmref.views.portrait import portrait
 
 SVG = "{http://www.w3.org/2000/svg}"
 WORDS = {"x_label": "seconds", "y_label": "relative error"}
-LINES = [
-    Series("first", ((1e-3, 1e-4), (2e-3, 1e-6), (4e-3, 1e-8)), ("h = 1", "h = 0.5", "h = 0.25")),
-    Series("second", ((1e-3, 2e-4), (2e-3, 2e-6))),
-]
 
 
 def drawn(series, title="a title"):

@@ -241,18 +241,6 @@ def test_the_words_for_few_steps():
     assert told(BOUNDED, 1.01) == "bounded for about 1 step"
 
 
-def test_the_period_of_an_orbit_is_found():
-    t = np.arange(300) * 0.05
-    orbit = np.stack([np.cos(t), np.sin(2 * t)], axis=1)
-    assert prediction._period(orbit) == pytest.approx(2 * math.pi / 0.05, abs=1e-6)
-    # quasi-periodic, and away for ever
-    assert prediction._period(np.stack([np.cos(t), np.cos(t * math.sqrt(2))], axis=1)) is None
-    assert prediction._period(t[:, None] + 1) is None
-    # back after two steps, with less than three before it
-    angles = np.pi * 1.0001 * np.arange(300)
-    assert prediction._period(np.stack([np.cos(angles), np.sin(angles)], axis=1)) != 2
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "h"),

@@ -282,16 +282,6 @@ def test_faults_show_after_their_time():
     assert np.isnan(problem("fault-jacobian-nan").jacobian(0.0, np.ones(1))).all()
 
 
-def test_pythagorean_bodies_start_at_rest_with_zero_momentum():
-    p = problem("pythagorean")
-    assert p.quadratic["angular momentum z"](p.y0) == 0
-    # H = -(3*4/5 + 3*5/4 + 4*5/3) = -769/60
-    assert p.hamiltonian(p.y0) == pytest.approx(-769 / 60, rel=1e-15)
-    # the centre of mass is at rest at the origin
-    weights = np.repeat([3, 4, 5], 2).reshape(3, 2)
-    assert (weights * p.y0[:6].reshape(3, 2)).sum(axis=0).tolist() == [0, 0]
-
-
 # -- the transformed time keeps the Hamiltonian form, and its orbits are those of the problem
 
 

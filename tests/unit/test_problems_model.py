@@ -6,7 +6,6 @@ import pytest
 
 from glmref.problems import Problem, names, problem
 from glmref.problems.formula import Formula
-from tests.build import high
 
 
 def test_conserved_functions_come_in_every_form():
@@ -125,22 +124,6 @@ def test_a_wrong_derivative_is_noticed():
 
 
 # --- formulas -------------------------------------------------------------------------------------
-
-
-def test_decimal_literals_are_decimals_at_every_precision():
-    context = high()
-    value = Formula(("0.1*y[0] + 1/3",)).on(context)(0, [context.mpf(1)])[0]
-    assert abs(value - (context.mpf(1) / 10 + context.mpf(1) / 3)) < 1e-39
-    # near miss: the double 0.1 differs from 1/10 by 5.6e-18
-    assert abs(value - (context.mpf(0.1) + context.mpf(1) / 3)) > 1e-18
-
-
-def test_parameters_are_exact():
-    context = high()
-    third = Formula(("a*y[0]",), parameters={"a": "1/3"}).on(context)(0, [context.mpf(3)])[0]
-    assert abs(third - 1) < 1e-39
-    double = Formula(("a*y[0]",), parameters={"a": 0.1}).on(context)(0, [context.mpf(1)])[0]
-    assert double == context.mpf(0.1)
 
 
 @pytest.mark.filterwarnings("ignore:invalid value")

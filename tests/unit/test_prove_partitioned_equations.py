@@ -83,13 +83,6 @@ def test_what_kind_of_flow_a_file_is():
         assert equations_of(document(name), {"trees": "all"}).flow() == flow
 
 
-def test_which_orders_the_equations_cover():
-    pair = equations_of(document("pair-6-7"), {"trees": "all"})
-    assert [pair.covered(n, False) for n in (1, 3, 5, 7)] == [True, True, True, False]
-    rkn = equations_of(document("blanes-moan-rkn-6-11"), {"trees": "nystrom"})
-    assert [rkn.covered(5, x) for x in (False, True)] == [False, True]
-
-
 def test_principal_parts_are_zero_only_where_the_starts_say_so():
     doc = document("pair-6-7")
     assert conditions_of(doc).identity_through(5, False)

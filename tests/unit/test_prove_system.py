@@ -25,7 +25,6 @@ from glmref.prove.enclosure import (
     members_of,
     radius_of,
 )
-from glmref.prove.ranges import Range
 from glmref.theory.starting_series import NotPreconsistent, component
 from tests.adversary.deceive import shipped
 from tests.build import refused
@@ -146,22 +145,6 @@ def test_the_proof_of_a_method_names_what_is_free() -> None:
     assert free["4"] == ["[ooo]"] and free.keys() == {"4", "6"}
     assert "free" not in proof("mclachlan-ss5-4")
     assert proof("mclachlan-ss5-4")["trees"] == "all"
-
-
-def test_a_range_says_what_decides_it() -> None:
-    assert Range(3, None).residual == 0.0 and Range(3, None).sizes == ()
-    assert Range(3, None).sentence == ""
-    assert Range(3, None, reason="why").sentence == "why"
-    assert Range(3, None, value=5, reason="why").sentence == (
-        "no tree of order 5 or less fails; why"
-    )
-    upper = Range(3, 3, "[oo]", 0.25)
-    assert upper.sentence == "tree [oo] of order 4 has residual 0.25"
-    assert Range(2, 3, "[oo]", 0.25, reason="why").sentence == (
-        "no tree of order 2 or less fails, and tree [oo] of order 4 has residual 0.25; why"
-    )
-    assert Range(0, 3, "[oo]", 0.25).sentence == upper.sentence
-    assert Range(2, 2, value=2).sentence == ""
 
 
 def test_the_first_stage_begins_at_0_where_it_is_explicit_and_starts_at_order_two() -> None:

@@ -96,13 +96,6 @@ def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
         assert without_meaning(kind) & other == {"w-order"}
 
 
-def test_of_pairs_a_nystrom_method_alone_claims_its_row_sums() -> None:
-    pairs = without_meaning("splitting")
-    assert pairs == without_meaning("partitioned-rk") and {"row-sums", "a-stable"} < pairs
-    rows = {"row-sums", "embedded-order", "embedded-difference"}
-    assert without_meaning("nystrom") == pairs - rows
-
-
 def test_a_real_tableau_with_a_complex_entry_must_say_so() -> None:
     refused(DataError, r"`A\[1\]\[1\]` is complex", glm, kind="rk", A=[["i/2"]], b=["1"])
     assert not glm(kind="rk", A=[["i/2"]], b=["1"], field="complex").is_real

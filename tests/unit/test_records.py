@@ -48,8 +48,7 @@ def test_a_key_survives_a_round_trip_through_json(task):
 
 def test_a_record_that_json_cannot_hold_is_refused_and_not_written(tmp_path):
     store = Records(tmp_path / "records.sqlite")
-    with pytest.raises(ValueError):
-        store.append_all([(TASKS[0], DONE), (TASKS[1], {"error": math.inf})])
+    refused(ValueError, "", store.append_all, [(TASKS[0], DONE), (TASKS[1], {"error": math.inf})])
     assert list(store) == [] and list(tmp_path.iterdir()) == []
 
 

@@ -92,12 +92,6 @@ def test_such_a_pair_is_recognised() -> None:
     assert not same_point(explicit)
 
 
-def test_the_kind_of_canonical_systems() -> None:
-    assert not problem("kepler").semi_separable
-    assert not problem("shear").semi_separable
-    assert problem("dipole-charge").semi_separable
-
-
 def field(t: float, y: Any) -> Any:
     B = 1 + y[0] ** 2
     return np.array([y[2], y[3], B * y[3] - y[0], -B * y[2] - 2 * y[1]])

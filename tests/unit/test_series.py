@@ -5,17 +5,15 @@ from fractions import Fraction as F
 
 import pytest
 
-from glmref import from_rk, load
+from glmref import load
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
-from glmref.exact.expression import parse
 from glmref.method.component import GENERAL, ROOTED
 from glmref.theory.coefficients import is_zero, plus, times, weighted
 from glmref.theory.series import (
     Series,
     compose,
     flow,
-    identity,
     modified_equation,
     substitute,
 )
@@ -25,13 +23,6 @@ from tests.build import refused
 
 RK4 = ([[0, 0, 0, 0], [F(1, 2), 0, 0, 0], [0, F(1, 2), 0, 0], [0, 0, 1, 0]],
        [F(1, 6), F(1, 3), F(1, 3), F(1, 6)])  # fmt: skip
-
-
-def test_flow_of_an_irrational_duration_is_undone_by_its_reverse():
-    """Rational ones, inverses and shifts: tests/laws/test_series_laws.py."""
-    c = parse("sqrt(2)")
-    assert compose(flow(5, c), flow(5, -c)) == identity(5)
-    assert compose(flow(5, c), flow(5, F(-14142, 10**4))) != identity(5)
 
 
 def test_rk4_agrees_with_the_flow_through_order_4_and_not_5():
@@ -72,16 +63,6 @@ def test_vector_valued_series_compose_from_the_left():
     assert after[single()] == (2, 0)
 
 
-def test_coefficients_of_balls_are_equal_only_where_that_is_certain():
-    third = Ball.decimal("0.33333", 5)
-    series = flow(2).map(lambda x: x * third)
-    assert series != series
-    assert is_zero(third - F(1, 3)) is None
-    assert is_zero((0, third - F(1, 3))) is None
-    assert is_zero((third, third - F(1, 3))) is False
-    assert is_zero((0, F(0), exact(0))) is True
-
-
 def test_coefficients_of_any_kind_are_added_and_multiplied():
     wide, x = Ball.decimal("0.0", 1), exact(2).sqrt()
     kinds = [0, 1, F(1, 2), F(0), x, x - x, wide]
@@ -112,16 +93,6 @@ def test_a_field_that_is_substituted_is_found_again(palette):
     assert substitute(back, a) == flow(4, 1, palette)
     # substituting twice is substituting what was substituted: the law of Chartier, Hairer, Vilmart
     assert substitute(substitute(found, back), a) == substitute(found, substitute(back, a))
-
-
-def test_the_modified_equation_of_euler_and_of_the_implicit_midpoint_rule():
-    # Hairer, Lubich, Wanner (2006), example IX.7.1 and (IX.1.6): coefficients divided by sigma
-    euler = modified_equation(Series.of(from_rk([[0]], [1]), 3))
-    assert [euler[Tree(t)] for t in ("o", "[o]", "[oo]", "[[o]]")] == [
-        1, F(-1, 2), F(1, 6), F(1, 3),
-    ]  # fmt: skip
-    midpoint = modified_equation(Series.of(load("implicit-midpoint"), 3))
-    assert [midpoint[Tree(t)] for t in ("[o]", "[oo]", "[[o]]")] == [0, F(-1, 12), F(1, 12)]
 
 
 def test_series_of_methods_are_their_weights_and_several_values_are_refused():

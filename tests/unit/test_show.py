@@ -8,18 +8,16 @@ import json
 import re
 import time
 from dataclasses import replace
-from fractions import Fraction
 from xml.etree import ElementTree
 
 import pytest
 
 from glmref.catalogue.lookup import load, names
-from glmref.exact import ball, exact
 from glmref.exact.expression import parse
 from glmref.findings import Finding, Proof, Verdict
 from glmref.method import GLM
 from glmref.views.show import show
-from glmref.views.tableau_text import decimal_text, tableau
+from glmref.views.tableau_text import tableau
 from glmref.views.tables import (
     Style,
     csv_text,
@@ -119,20 +117,6 @@ def test_every_exact_entry_shown_stands_for_the_entry_itself() -> None:
     for row, shown in zip(method.A, rows, strict=True):
         cells = shown.split("│")[1].split()
         assert [parse(x) for x in cells] == list(row)
-
-
-def test_a_ball_around_zero_has_no_digit() -> None:
-    root = ball(exact(2).sqrt())
-    around = root * root - 2
-    assert around.is_zero() is None
-    assert decimal_text(around, 5) == "0"
-    assert decimal_text(around + Fraction(1, 10**20), 5) == "1.0000e-20"
-
-
-def test_one_hundred_digits_are_right() -> None:
-    digits = decimal_text(exact(2).sqrt(), 100)
-    assert abs(Fraction(digits) ** 2 - 2) < Fraction(3, 10**99)
-    assert len(digits) == 101
 
 
 def test_a_hundred_columns_are_drawn_in_parts_at_once() -> None:

@@ -256,22 +256,9 @@ def test_the_intervals_are_those_of_the_literature(name, real, imaginary):
     assert imaginary_interval(method).end == pytest.approx(imaginary, rel=1e-14)
 
 
-def test_a_rational_end_is_itself() -> None:
-    method = glmref.load("leapfrog")
-    assert isinstance(method, glmref.GLM)
-    assert imaginary_interval(method).end == 1.0
-    assert real_interval(glmref.from_rk([[0]], [1])).end == 2.0
-
-
 def test_an_eigenvalue_of_v_outside_leaves_nothing() -> None:
     method = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [0]], V=[[1, 0], [0, 2]])
     assert real_interval(method).end == imaginary_interval(method).end == 0
-
-
-def test_published_digits_are_left_open() -> None:
-    method = glmref.load("gauss-2-seven-digits")
-    assert isinstance(method, glmref.GLM)
-    assert real_interval(method).end is None
 
 
 def test_the_interval_ends_at_the_least_of_all_ends() -> None:

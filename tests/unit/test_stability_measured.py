@@ -8,8 +8,7 @@ import pytest
 
 from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
-from glmref.measure.stability import GRID, amplification, bounded, interval, locus, radius, region
-from glmref.method import GLM
+from glmref.measure.stability import GRID, amplification, bounded, interval, locus, region
 from glmref.problems import problem
 from glmref.theory.periodicity import periodicity
 from glmref.theory.stability import stability_matrix
@@ -24,13 +23,6 @@ def test_the_matrix_is_that_of_the_theory(name):
     exact = np.array([[complex(x) for x in row] for row in stability_matrix(method, -3)])
     # entries up to 30, formed in (s + 1) roundings each
     assert amplification(method, -3.0) == pytest.approx(exact, rel=1e-12, abs=1e-12)
-
-
-def test_a_pole_is_infinite_and_unbounded():
-    # 1 - z/2 vanishes at z = 2
-    assert radius(load("gauss-1"), np.array([2.0])) == math.inf
-    assert not bounded(load("gauss-1"), 2.0)
-    assert radius(load("rk4"), 0.0) == 1
 
 
 # --- intervals ------------------------------------------------------------------------------------
@@ -87,13 +79,6 @@ def test_a_short_escape_is_seen_with_enough_samples_only():
     assert not bounded(method, 1.84j) and bounded(method, 1.9j)
 
 
-def test_a_method_with_one_coefficient_changed_has_another_interval():
-    method = load("leapfrog")
-    assert interval(method) == pytest.approx(1.0, abs=1e-9)
-    changed = GLM(A=method.A, U=method.U, V=method.V, B=[[2 * x for x in r] for r in method.B])
-    assert interval(changed) == pytest.approx(0.5, abs=1e-9)
-
-
 # --- boundaries and regions -----------------------------------------------------------------------
 
 
@@ -106,18 +91,6 @@ def test_every_traced_point_has_an_eigenvalue_on_the_circle(name):
     # an eigenvalue of multiplicity k is found to about eps^(1/k); points far out are ill-conditioned
     assert np.median(gap) < 1e-10 and np.mean(gap < 1e-5) > 0.95
     assert not np.any(gap[np.abs(found.z) < 10] > 1e-3)
-
-
-def test_the_traced_boundary_of_euler_is_a_circle():
-    found = locus(load("euler"), turns=90)
-    assert np.abs(found.z + 1) == pytest.approx(np.ones(90), abs=1e-12)
-    assert found.edge.all()
-
-
-def test_the_traced_boundary_leaves_out_what_lies_inside_an_unstable_part():
-    # the boundary locus of AB-4 crosses itself; only a part of it bounds the region
-    edge = locus(load("ab-4")).edge
-    assert 0 < edge.sum() < len(edge)
 
 
 def area(rings):

@@ -10,7 +10,6 @@ from glmref.exact import Ball, ball, exact
 from glmref.exact.linalg import block_diagonal, diagonal, identity, inverse, matmul
 from glmref.method import GLM
 from glmref.method.families import (
-    linear_multistep,
     one_leg,
     runge_kutta,
     splitting,
@@ -70,20 +69,6 @@ def test_symmetric_one_leg_methods_are_symmetric():
         found = symmetry(one_leg(*one_leg_twin(alpha, beta)))
         assert found.holds is True and found.L == ((0, 1), (1, 0))
     assert symmetry(one_leg(*one_leg_twin(*multistep("bdf-2")))).holds is False
-
-
-def test_multistep_methods_with_superfluous_values_are_judged_without_them():
-    milne = symmetry(linear_multistep(["-1", "0", "1"], ["1/3", "4/3", "1/3"]))
-    assert milne.holds is True and milne.reduced
-    assert symmetry(linear_multistep(*multistep("am-1"))).holds is True
-    found = symmetry(linear_multistep(*multistep("am-2")))
-    assert found.holds is False and "V is singular" in found.witness
-
-
-def test_stages_in_another_order_are_found():
-    m = glmref.load("g6245-w3").permute_stages([2, 0, 4, 1, 3])
-    found = symmetry(m)
-    assert found.holds is True and found.P == (0, 2, 1, 4, 3)
 
 
 def test_values_that_no_stage_sees_do_not_hide_symmetry():
