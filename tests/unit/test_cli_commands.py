@@ -384,22 +384,3 @@ def test_the_keys_of_the_json_of_the_commands_are_documented(run: Run) -> None:
         (line,) = [x for x in page.splitlines() if x.startswith(f"| `{record['format']}`")]
         for word in (*(record.keys() - {"format"}), *record[key][0]):
             assert f"`{word}`" in line, (command, word)
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("audit", "name the files or folders"),
-        ("audit . --since HEAD", "are for --lines"),
-        ("audit . --lines --all", "--lines reads any notation"),
-        ("conformance", "name one adapter"),
-        ("conformance a b --identify", "name one adapter"),
-        ("conformance a --method rk4", "--method is for --identify"),
-        ("conformance --seconds 3", "are for --board"),
-        ("conformance a --identify --format csv", "writes a table or json"),
-        ("conformance --board --list", "stand alone"),
-    ],
-)
-def test_options_of_another_use_of_a_command_are_refused(run: Run, line: str, said: str) -> None:
-    code, out, err = run(*line.split())
-    assert (code, out) == (2, "") and said in err and err.count("\n") == 1
