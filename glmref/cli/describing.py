@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from time import monotonic
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import BudgetError, UsageError
+from ..system.terminal import saying
 from ..views.facts import consistent_to_digits
 from ..views.tables import Style, columns, csv_text, json_text, one_line
 from .output import HOLDS, INTERNAL, Word, complain, complete_method, format_option, say
@@ -19,8 +18,6 @@ from .output import HOLDS, INTERNAL, Word, complain, complete_method, format_opt
 if TYPE_CHECKING:
     from ..catalogue.errata import Erratum
 
-#: Seconds between two lines of progress.
-_PATIENCE = 2.0
 _VERDICTS = ("right", "wrong", "misprint", "incomplete", "false")
 
 
@@ -36,7 +33,7 @@ def analyze(name: str, modified: bool, form: str) -> int:
     from ..prove.analysis import plain_ends, record_of
 
     try:
-        with _at_work(name):
+        with saying(f"analyzing {one_line(name)} ..."):
             record, further = record_of(name, _with_modified if modified else _measured)
     except BudgetError as error:
         complain(f"{name}: {error}, and what the method is was not decided")
@@ -59,35 +56,6 @@ def analyze(name: str, modified: bool, form: str) -> int:
         if k in record and not (k == "consistent" and consistent_to_digits(record))
     ]
     return INTERNAL if None in decisions else HOLDS
-
-
-def _at_work(name: str) -> AbstractContextManager[None]:
-    """Say on a terminal, on one line of stderr, for how long a method is being analysed."""
-    if not sys.stderr.isatty():
-        return nullcontext()
-    return _said(name)
-
-
-@contextmanager
-def _said(name: str) -> Iterator[None]:
-    from ..system.budget import watched
-
-    start = last = monotonic()
-
-    def line() -> str:
-        return f"analyzing {one_line(name)}: {monotonic() - start:.0f} s"
-
-    def notice() -> None:
-        nonlocal last
-        if monotonic() - last >= _PATIENCE:
-            last = monotonic()
-            sys.stderr.write(f"\r{line()}")
-            sys.stderr.flush()
-
-    with watched(notice):
-        yield
-    if monotonic() - start >= _PATIENCE:  # the line may be that of another process
-        sys.stderr.write("\r" + " " * len(line()) + "\r")
 
 
 def _page(record: Mapping[str, Any], measured: Mapping[str, float] | None, style: Style) -> str:

@@ -8,7 +8,7 @@ the files of users decided in processes that are ended where it does not return 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -42,7 +42,6 @@ class _Limit:
 
 
 _limit: ContextVar[_Limit | None] = ContextVar("limit", default=None)
-_watch: ContextVar[Callable[[], None] | None] = ContextVar("watch", default=None)
 
 
 @contextmanager
@@ -70,16 +69,6 @@ def limited(seconds: float | None, used: float = 0.0) -> Iterator[None]:
 
 
 @contextmanager
-def watched(notice: Callable[[], None]) -> Iterator[None]:
-    """Let :func:`spend` call a function, which may say that there is work going on."""
-    token = _watch.set(notice)
-    try:
-        yield
-    finally:
-        _watch.reset(token)
-
-
-@contextmanager
 def rarely_collected() -> Iterator[None]:
     """Look for cycles rarely: what is computed inside makes many objects, and leaves few cycles."""
     before = gc.get_threshold()
@@ -98,9 +87,6 @@ def spend() -> None:
     BudgetError
         When it is.
     """
-    watch = _watch.get()
-    if watch is not None:
-        watch()
     limit = _limit.get()
     if limit is None or (now := monotonic()) < limit.wake:
         return
