@@ -41,7 +41,7 @@ OUTSIDE: dict[str, str] = {
     "click": "cli",
     "diffrax": "conformance",
     "extensisq": "conformance",
-    "flint": "exact",
+    "flint": "conformance exact",
     "heyoka": "conformance",
     "jax": "conformance",
     "jinja2": "exchange report",
@@ -291,7 +291,7 @@ def test_an_outside_package_is_imported_by_exactly_its_rooms() -> None:
 
 def test_exact_numbers_and_theory_never_see_a_float_array() -> None:
     assert "theory" not in " ".join(OUTSIDE.values())
-    assert OUTSIDE["flint"] == "exact"
+    assert OUTSIDE["flint"] == "conformance exact"
 
 
 @pytest.mark.parametrize(("subpackage", "other"), APART)
