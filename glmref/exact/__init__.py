@@ -12,7 +12,7 @@ Reading and writing the text form is the business of :mod:`glmref.exact.expressi
 
 from .field import BALL_BITS, LIBRARY
 from .number import Ball, Exact, ball, exact, isolated_roots, root_of_unity
-from .products import BallMatrix, sum_of_products
+from .products import sum_of_products
 from .relations import RationalCombinations, box, cyclotomic, factorization
 from .to_decimals import rounded_decimal
 
@@ -20,7 +20,6 @@ __all__ = [
     "BALL_BITS",
     "LIBRARY",
     "Ball",
-    "BallMatrix",
     "Exact",
     "RationalCombinations",
     "Scalar",

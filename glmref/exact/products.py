@@ -1,6 +1,6 @@
-"""Sums of products, and real matrices of balls: where proofs spend their time.
+"""Sums of products, where proofs spend their time.
 
-Both do what loops over the operators would do, in fewer steps; the enclosures are as narrow.
+They are what loops over the operators would give, in fewer steps; the enclosures are as narrow.
 """
 
 from __future__ import annotations
@@ -10,9 +10,8 @@ from typing import Any
 
 import flint
 
-from ..errors import ExactnessError
 from ..system.budget import spend
-from .number import Ball, Exact, ball
+from .number import Ball, Exact
 
 _NIL = flint.fmpq(0)
 _ZERO = Exact(0)
@@ -66,55 +65,3 @@ def _sum_of_others(pairs: Sequence[tuple[Any, Any]]) -> Any:
     for x, y in pairs:
         total = total + x * y
     return total
-
-
-class BallMatrix:
-    """A matrix of balls whose products and inverse are computed as a whole.
-
-    Parameters
-    ----------
-    rows : Sequence[Sequence[Exact or Ball]]
-        (m, n) exact numbers or balls, one row at least.
-    """
-
-    def __init__(self, rows: Sequence[Sequence[Exact | Ball]]) -> None:
-        entries = [ball(x)._acb for row in rows for x in row]
-        self._matrix = flint.acb_mat(len(rows), len(rows[0]), entries)
-
-    @classmethod
-    def _wrap(cls, matrix: flint.acb_mat) -> BallMatrix:
-        self = cls.__new__(cls)
-        self._matrix = matrix
-        return self
-
-    @classmethod
-    def identity(cls, size: int) -> BallMatrix:
-        """Return the identity."""
-        return cls._wrap(flint.acb_mat(size, size, 1))
-
-    def __matmul__(self, other: BallMatrix) -> BallMatrix:
-        return BallMatrix._wrap(self._matrix * other._matrix)
-
-    def __sub__(self, other: BallMatrix) -> BallMatrix:
-        return BallMatrix._wrap(self._matrix - other._matrix)
-
-    def midpoint(self) -> BallMatrix:
-        """Return the midpoints, as balls of radius zero."""
-        return BallMatrix._wrap(self._matrix.mid())
-
-    def inverse(self) -> BallMatrix:
-        """Enclose the inverse of every matrix in these balls.
-
-        Raises
-        ------
-        ExactnessError
-            When one of them may be singular.
-        """
-        try:
-            return BallMatrix._wrap(self._matrix.inv())
-        except ZeroDivisionError:
-            raise ExactnessError("a matrix of balls may be singular") from None
-
-    def rows(self) -> tuple[tuple[Ball, ...], ...]:
-        """Return the entries, (m, n)."""
-        return tuple(tuple(map(Ball._wrap, row)) for row in self._matrix.tolist())

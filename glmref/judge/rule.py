@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Generic, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeAlias, TypeVar, cast
 
 from .arithmetic import Number
 from .refusals import SIZE, Document, NotShown, as_list, as_object, as_text, keys, shown, whole
@@ -96,8 +96,7 @@ class Bounded:
     colour: str
 
 
-@dataclass(frozen=True)
-class Space:
+class Space(NamedTuple):
     """One eigenvalue of V: V N = zeta N and W V = zeta W with W N = I."""
 
     zeta: Number

@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from .arithmetic import Fraction, Number
+from .document import Component
 from .linalg import (
     blocks_of,
     characteristic,
@@ -148,13 +149,20 @@ class SpectrumCase(PowersCase):
         return h
 
     def spectrum(self) -> Spectrum:
-        """Return the eigenvalues with N and with W, W V = zeta W, W N = I."""
-        found = []
-        for z, N in zip(self.zeta, self.vectors, strict=True):
-            W = kernel(transpose(minus(self.V, diagonal([z] * len(self.V)))))
-            W = times(inverse_matrix(times(W, transpose(N))), W)
-            found.append(Space(z, W, transpose(N)))
-        return Spectrum(self.colour, tuple(found))
+        """Return the eigenvalues with their eigenvectors."""
+        return Spectrum(self.colour, tuple(space_of(self.V, z) for z in self.zeta))
+
+
+def space_of(V: list, zeta: Number) -> Space:
+    """Return an eigenvalue of V with N and W, V N = zeta N, W V = zeta W and W N = I."""
+    shift = minus(V, diagonal([zeta] * len(V)))
+    N, W = transpose(kernel(shift)), kernel(transpose(shift))
+    return Space(zeta, times(inverse_matrix(times(W, N)), W), N)
+
+
+def growth_matrix(x: Space, m: Component, other: Component, y: Space) -> list:
+    """Return (1 / zeta) W B U N: how components of a value feed those of another, or its own."""
+    return scale(conj(x.zeta), times(x.W, m.B, other.U, y.N))
 
 
 def V_is_exact(case: SpectrumCase) -> bool:
@@ -254,9 +262,7 @@ class GrowthCase(Case):
             return {k: self.shared(x, y) for k, (x, y) in enumerate(both)}
         m = self.method.single()
         return {
-            k: Parasitic(
-                x.zeta, [scale(conj(x.zeta), times(x.W, m.B, m.U, x.N))], int(not bool(x.zeta - 1))
-            )
+            k: Parasitic(x.zeta, [growth_matrix(x, m, m, x)], int(not bool(x.zeta - 1)))
             for k, x in enumerate(self.spectra["o"])
             if bool(x.zeta - 1) or len(x.W) > 1
         }
@@ -265,7 +271,7 @@ class GrowthCase(Case):
         """Return how the components of an eigenvalue that both halves of a pair have meet."""
         spaces, m = {"f": x, "k": y}, self.method.parts
         return Parasitic(x.zeta, [
-            scale(conj(x.zeta), times(spaces[c].W, m[c].B, m[e].U, spaces[e].N))
+            growth_matrix(spaces[c], m[c], m[e], spaces[e])
             for c, children in self.method.palette for e in children
             if e != c or self.free
         ])  # fmt: skip

@@ -229,19 +229,6 @@ class _Writer:
         else:
             self.theorem(f"order_{p}", f"has_order {value} {p}", f"apply (@check_order {proof}")
 
-    def weight(self, t: Tree) -> Exact:
-        """Return the elementary weight b phi(t) of methods that carry one value."""
-        blocks = {c.colour: c for c in self.method.components}
-
-        def phi(t: Tree) -> list[Any]:
-            product: list[Any] = [Exact(1)] * len(blocks[t.colour].B[0])
-            for child in t.children:
-                stages = linalg.matvec(blocks[child.colour].A, tuple(phi(child)))
-                product = [x * y for x, y in zip(product, stages, strict=True)]
-            return product
-
-        return as_exact(linalg.dot(blocks[t.colour].B[0], phi(t)))
-
     def not_order(self, found: OrderResult, palette: str, value: str, method_K: str) -> None:
         """Write a tree at which the next order fails; the series with the identity is unique."""
         t, p = found.failing_tree, found.order
@@ -316,8 +303,8 @@ class _One(_Writer):
             proof = f"apply (@check_rk_order T a b F x H {p}); {_COMPUTE}"
             self.theorem(f"order_{p}", f"rk_order {values} {p}", proof)
         t = found.failing_tree
-        if t is not None:
-            inverse = 1 / (self.weight(t) - Fraction(1, t.density))
+        if t is not None and found.residual is not None:
+            inverse = 1 / as_exact(found.residual)
             term = self.tree(t, "rooted")
             self.theorem(
                 f"not_order_{p + 1}",

@@ -4,9 +4,6 @@ The judge reads the equations of a file with an ``enclosure`` (``docs/certificat
 and encloses their root (:func:`root_of`); what is found here is the centre and the inverse that its
 interval test needs. :func:`prove` does so for the sweep form, of one component or two (the classes
 ``sweep``, ``pair-sweep`` and ``splitting``), and adds the start and the finish (:mod:`.starting`).
-
-Redundant to all this, and evaluated on request, every one of the residuals up to the
-order is a ball around zero, of width below :data:`WIDTH`, over the enclosure of the root.
 """
 
 from __future__ import annotations
@@ -33,8 +30,6 @@ from .equations import free_trees, one_of_each, representatives
 from .field import about, field_of_decimals, texts_of_decimals
 from .starting import Blocks, Target, prove_blocks, texts_of
 
-#: Redundant identities are enclosed in balls around zero no wider than this.
-WIDTH = 1e-50
 _RADIUS = re.compile(r"\d{1,99}(\.\d{1,99})?(e-\d{1,3})?")
 
 
@@ -45,7 +40,7 @@ class Enclosure:
     Attributes
     ----------
     values : Mapping[str, Ball]
-        Enclosing ball of every unknown, by name; every identity is evaluated with them.
+        Enclosing ball of every unknown, by name.
     radius : Fraction
         Half-width of the box in which the root is unique.
     root : Root
@@ -95,25 +90,6 @@ class Enclosure:
         """Whether the first values are the solution itself, to the orders claimed."""
         found = self.root.enclosed
         return all(found.principal_is_zero(order, True, nystrom) for order, nystrom in self.orders)
-
-    @cached_property
-    def width(self) -> float:
-        """Largest magnitude over all residuals up to the order and over the equations.
-
-        Raises
-        ------
-        ExactnessError
-            Where one of them does not vanish.
-        """
-        found = self.root.enclosed
-        with consulted():
-            small = found.residuals(found.root)
-            for order, nystrom in self.orders:
-                series = found.series(found.root, order, nystrom)
-                for n in range(1, order + 1):
-                    small += [x for t in series.pool(n) for x in series.condition(t)]
-                small += [row[0] - 1 for part in series.parts.values() for row in part.U]  # U u = 1
-            return _checked_width([ball(as_scalar(x)) for x in small])
 
     @cached_property
     def next_order(self) -> float:
@@ -238,24 +214,6 @@ def _check_orders(orders: Sequence[tuple[int, bool]], equations: Any) -> None:
                     f"the equations of the file do not give the conditions of order {n}; those of "
                     f"{', '.join(wanted)} would (at stage order {q})"
                 )
-
-
-def _checked_width(small: Sequence[Ball]) -> float:
-    """Return the largest magnitude of what the theorems say vanishes.
-
-    Raises
-    ------
-    ExactnessError
-        When it does not.
-    """
-    width = max(x.magnitude() for x in small)
-    # one by one: the largest of numbers that are no numbers may be any of the others
-    if not all(x.contains_zero() and x.magnitude() < WIDTH for x in small):
-        raise ExactnessError(
-            f"a redundant condition is not enclosed: the largest residual is {width:.3g}, "
-            f"and it must be a ball around zero below {WIDTH}"
-        )
-    return width
 
 
 def _radius_text(document: Mapping[str, Any]) -> Any:

@@ -25,7 +25,7 @@ from ..method.preconsistency import preconsistency_vector
 from . import polynomials as poly
 from .residuals import verdict_of
 from .residues import both_ways, residues
-from .spectrum import Eigenvalue, brief, eigenvectors, unimodular_eigenvalues
+from .spectrum import brief, eigenvectors, unimodular_eigenvalues
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,53 +72,38 @@ def _growth_matrix(
     return tuple(tuple(linalg.dot(row, column) / zeta for column in columns) for row in inner)
 
 
-def _without_principal(m: GLM, V: Matrix) -> tuple[list[Vector], list[Vector]]:
-    """Return eigenvectors at 1 with the principal one, u, taken out.
+def _without_principal(m: GLM, left: list[Vector], matrix: Matrix) -> Matrix:
+    """Return the growth matrix at 1 with the principal eigenvector, u, taken out.
 
     An inconsistent method may have none: its growth matrix then has not the eigenvalue 1.
     """
     u = preconsistency_vector(m)
-    left, right = eigenvectors(V, Exact(1))
-    whole = poly.characteristic(_growth_matrix(Exact(1), left, m.B, m.U, right))
-    if u is None or poly.evaluate(whole, 1).is_zero() is False:
-        return left, right
+    if u is None or poly.evaluate(poly.characteristic(matrix), 1).is_zero() is False:
+        return matrix
     # in the scaled basis u has coordinates w_i u; replace one basis vector by u, then drop it
-    coordinates = [linalg.dot(w, u) for w in left]
-    at = next(i for i, x in enumerate(coordinates) if x.is_zero() is False)
+    x = [linalg.dot(w, u) for w in left]
+    at = next(i for i, y in enumerate(x) if y.is_zero() is False)
     rest = [i for i in range(len(left)) if i != at]
-    ratio = [coordinates[i] / coordinates[at] for i in rest]
-    dual = [
-        tuple(x - t * y for x, y in zip(left[i], left[at], strict=True))
-        for i, t in zip(rest, ratio, strict=True)
-    ]
-    return dual, [right[i] for i in rest]
+    return tuple(tuple(matrix[i][j] - x[i] / x[at] * matrix[at][j] for j in rest) for i in rest)
 
 
-def _growth_at(m: GLM, eigenvalue: Eigenvalue) -> Growth:
-    zeta = eigenvalue.value
-    if (zeta - 1).is_zero():
-        left, right = _without_principal(m, m.V)
-    else:
-        left, right = eigenvectors(m.V, zeta)
-    return Growth(zeta, len(right), {"mu": _growth_matrix(zeta, left, m.B, m.U, right)})
-
-
-def _coupled_growth_at(m: Method, zeta: Exact) -> Growth:
-    """Return growth at an eigenvalue that V and V^ share: how each feeds the other, or each all."""
+def _growth_at(m: Method, zeta: Exact) -> Growth:
+    """Return growth at an eigenvalue that all V share: how components feed each other, or all."""
     vectors = {c.colour: eigenvectors(c.V, zeta) for c in m.components}
     by_colour = {c.colour: c for c in m.components}
-    f, k = m.palette
-    pairs = {"mu_q": (f, k), "mu_p": (k, f)}
-    if m.shared:
-        pairs |= {"mu_qq": (f, f), "mu_pp": (k, k)}
-    return Growth(
-        zeta,
-        len(vectors[f][1]),
-        {
-            name: _growth_matrix(zeta, vectors[a][0], by_colour[a].B, by_colour[b].U, vectors[b][1])
-            for name, (a, b) in pairs.items()
-        },
-    )
+    f, *others = m.palette
+    pairs = {"mu": (f, f)}
+    for k in others:
+        pairs = {"mu_q": (f, k), "mu_p": (k, f)}
+        if m.shared:
+            pairs |= {"mu_qq": (f, f), "mu_pp": (k, k)}
+    found = {
+        name: _growth_matrix(zeta, vectors[a][0], by_colour[a].B, by_colour[b].U, vectors[b][1])
+        for name, (a, b) in pairs.items()
+    }
+    if not others and (zeta - 1).is_zero():
+        found["mu"] = _without_principal(cast("GLM", m), vectors[f][0], found["mu"])
+    return Growth(zeta, len(next(iter(found.values()))), found)
 
 
 def _parasitic(V: Matrix) -> list[Exact]:
@@ -144,7 +129,7 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
             for e in unimodular_eigenvalues(one.V)
             if e.multiplicity > 1 or not (e.value - 1).is_zero()
         ]
-        return tuple(_growth_at(one, e) for e in found), ""
+        return tuple(_growth_at(one, e.value) for e in found), ""
     if not m.shared and poly.share_only_one(*(poly.characteristic(c.V) for c in m.components)):
         return (), ""
     if (halves := residues(m)) is not None:
@@ -155,7 +140,7 @@ def _growths(m: Method) -> tuple[tuple[Growth, ...], str]:
         ), ""
     q, p = (_parasitic(c.V) for c in m.components)
     common = [z for z in q if any((z - x).is_zero() for x in p)]
-    growths = tuple(_coupled_growth_at(m, zeta) for zeta in common)
+    growths = tuple(_growth_at(m, zeta) for zeta in common)
     if m.shared and len(common) < max(len(q), len(p)):
         return growths, (
             "V and V^ have different eigenvalues and the stages are shared: not supported"

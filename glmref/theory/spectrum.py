@@ -22,6 +22,7 @@ MAX_ORDER = 90
 NEAR = 1e-4
 
 _is_unbounded = asked("polynomials.is_unbounded")
+_space_of = asked("rules_growth.space_of")
 
 
 @dataclass(frozen=True)
@@ -168,13 +169,8 @@ def eigenvectors(V: Matrix, zeta: Scalar) -> tuple[list[Vector], list[Vector]]:
     ExactnessError
         When the eigenvalue is defective, so that no such scaling exists.
     """
-    r = len(V)
-    shifted = linalg.sub(V, linalg.scale(zeta, linalg.identity(r)))
-    right = linalg.nullspace(shifted)
-    left = linalg.nullspace(linalg.transpose(shifted))
-    products = tuple(tuple(linalg.dot(w, v) for v in right) for w in left)
-    scaled = linalg.solve(products, tuple(left)) if left else ()
-    return list(scaled), right
+    _, left, right = _space_of(V, zeta)
+    return list(left), list(linalg.transpose(right))
 
 
 def power_bounded(V: Matrix) -> Boundedness:

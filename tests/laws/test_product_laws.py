@@ -1,4 +1,4 @@
-"""Sums of products, gradients and matrices of balls: as narrow as the loops, and never beside the truth.
+"""Sums of products and gradients: as narrow as the loops, and never beside the truth.
 
 Every test puts balls around rationals, computes the same in exact arithmetic, and asks that the
 true number lies in the enclosure and that a number slightly beside it does not.
@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
-from glmref.errors import DataError, ExactnessError
-from glmref.exact import Ball, BallMatrix, Exact, ball, exact, linalg, sum_of_products
+from glmref.errors import DataError
+from glmref.exact import Ball, Exact, ball, exact, sum_of_products
 from glmref.exact.expression import parse
 from glmref.exact.judging import Gradient, as_number, as_scalar, consulted, coordinates
 from glmref.theory.coefficients import weighted
@@ -118,48 +118,6 @@ def test_a_zero_that_is_certain_is_told_from_one_that_is_possible() -> None:
     for number in (enclosed(Fraction(0)), exact(Fraction(1, 10**99)), ball(Fraction(1, 10**99))):
         assert not number.vanishes()
         assert number.is_zero() is not True
-
-
-matrices = st.integers(1, 4).flatmap(
-    lambda n: st.lists(st.lists(fractions, min_size=n, max_size=n), min_size=n, max_size=n)
-)
-
-
-def beside(rows: Sequence[Sequence[Ball]], truth: linalg.Matrix, step: Fraction) -> bool:
-    """Whether every entry excludes the true number moved by a step."""
-    pairs = [(x, y) for a, b in zip(rows, truth, strict=True) for x, y in zip(a, b, strict=True)]
-    return not any(x.contains(y + step) for x, y in pairs)
-
-
-@LAWS
-@given(matrices)
-def test_products_of_ball_matrices_contain_the_exact_product(rows: list[list[Fraction]]) -> None:
-    true = tuple(tuple(map(exact, row)) for row in rows)
-    balls = BallMatrix([[enclosed(x) for x in row] for row in rows])
-    truth = linalg.sub(linalg.identity(len(rows)), linalg.matmul(true, true))
-    found = (BallMatrix.identity(len(rows)) - balls @ balls).rows()
-    pairs = [(x, y) for a, b in zip(found, truth, strict=True) for x, y in zip(a, b, strict=True)]
-    assert all(x.contains(y) for x, y in pairs)
-    assert beside(found, truth, Fraction(1, 10**37))  # 4 terms of 2 * 4 radii each: below 4e-39
-
-
-@LAWS
-@given(matrices)
-def test_the_inverse_of_a_ball_matrix_contains_the_exact_one(rows: list[list[Fraction]]) -> None:
-    true = tuple(tuple(map(exact, row)) for row in rows)
-    assume(linalg.rank(true) == len(rows))
-    truth = linalg.inverse(true)
-    found = BallMatrix([[enclosed(x) for x in row] for row in rows]).inverse().rows()
-    pairs = [(x, y) for a, b in zip(found, truth, strict=True) for x, y in zip(a, b, strict=True)]
-    assert all(x.contains(y) for x, y in pairs)
-    # an entry of the inverse is below 12^4 * 4^3 * 6 = 8e6, its change below (4 * 8e6)^2 radii
-    assert beside(found, truth, Fraction(1, 10**20))
-
-
-def test_a_matrix_of_balls_that_may_be_singular_has_no_inverse() -> None:
-    one, near = ball(1), enclosed(Fraction(1))
-    refused(ExactnessError, "singular", BallMatrix([[one, near], [one, one]]).inverse)
-    BallMatrix([[one, near + Fraction(1, 10**39)], [one, one]]).inverse()
 
 
 @LAWS

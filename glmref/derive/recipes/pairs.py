@@ -91,7 +91,7 @@ def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:
     text = (
         f"{document['name']}: exactly one solution within 1e-60 of the digits; "
         f"{order}, G-symplectic, symmetric, explicit and "
-        f"parasitism-free there; redundant conditions enclosed to {enclosure.width:.1e}"
+        f"parasitism-free there"
     )
     if "starting" in document:
         q, p = (len(document["starting"][x]) for x in ("A", "A_hat"))

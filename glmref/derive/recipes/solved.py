@@ -142,7 +142,6 @@ def _statement(document: Mapping[str, Any], enclosure: Enclosure) -> Statement:
     text = (
         f"{document['name']}: exactly one solution within 1e-60 of the digits; "
         f"order {enclosure.order}, G-symplectic, symmetric and "
-        f"parasitism-free there; redundant conditions enclosed to {enclosure.width:.1e}; order "
-        f"{enclosure.order + 1} refuted by {enclosure.next_order:.2e}"
+        f"parasitism-free there; order {enclosure.order + 1} refuted by {enclosure.next_order:.2e}"
     )
     return Statement(text, Proof.ENCLOSED)
