@@ -21,8 +21,7 @@ from campaigns.driver import arguments, fingerprint, head_of, renew
 from glmref.catalogue.lookup import load, names
 from glmref.method import Method
 from glmref.theory.coefficients import first_nonzero
-from glmref.theory.error_constants import error_norm
-from glmref.theory.order import OrderResult, highest_order, order_of
+from glmref.theory.order import OrderResult, error_norm, highest_order, order_of
 from glmref.theory.residues import residues
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import MAX_ORDER, counted

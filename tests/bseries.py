@@ -12,7 +12,7 @@ from typing import Any
 
 from glmref.method import Method
 from glmref.method.component import ROOTED, Palette
-from glmref.theory.coefficients import Coefficient, first_nonzero, is_zero, plus, times, weighted
+from glmref.theory.coefficients import Coefficient, combination, first_nonzero, is_zero, plus, times
 from glmref.theory.series import Series
 from glmref.theory.starting_series import StartingSeries
 from glmref.theory.trees import Tree, trees, trees_up_to
@@ -103,8 +103,8 @@ def _weights(
             for child in t.children[1:]:
                 slopes = pointwise(slopes, stages[child])
             if n < order:
-                stages[t] = tuple([weighted(row, slopes) for row in rows[t.colour]])
-            values[t] = tuple([weighted(row, slopes) for row in outputs[t.colour]])
+                stages[t] = tuple([_sum(row, slopes) for row in rows[t.colour]])
+            values[t] = tuple([_sum(row, slopes) for row in outputs[t.colour]])
     return values
 
 
@@ -114,3 +114,7 @@ _Sparse = list[tuple[int, Any]]
 
 def _nonzero(row: Sequence[Any]) -> _Sparse:
     return [(j, x) for j, x in enumerate(row) if is_zero(x) is not True]
+
+
+def _sum(row: _Sparse, x: Sequence[Any]) -> Any:
+    return combination([(factor, x[j]) for j, factor in row])

@@ -91,8 +91,8 @@ def stands(tree: Tree, system: str) -> bool:
 
 def read_tree(text: object) -> Tree:
     """Return the tree of a text such as f[kk[f]]."""
-    given, place = as_text(text, "a tree is a short text"), 0
-    require(0 < len(given) <= 200, "a tree is a short text")
+    given, place = as_text(text, "a tree is a text of 1 to 200 characters"), 0
+    require(0 < len(given) <= 200, "a tree is a text of 1 to 200 characters")
 
     def need(truth: object) -> None:
         require(truth, f"{given!r} is no tree, which is seen at its place {place + 1}")

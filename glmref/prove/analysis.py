@@ -39,12 +39,12 @@ from ..method import Method
 from ..system.arguments import number
 from ..system.budget import READING, left, limited, spend
 from ..system.shown import Shown
-from ..theory.error_constants import error_norm
-from ..theory.order import order_of
+from ..theory.order import error_norm, order_of
 from ..theory.periodicity import periodicity
 from ..theory.reduction import without_idle_stages
 from ..theory.residues import rates_on_one_sign, residues
 from ..theory.stability_interval import imaginary_interval, real_interval
+from ..theory.symmetry import Symmetry
 from .digits import rounded_up, staircase_of
 from .facts import Facts, facts_of
 from .kernel import SMALL, Kernel
@@ -569,11 +569,9 @@ def _analyzed(q: _Questions) -> Analysis:
     def form(name: str, write: Callable[[Any], Any]) -> Any:
         return q.ask(G_SYMPLECTIC.key, lambda f: write(getattr(f.g_symplecticity, name)))
 
-    def symmetry(name: str, write: Callable[[Any], Any]) -> Any:
-        return q.ask(SYMMETRIC.key, lambda f: write(getattr(f.symmetry, name)))
-
-    held = {"L": symmetry("L", _matrix)} | ({} if single else {"L_hat": symmetry("L_hat", _matrix)})
-    exchanges = [symmetry(x, _stages) for x in (("P",) if single else ("P_P", "P_Q"))]
+    reversal = q.ask(
+        SYMMETRIC.key, lambda f: _reversal(f.symmetry, single), _reversal(None, single)
+    )
     nystrom = not single and (not m.shared or (m.document or {}).get("class") == "nystrom")
     quadrature = q.ask("quadrature-constant", _quadrature) if single else None
     stability = _stability(q) if single else {}
@@ -589,8 +587,7 @@ def _analyzed(q: _Questions) -> Analysis:
             "D": form("D", _vector) if single else {x: form(x, _vector) for x in ("D_P", "D_Q")},
         },
         symmetric={"holds": (holds := q.truth(SYMMETRIC.key))}
-        | held
-        | {"P": exchanges[0] if single else exchanges}
+        | reversal
         | (_reduced(q) if holds is False and (not single or values != [1]) else {}),
         growth=q.ask("growth", lambda f: _growth(f, single), []),
         growth_rates=None if single else q.ask("growth rates", _growth_rates),
@@ -601,6 +598,17 @@ def _analyzed(q: _Questions) -> Analysis:
         order_dense=q.range(DENSE_ORDER.key).value if single and m.dense is not None else None,
         undecided=q.undecided or None,
     )
+
+
+def _reversal(found: Symmetry | None, single: bool) -> dict[str, Any]:
+    """Return the involutions of the values, and the exchanges of stages, those of P first."""
+    names = ("L",) if single else ("L", "L_hat")
+    none: list[Any] = [None] * len(names)
+    Ls = list(found.involutions.values()) if found else []
+    exchanges = [_stages(x) for x in found.exchanges.values()] if found else []
+    given = zip(names, map(_matrix, Ls or none), strict=True)
+    stages = (exchanges or none)[::-1]
+    return {**dict(given), "P": stages[0] if single else stages}
 
 
 def _reduced(q: _Questions) -> dict[str, Any]:

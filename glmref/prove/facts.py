@@ -19,11 +19,11 @@ from ..exact.linalg import Vector
 from ..findings import Proof, Verdict
 from ..method import Method
 from ..method.digits import within_digits
-from ..theory.consistency import consistency, zero_stability
+from ..theory.consistency import consistency
 from ..theory.equivalence import reduce
 from ..theory.parasitism import growth
 from ..theory.reduction import reduction
-from ..theory.spectrum import unimodular_eigenvalues
+from ..theory.spectrum import power_bounded, unimodular_eigenvalues
 from ..theory.symmetry import symmetry
 from ..theory.symplectic import g_symplectic
 from ..theory.trees import Tree, single, tree
@@ -159,7 +159,7 @@ class Facts:
     @cached_property
     def zero_stabilities(self) -> tuple[Boundedness, ...]:
         """Whether the V of each component is power-bounded."""
-        return tuple(zero_stability(c) for c in self.method.components)
+        return tuple(power_bounded(c.V) for c in self.method.components)
 
     @property
     def abscissae(self) -> Vector | None:

@@ -42,7 +42,7 @@ from typing import Any
 from ..exact import Exact, linalg
 from ..exact.linalg import Matrix
 from ..method.component import Palette
-from .coefficients import is_zero, plus, scalars, times, weighted
+from .coefficients import combination, is_zero, plus, scalars, times
 from .series import Series, compose, conjugated, edge_cuts
 from .trees import FreeTree, Tree, free_trees, halves, single, trees
 
@@ -213,7 +213,7 @@ def conjugacy(field: Series) -> Conjugacy:
         if all(is_zero(x) is True for x in defects):
             continue
         unknowns, matrix, rank = _change_equations(n, _colours(palette))
-        solved = [weighted(linalg.nonzero(row), defects) for row in matrix]
+        solved = [combination(list(zip(row, defects, strict=True))) for row in matrix]
         if any(is_zero(x) is False for x in solved[rank:]):
             break
         values = dict(zip(unknowns, solved[:rank], strict=True))

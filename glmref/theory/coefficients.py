@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from ..exact import Ball, Exact, Scalar, sum_of_products
+from ..exact import Exact, Scalar, sum_of_products
 from ..exact.linalg import Vector
 
 #: An int, a Fraction, a Scalar, or a tuple of them.
@@ -46,54 +46,17 @@ def times(factor: Any, a: Coefficient) -> Coefficient:
     return factor * a
 
 
-#: Numbers whose sums of products are computed as a whole.
-_NUMBERS = frozenset({Ball, Exact})
-
-
-def weighted(row: Sequence[tuple[int, Any]], x: Sequence[Any]) -> Any:
-    """Return the sum of ``factor * x[j]`` over the pairs (j, factor) of a row.
-
-    The int 0 costs nothing.
-    """
-    pairs, numbers = [], True
-    for j, factor in row:
-        y = x[j]
-        kind = type(y)
-        if kind is int and y == 0:
-            continue
-        pairs.append((factor, y))
-        if kind not in _NUMBERS or type(factor) not in _NUMBERS:
-            numbers = False
-    if numbers and pairs:
-        return sum_of_products(pairs)
-    total: Any = 0
-    for factor, y in pairs:
-        total = plus(total, times(factor, y))
-    return total
-
-
 def combination(terms: Sequence[tuple[Scalar, Coefficient]]) -> Coefficient:
-    """Return the sum of ``factor * coefficient`` over the terms, at least one.
+    """Return the sum of ``factor * coefficient`` over the terms.
 
-    Vectors are combined entry by entry.
+    Vectors are combined entry by entry; the int 0 costs nothing.
     """
-    if isinstance(terms[0][1], tuple):
+    if terms and isinstance(terms[0][1], tuple):
         factors = [factor for factor, _ in terms]
-        numbers = _NUMBERS.issuperset(map(type, factors))
         columns = zip(*[x for _, x in terms], strict=True)
-        return tuple([_combined(factors, column, numbers=numbers) for column in columns])
-    row = list(enumerate(factor for factor, _ in terms))
-    return weighted(row, [x for _, x in terms])
-
-
-def _combined(factors: Sequence[Any], column: Sequence[Any], *, numbers: bool) -> Any:
-    """Return the sum of products as :func:`weighted`, for many columns with the same factors."""
-    pairs = [(x, y) for x, y in zip(factors, column, strict=True) if type(y) is not int or y != 0]
-    if not pairs:
-        return 0
-    if numbers and _NUMBERS.issuperset([type(y) for _, y in pairs]):
-        return sum_of_products(pairs)
-    return weighted(list(enumerate(factors)), column)
+        return tuple([combination(list(zip(factors, x, strict=True))) for x in columns])
+    pairs = [(x, y) for x, y in terms if type(y) is not int or y != 0]
+    return sum_of_products(pairs) if pairs else 0
 
 
 def tidy(vector: Sequence[Any]) -> tuple[Any, ...]:

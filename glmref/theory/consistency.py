@@ -1,4 +1,4 @@
-"""Pre-consistency, consistency, abscissae and zero-stability of a general linear method.
+"""Pre-consistency, consistency and abscissae of a general linear method.
 
 ``V u = u, U u = 1`` (pre-consistency) lets the method reproduce constants, and
 ``B 1 + V v = u + v`` (consistency) the solution of y' = 1. Then ``c = A 1 + U v`` are the
@@ -18,7 +18,6 @@ from ..method.preconsistency import (
     consistency_vector,
     preconsistency_of,
 )
-from .spectrum import Boundedness, power_bounded
 
 _ZERO, _ONE = Exact(0), Exact(1)
 _NO_V = "no vector v has B 1 + V v = u + v: the weights along the eigenvalue 1 of V do not sum to 1"
@@ -87,11 +86,3 @@ def _row_off(m: Block, u: Vector) -> str:
     off = value - linalg.dot(row, v)
     where = " where the others hold" if rows else ""
     return f"row {k + 1} is off by {complex(off).real:.6g}{where}"
-
-
-def zero_stability(m: Block) -> Boundedness:
-    """Decide whether V is power-bounded.
-
-    References: Butcher (2016), Definition 510A.
-    """
-    return power_bounded(m.V)

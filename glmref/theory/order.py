@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import sqrt
 from typing import Literal
 
 from ..errors import ExactnessError, UsageError
@@ -216,3 +217,18 @@ def _finish(
     eta = Series(values, empty, order, series.palette)
     c = {x: series.abscissae(x) for x in series.palette}
     return replace(result, eta=eta, abscissae=c)
+
+
+def error_norm(residuals: Mapping[Tree, Scalar]) -> float:
+    """Return euclidean norm of ``residual / sigma`` over the trees of order p + 1.
+
+    The local error is ``h^(p+1)`` times the sum of ``residual / sigma`` times the elementary
+    differential, so this is the usual principal error norm (Hairer, Norsett, Wanner (1993), II.1).
+
+    Parameters
+    ----------
+    residuals : Mapping[Tree, Scalar]
+        Of an :class:`OrderResult`.
+    """
+    sizes = [x.magnitude() / t.symmetry for t, x in residuals.items()]
+    return sqrt(sum(x * x for x in sizes))  # a square that is beyond doubles is infinite

@@ -323,7 +323,7 @@ class AfterFlow:
                 value = known[rest] = self._weighted(rest, m + 1)
             if type(value) is not int or value != 0:
                 terms.append((times(ways, factor), value))
-        return combination(terms) if terms else 0
+        return combination(terms)
 
     def _weighted(self, t: Tree, m: int) -> Coefficient:
         """Return phi_m(t)."""
@@ -332,7 +332,7 @@ class AfterFlow:
             slope = times(_inverse_factorial(m + 1), self.field[t])
             terms.append((slope, self.empty[t.colour]))
         terms = [(x, y) for x, y in terms if type(y) is not int or y != 0]
-        value = combination(terms) if terms else 0
+        value = combination(terms)
         return 0 if is_zero(value) is True else value
 
     def settle(self, t: Tree, value: Coefficient, slope: Any) -> None:

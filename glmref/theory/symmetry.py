@@ -65,24 +65,9 @@ class Symmetry:
         return next(iter(self.involutions.values()), None)
 
     @property
-    def L_hat(self) -> Matrix | None:
-        """Involution of the last component: of p."""
-        return next(iter(list(self.involutions.values())[::-1]), None)
-
-    @property
     def P(self) -> tuple[int, ...] | None:
         """Exchange of the stages of the first component: Q, or of a single method."""
         return next(iter(self.exchanges.values()), None)
-
-    @property
-    def P_Q(self) -> tuple[int, ...] | None:
-        """Exchange of the stages Q."""
-        return self.P
-
-    @property
-    def P_P(self) -> tuple[int, ...] | None:
-        """Exchange of the stages P."""
-        return next(iter(list(self.exchanges.values())[::-1]), None)
 
 
 @dataclass(frozen=True, eq=False)

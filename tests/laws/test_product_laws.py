@@ -17,7 +17,7 @@ from glmref.errors import DataError
 from glmref.exact import Ball, Exact, ball, exact, sum_of_products
 from glmref.exact.expression import parse
 from glmref.exact.judging import Gradient, as_number, as_scalar, consulted, coordinates
-from glmref.theory.coefficients import weighted
+from glmref.theory.coefficients import combination
 from tests.build import refused
 from tests.examples import examples
 
@@ -75,14 +75,14 @@ def test_a_sum_of_products_contains_the_true_one_and_is_as_narrow_as_the_loop(dr
 
 @LAWS
 @given(terms)
-def test_a_weighted_sum_over_a_sparse_row_is_the_loop(drawn):
+def test_a_combination_is_the_loop(drawn):
     # Certain zeros and ones stand as ints in vectors of the order conditions.
-    row = [(j, x) for j, ((_, x), _) in enumerate(drawn)]
+    row = [x for (_, x), _ in drawn]
     vector: list[Any] = [
         int(float(y)) if isinstance(z, Exact) and (y == 0 or y == 1) else z for _, (y, z) in drawn
     ]
     truth = looped([(x, y) for (x, _), (y, _) in drawn])
-    found = weighted(row, vector)
+    found = combination(list(zip(row, vector, strict=True)))
     number = ball(found)
     assert number.overlaps(truth)
     assert not number.overlaps(truth + Fraction(1, 10**30))  # eight terms of width below 1e-38

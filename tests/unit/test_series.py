@@ -9,7 +9,7 @@ from glmref import load
 from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.method.component import GENERAL, ROOTED
-from glmref.theory.coefficients import is_zero, plus, times, weighted
+from glmref.theory.coefficients import combination, is_zero, plus, times
 from glmref.theory.series import (
     Series,
     compose,
@@ -70,10 +70,10 @@ def test_coefficients_of_any_kind_are_added_and_multiplied():
         for b in kinds:
             for found, truth in ((plus(a, b), exact(0) + a + b), (times(a, b), exact(1) * a * b)):
                 assert is_zero(found - truth) is not False
-            assert is_zero(weighted([(0, a), (1, b)], [b, a]) - (a * b + b * a)) is not False
+            assert is_zero(combination([(a, b), (b, a)]) - (a * b + b * a)) is not False
     assert plus((1, 0), (0, x)) == (1, x) and times(2, (1, x)) == (2, 2 * x)
     assert times(1, x) is x and times(x, 1) is x and plus(0, x) is x and plus(x, 0) is x
-    assert weighted([], []) == 0 and weighted([(0, x)], [0]) == 0
+    assert combination([]) == 0 and combination([(x, 0)]) == 0
     for value, zero in (
         (0, True), (1, False), (F(0), True), (x - x, True), (wide, None), ((), True),
         ((0, 0), True), ((0, wide), None), ((wide, 1), False), ((0, 1), False),

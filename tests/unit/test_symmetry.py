@@ -92,14 +92,14 @@ def test_verlet_exchanges_sweeps_and_symplectic_euler_does_not():
     for first, a, b in (("q", ["1/2", "1/2"], ["1"]), ("p", ["1"], ["1/2", "1/2"])):
         found = symmetry(splitting(a, b, first=first))
         assert found.holds is True
-        assert found.P_P == tuple(range(len(a)))[::-1] and found.P_Q == tuple(range(len(b)))[::-1]
+        assert found.exchanges == {"f": tuple(range(len(b)))[::-1], "k": tuple(range(len(a)))[::-1]}
     assert symmetry(splitting(["1"], ["1"])).holds is False
     assert symmetry(splitting(["1/3", "2/3"], ["1"])).holds is False
 
 
 def test_pair_of_n_has_identity_involutions():
     found = symmetry(glmref.load("gsymplectic-n-pair"))
-    assert found.holds is True and found.L[1][1] == 1 and found.L_hat[1][1] == 1
+    assert found.holds is True and found.L[1][1] == 1 and found.involutions["k"][1][1] == 1
 
 
 def test_an_open_finding_is_preferred_to_one_that_fails_and_to_no_other():
