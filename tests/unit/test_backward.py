@@ -56,7 +56,7 @@ from glmref.theory.series import (
     modified_equation,
 )
 from glmref.theory.symplectic import g_symplectic
-from glmref.theory.trees import edge_cuts, free_trees, halves, trees, trees_up_to
+from glmref.theory.trees import free_trees, halves, trees, trees_up_to
 from glmref.theory.underlying import UnderlyingMethod
 from tests.build import high, refused
 from tests.shipped import shipped
@@ -96,17 +96,6 @@ def test_the_field_of_the_flow_is_that_of_the_problem():
     assert exponential(f) == flow(6) and modified_equation(flow(6)) == f
     other = exponential(_random_field(5, 6))
     assert exponential(f, other) == compose(flow(6), other)
-
-
-def test_numbers_of_trees_cuts_and_free_trees():
-    # numbers of free trees: Cayley; HLW (2006), table IX.9.1 counts those that are not superfluous
-    colours = tuple(ROOTED.items())
-    free = [free_trees(n, colours) for n in range(1, 9)]
-    assert [len(x) for x in free] == [1, 1, 1, 2, 3, 6, 11, 23]
-    assert [sum(not t.superfluous for t in x) for x in free] == [1, 0, 1, 1, 3, 4, 11, 19]
-    assert all(sum(len(t.signs) for t in x) == len(trees(n)) for n, x in enumerate(free, 1))
-    assert [t.symmetry for t in free_trees(4, colours)] == [6, 2]
-    assert all(sum(edge_cuts(t).values()) == t.order - 1 for t in trees_up_to(8))
 
 
 # -- the underlying one-step method

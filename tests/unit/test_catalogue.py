@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import glmref
 from glmref.catalogue.canonical import IN_ORDER, canonical, refresh
-from glmref.catalogue.errata import Erratum, erratum, find_errata, load_errata
+from glmref.catalogue.errata import Erratum
 from glmref.catalogue.lookup import document, load, names, path_of
 from glmref.catalogue.strict_json import read_json
 from glmref.engine.ensemble import solve_ensemble
@@ -77,22 +77,6 @@ def test_an_ensemble_says_so_too() -> None:
 
 
 # -- glmref.catalogue.errata: the records and their selection
-
-
-def test_record_by_id() -> None:
-    found = erratum("3.3-a21")
-    assert found.verdict == "wrong"
-    assert "-11/172" in found.right
-
-
-def test_selection_by_text_verdict_and_method() -> None:
-    assert all("(3.8)" in str(r.as_json()) for r in find_errata("(3.8)"))
-    assert {r.verdict for r in find_errata(verdict="false")} == {"false"}
-    by_method = find_errata(method="thesis-3-8")
-    assert by_method and all("thesis-3-8" in r.method for r in by_method)
-    assert find_errata() == load_errata()
-    assert find_errata("no such words") == ()
-    assert find_errata("GAUSS") == find_errata("gauss")
 
 
 def test_records_are_frozen() -> None:

@@ -160,17 +160,6 @@ def test_v_that_does_not_preserve_g_is_refused() -> None:
 # -- from an ansatz to a proved pair: equations, free parameters, recipes and the search
 
 
-def test_an_ansatz_says_its_stages_rows_and_equations():
-    doc = PairAnsatz("x", 4, 4).document()
-    assert doc["stages"] == "PQPQPQPQP"
-    assert doc["b"] == ["b1", "b2", "b3", "b2", "b1"]
-    assert doc["w"] == [["w1", "w2", "0", "-w2", "-w1"]]
-    assert doc["v"] == [["v1", "v2", "-v2", "-v1"]]
-    assert doc["constants"] == {"b3": "1-2*b1-2*b2", "c2": "(1-2*c1)/2"}
-    assert doc["enclosure"]["equations"][:2] == ["order f[kk]", "order f[k[f]]"]
-    assert PairAnsatz("x", 3, 4, outer="Q").stages == "QPQPQ"
-
-
 def test_palindromes_hold_for_all_values_of_the_unknowns():
     for ansatz in (PairAnsatz("x", 5, 6, starts="qp"), PairAnsatz("x", 4, 4, outer="Q", g=-1)):
         assert conditions_of(ansatz.document()).signs == {"f": [1, -1], "k": [1, -1]}

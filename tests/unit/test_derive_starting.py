@@ -12,7 +12,7 @@ import pytest
 from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import document, load
 from glmref.derive.linear_start import linear_start, tableau
-from glmref.derive.parity_start import finishing_block, starting_block
+from glmref.derive.parity_start import starting_block
 from glmref.derive.recipes.solved import rough_starts
 from glmref.errors import DataError, ExactnessError
 from glmref.exact import Exact
@@ -25,7 +25,6 @@ from glmref.prove.starting import (
     Blocks,
     Target,
     conditions_of,
-    has_unknowns,
     inverse_block,
     proposed,
     prove_blocks,
@@ -222,10 +221,3 @@ def test_an_involution_that_mixes_the_first_value_with_others_is_refused(place: 
     assert parts_of(L)[0] == ([1, 0, 0], 1)
     L[0][place] = rational(2)
     refused(Refused, "does not keep the first value apart", parts_of, L)
-
-
-def test_a_finish_block_has_the_form_it_needs() -> None:
-    block = finishing_block(1, ["1/2", "1/3"])
-    assert block["A"] == [["0", "0", "0"], ["1/2", "0", "0"], ["-1/2", "0", "0"]]
-    assert block["b"] == ["0", "1/3", "-1/3"]
-    assert not has_unknowns(block)

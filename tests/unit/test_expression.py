@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import pickle
 from fractions import Fraction
 
 import pytest
@@ -11,22 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from glmref.errors import DataError
-from glmref.exact import Ball, Exact, exact, root_of_unity
+from glmref.exact import Ball, Exact, exact
 from glmref.exact.expression import (
-    Text,
     parse,
-    shown_number,
     syntax_tree,
     to_text,
     weigh,
 )
 from glmref.exact.relations import box
 from tests.build import refused
-
-
-def test_division_binds_as_tightly_as_multiplication_and_from_the_left() -> None:
-    assert parse("2/3*4") == Fraction(8, 3)
-    assert parse("2/3*4") != parse("2/(3*4)")
 
 
 def test_decimals_are_balls_where_digits_are_declared_and_errors_elsewhere() -> None:
@@ -64,15 +55,6 @@ def test_printed_number_parses_back_to_itself(text: str) -> None:
     assert parse(to_text(value)) != value + Fraction(1, 10**30)
 
 
-def test_a_text_keeps_its_value_here_and_travels_as_plain_text() -> None:
-    text = Text("1/2", exact(Fraction(1, 2)))
-    assert text == "1/2"
-    assert text.value == Fraction(1, 2)
-    copy = pickle.loads(pickle.dumps(text))
-    assert copy == "1/2"
-    assert type(copy) is str
-
-
 @pytest.mark.parametrize(
     "text", ["0.5", "-.25", "-0.0", "7.", "1.0625", "-0." + "3" * 75, "1.23456"]
 )
@@ -108,17 +90,6 @@ def test_a_box_encloses_both_parts_and_a_real_number_has_no_other(a, b, n) -> No
 def test_zeros_of_any_length_are_exact(places, signed) -> None:
     text = "0." + "0" * places
     assert parse("-" * signed + text, digits=8) == 0
-
-
-def test_a_number_is_shown_exactly_where_it_has_a_text_and_in_decimals_elsewhere() -> None:
-    seventh = root_of_unity(1, 7)
-    assert shown_number(parse("sqrt(2)/2")) == "sqrt(2)/2"
-    assert float(shown_number(seventh.real)) == pytest.approx(math.cos(2 * math.pi / 7))
-    assert shown_number(exact(Fraction(1, 3**9000)) + exact(-1).sqrt()) == "0+1j"
-    turned = seventh.real + exact(-1).sqrt()
-    assert parse(shown_number(turned)) == turned
-    assert shown_number(seventh) == "exp(2*pi*i/7)"
-    assert shown_number(Ball.decimal("0.5", 1)) == "0.5"
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import glmref
 from glmref.catalogue.lookup import load
 from glmref.cli import main
 from glmref.system.shown import DARK
@@ -115,19 +114,6 @@ def test_the_command_writes_the_file(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["show", "rk4", "--plot", str(tmp_path / "it.png")]) == 2
     assert "give a name such as it.svg" in capsys.readouterr().err
     assert main(["show", "rk4", "--plot", str(tmp_path / "no" / "it.svg")]) == 2
-
-
-def test_axes_of_a_portrait_are_labelled() -> None:
-    text = str(glmref.plot("rk4"))
-    assert text.count(">Re z</text>") == 1 and text.count(">Im z</text>") == 2
-    assert ">|w|</text>" in text
-    assert ">h omega</text>" in str(glmref.plot("stormer-verlet"))
-
-
-def test_a_notebook_shows_the_formulas_of_a_problem() -> None:
-    own = glmref.Problem.from_hamiltonian("p**2/2 - cos(q)", {"q": 1, "p": 0}, name="my <pendulum>")
-    shown = own._repr_html_()
-    assert "my &lt;pendulum&gt;" in shown and "-sin(q[0])" in shown and "second order" in shown
 
 
 # -- pNG and PDF are the SVG picture: each shape has its colour where it stands, and nowhere else

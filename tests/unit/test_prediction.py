@@ -18,7 +18,7 @@ from glmref.measure import saturation as saturating
 from glmref.measure.linearised import step_derivatives
 from glmref.measure.longtime import energy_deviation, follow
 from glmref.measure.parasitic import loss, modes, solution_direction
-from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURATES, Prediction
+from glmref.measure.prediction import BOUNDED, LOST, NONE, OPEN, PASSES, SATURATES
 from glmref.measure.saturation import saturation
 from glmref.scenes import load_scene
 from glmref.scenes.planning import predictions
@@ -232,13 +232,6 @@ def test_no_saturation_where_a_condition_is_missing():
     (mode,) = modes(n)
     part = np.outer(np.real(mode.right), [1.0, 1.0])
     assert saturation(n, PENDULUM, 0.1, start, part, 0.003) is None  # it is lost
-
-
-def test_the_words_for_few_steps():
-    told = lambda verdict, steps: Prediction("m", "p", 0.1, 1.0, verdict, steps).text  # noqa: E731
-    assert told(LOST, 1.0) == told(LOST, 9.0) == "lost at once"
-    assert told(LOST, 24.0) == "lost after about 24 steps"
-    assert told(BOUNDED, 1.01) == "bounded for about 1 step"
 
 
 @pytest.mark.slow

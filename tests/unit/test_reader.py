@@ -26,7 +26,6 @@ from glmref.exact.expression import Text
 from glmref.method import GLM, AdditiveGLM, PartitionedGLM
 from glmref.prove.analysis import analyze
 from glmref.prove.verifier import claims_of, facts_for, verify
-from glmref.views.show import show
 from tests.build import SOURCE, refused
 
 SOURCE_BLOCK = {"citation": "Nobody (1900)", "where": "p. 1", "status": "derived"}
@@ -486,15 +485,6 @@ def test_nystrom_methods_are_solved_with_in_their_order(name: str, order: int, e
         ]
     ]  # fmt: skip
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.6)
-
-
-def test_a_page_shows_what_stands_beside_the_tableau() -> None:
-    """Embedded rows by name, the dense output, alpha and gamma."""
-    shown = str(show("dormand-prince-5-4"))
-    assert "embedded row embedded:\n  5179/57600  0  7571/16695" in shown
-    assert "b(theta), by powers of theta from 1:" in shown
-    assert "alpha | gamma, with b below:" in str(show("ros3p"))
-    assert "c | A, with b and b' below:" in str(show("fine-rkn-4-3"))
 
 
 def test_a_method_with_rows_is_saved_whole(tmp_path: Path) -> None:

@@ -256,11 +256,6 @@ def test_the_intervals_are_those_of_the_literature(name, real, imaginary):
     assert imaginary_interval(method).end == pytest.approx(imaginary, rel=1e-14)
 
 
-def test_an_eigenvalue_of_v_outside_leaves_nothing() -> None:
-    method = glmref.GLM(A=[[0]], U=[[1, 0]], B=[[1], [0]], V=[[1, 0], [0, 2]])
-    assert real_interval(method).end == imaginary_interval(method).end == 0
-
-
 def test_the_interval_ends_at_the_least_of_all_ends() -> None:
     # (w - 2x)(w - 1/2): the product of the roots leaves the disc at x = 1, the first root at 1/2
     half = exact(Fraction(1, 2))

@@ -1,7 +1,5 @@
 """Trees: counts, weights, text form, cuts."""
 
-import copy
-import pickle
 from math import factorial
 
 import pytest
@@ -43,13 +41,6 @@ def test_a_tree_cannot_be_changed_or_made_by_hand():
         del single().order
     assert Tree("[[o]o]") is Tree("[o]") * Tree("[o]") is parse_tree("[o[o]]")
     refused(UsageError, "colour", tree, [], "green")
-
-
-def test_copies_are_the_same_object():
-    t = parse_tree("f[k[ff]k]")
-    assert copy.copy(t) is t
-    assert copy.deepcopy(t) is t
-    assert pickle.loads(pickle.dumps(t)) is t
 
 
 def test_growth_from_the_root_counts_linear_extensions():
