@@ -333,23 +333,6 @@ def test_the_commands_write_files_and_say_what_is_wrong(tmp_path: Path, cli) -> 
     assert "UTF-8" in cli("import", tmp_path / "binary", "--from", "petsc", code=2).err
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("euler", "Order 1, 1 stage, 1 value."),
-        ("dormand-prince-rkn-8-6", "Order 8 on second-order systems, 9 stages Q and 10 P, 1 "),
-        (
-            "dormand-prince-rkn-12-10",
-            "Order 12 on second-order systems but for residuals of 1.2e-54",
-        ),
-        ("feagin-10-printed", "Order 10 but for residuals of 2.7e-85 or less, 17 stages, 1 value."),
-        ("ars-2-2-2", "Order 2, 2 parts on 3 stages, 1 value."),
-    ],
-)
-def test_the_head_of_a_file_states_the_order_that_is_claimed(name: str, said: str) -> None:
-    assert said in header(glmref.load(name), "c", Comment("", "# ", ""))
-
-
 @pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("form", "text", "said"),

@@ -133,25 +133,6 @@ def test_an_eigenvalue_that_balls_leave_open_is_said():
     assert "whether 1 is an eigenvalue is open" in result.reason
 
 
-@pytest.mark.parametrize(
-    ("blocks", "says"),
-    [
-        ({"A": [[0]], "U": [[1]], "B": [[1]], "V": [["1/2"]]}, "no eigenvalue 1"),
-        ({"A": [[0]], "U": [[0]], "B": [[1]], "V": [[1]]}, "U u = 0"),
-        ({"A": [[0, 0], [1, 0]], "U": [[1], [2]], "B": [[1, 0]], "V": [[1]]}, "row 2"),
-        (
-            {"A": [[0, 0], [1, 0]], "U": [[1, 0], [2, 0]], "B": [[1, 0], [0, 1]],
-             "V": [[1, 0], [0, 1]]},
-            "no eigenvector u",
-        ),
-    ],
-)  # fmt: skip
-def test_a_method_that_is_not_preconsistent_has_order_0_and_a_reason(blocks, says):
-    result = order_of(GLM(**blocks))
-    assert (result.order, result.decided, result.eta) == (0, True, None)
-    assert says in result.witness
-
-
 def test_a_multiple_eigenvalue_that_is_harmless_is_decided():
     # two copies of one sum, averaged by the stages: u = (1, 1) is fixed by consistency
     rk4 = load("rk4")

@@ -49,45 +49,6 @@ def test_sums_and_products_have_their_size_and_what_is_zero_is_decided(seed: int
     assert value.real.is_real()
 
 
-@pytest.mark.parametrize(
-    ("left", "right"),
-    [
-        ("sqrt(5)", "1+2*exp(2*pi*i/5)+2*exp(8*pi*i/5)"),
-        ("i*sqrt(7)", "1+2*exp(2*pi*i/7)+2*exp(4*pi*i/7)+2*exp(8*pi*i/7)"),
-        ("exp(2*pi*i/5)*exp(2*pi*i/7)*exp(-24*pi*i/35+4*pi*i/35-4*pi*i/35)", "1"),
-        ("root(2,3)*exp(2*pi*i/7)*root(4,3)*exp(12*pi*i/7)", "2"),
-        ("exp(2*pi*i/24)*exp(-2*pi*i/15)*exp(-2*pi*i/24)", "exp(-2*pi*i/15)"),
-        ("root(12,4)*exp(2*pi*i/7)*root(12,4)", "2*sqrt(3)*exp(2*pi*i/7)"),
-        ("root(6,3)*exp(2*pi*i/9)", "root(2,3)*exp(2*pi*i/9)*root(3,3)"),
-        ("root(3/2,5)*exp(2*pi*i/9)*root(2,5)", "exp(2*pi*i/9)*root(3,5)"),
-        ("exp(2*pi*i/9)+exp(8*pi*i/9)+exp(14*pi*i/9)", "0"),
-    ],
-)  # fmt: skip
-def test_equal_numbers_written_in_two_ways(left: str, right: str) -> None:
-    if "35" in left:  # larger orders than entries may have
-        first = root_of_unity(1, 5) * root_of_unity(1, 7) * root_of_unity(-12, 35)
-    else:
-        first = number(left)
-    assert first == number(right)
-    assert first + Fraction(1, 10**60) != number(right)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "exp(2*pi*i/5)+exp(2*pi*i/7)",
-        "root(2,3)*exp(2*pi*i/7)+1",
-        "root(2,3)+root(3,3)+exp(2*pi*i/5)",
-        "exp(2*pi*i/24)*exp(-2*pi*i/15)+1/2",
-        "root(2,12)+exp(2*pi*i/7)",
-    ],
-)
-def test_a_reciprocal_is_one(text: str) -> None:
-    value = number(text)
-    assert value * (1 / value) == 1
-    assert (2 / value).conjugate() == 2 / value.conjugate()
-
-
 def test_zero_has_no_reciprocal() -> None:
     z = number("exp(2*pi*i/7)")
     with pytest.raises(ZeroDivisionError):

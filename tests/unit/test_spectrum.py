@@ -1,6 +1,5 @@
 """Eigenvalues on the unit circle and power-boundedness."""
 
-import re
 from fractions import Fraction as F
 from math import gcd
 
@@ -35,33 +34,6 @@ def test_published_decimals_leave_the_eigenvalues_open():
     V = ((Ball.decimal("0.5", 20),),)
     assert power_bounded(V).holds is None
     refused(ExactnessError, "exact entries only", unimodular_eigenvalues, V)
-
-
-@pytest.mark.parametrize(
-    ("V", "witness"),
-    [
-        ([["1", "0"], ["0", "2"]], "V has an eigenvalue outside the unit circle, of modulus about 2"),
-        ([["0", "-4"], ["1", "0"]], "of modulus about 2"),
-        ([["1", "1"], ["0", "1"]], "eigenvalue 1 of V .* has multiplicity 2 and 1 eigenvector$"),
-        ([["i", "1"], ["0", "i"]], "eigenvalue 0\\+1j of V .* multiplicity 2 and 1 eigenvector$"),
-        (
-            [["-1", "1", "0"], ["0", "-1", "0"], ["0", "0", "-1"]],
-            "eigenvalue -1 of V on the unit circle has multiplicity 3 and 2 eigenvectors$",
-        ),
-        # i and -i twice each, in two blocks that are coupled
-        ([["0", "-1", "1", "0"], ["1", "0", "0", "1"], ["0", "0", "0", "-1"], ["0", "0", "1", "0"]],
-         "multiplicity 2 and 1 eigenvector$"),
-        # (3 + 4 i)/5 twice, in one block: found by no root of unity
-        (
-            [["3/5", "-4/5", "1", "0"], ["4/5", "3/5", "0", "1"], ["0", "0", "3/5", "-4/5"],
-             ["0", "0", "4/5", "3/5"]],
-            "eigenvalue 0.6\\+0.8j of V on the unit circle has multiplicity 2 and 1 eigenvector$",
-        ),
-    ],
-)  # fmt: skip
-def test_what_is_not_bounded_says_why(V, witness):
-    found = power_bounded(as_matrix(V, "V"))
-    assert found.holds is False and re.search(witness, found.witness)
 
 
 def test_multiple_eigenvalues_with_all_their_eigenvectors_are_bounded():

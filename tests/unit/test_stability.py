@@ -14,7 +14,7 @@ from glmref.errors import BudgetError
 from glmref.exact import exact
 from glmref.exact.judging import asked
 from glmref.method import GLM
-from glmref.method.families import composition, linear_multistep, one_leg, runge_kutta, splitting
+from glmref.method.families import composition, runge_kutta, splitting
 from glmref.prove.facts import facts_of
 from glmref.system.budget import limited
 from glmref.theory import polynomials as poly
@@ -31,17 +31,9 @@ from glmref.theory.stability import (
     without_content,
 )
 from glmref.theory.stability_interval import Interval, imaginary_interval, real_interval
-from tests.shipped import multistep, one_leg_twin, tableau
-
-
-def known(m, claim="a-stable"):
-    """What the judge says of a method, of its name, or of what makes it, with its reason."""
-    m = m() if callable(m) else glmref.load(m) if isinstance(m, str) else m
-    return facts_of(m).judge(claim, True)
-
+from tests.shipped import tableau
 
 differences = asked("rules_stability.differences")
-TRUTH = {"holds": True, "fails": False, "open": None}
 
 
 def sdirk(gamma):
@@ -72,42 +64,6 @@ def test_stability_polynomial_is_the_determinant_at_any_point(m):
     at_z = poly.trim([poly.evaluate(p, z) for p in stability_polynomial(m)])
     characteristic = poly.characteristic(stability_matrix(m, z))
     assert poly.scale(1 / at_z[-1], at_z) == characteristic
-
-
-@pytest.mark.parametrize(
-    ("m", "stable"),
-    [
-        *((one_leg(*one_leg_twin(*multistep(f"bdf-{k}"))), k < 3) for k in (1, 2, 3, 6)),
-        # |R| <= 1 on the axis exactly for gamma >= 1/4 (Hairer and Wanner, IV.3)
-        (sdirk("1/4"), True), (sdirk("249/1000"), False), (sdirk("1"), True),
-        (sdirk("(3+sqrt(3))/6"), True),  # Norsett; see below for the other one of order 3
-        ("gsymplectic-p", True),  # its form is definite
-    ],
-)  # fmt: skip
-def test_a_stability_is_that_of_the_literature(m, stable):
-    """Of the classical families their files claim it, and l-stability, too."""
-    assert TRUTH[known(m).verdict] is stable
-
-
-@pytest.mark.parametrize(
-    ("m", "truth", "reason"),
-    [
-        (runge_kutta([["0"]], ["1"]), False, "grows without bound"),
-        (linear_multistep(*multistep("ab-2")), False, "grows without bound"),
-        (linear_multistep(["-1", "0", "1"], ["0", "2", "0"]), False, "grows without bound"),
-        (sdirk("(3-sqrt(3))/6"), False, "modulus 2.73205"),
-        # a negative step has a pole on the left
-        (lambda: composition(runge_kutta(*tableau("gauss-1")), ["2", "-3", "2"]), False, "pole"),
-        ("gsymplectic-n", False, "z = 3 i"),  # its form is indefinite
-        ("s3-w3", None, "published decimals"),
-        # a repeated passenger of modulus one
-        (GLM(A=[["1"]], U=[["1", "0", "0"]], B=[["1"], ["0"], ["0"]],
-             V=[["1", "0", "0"], ["0", "-1", "0"], ["0", "0", "-1"]]), None, "no two of them meet"),
-    ],
-)  # fmt: skip
-def test_what_is_not_a_stable_or_not_decided_says_why(m, truth, reason):
-    found = known(m)
-    assert TRUTH[found.verdict] is truth and reason in found.reason
 
 
 def test_behaviour_at_infinity_of_the_midpoint_rule():
@@ -228,32 +184,6 @@ def end_of(q):
     """Return the interval of roots w of a polynomial in w and x; P(w, z) has x = -z."""
     P = tuple(tuple(-c if k % 2 else c for k, c in enumerate(p)) for p in q)
     return stability_interval._end(P, real=True)
-
-
-@pytest.mark.parametrize(
-    ("name", "real", "imaginary"),
-    [
-        # Hairer and Wanner (1996), section IV.2; Lambert (1991), sections 3.8 and 5.12
-        ("heun-2", 2, 0),
-        ("kutta-3", 2.5127453266183286, math.sqrt(3)),
-        ("rk4", 2.785293563405282, math.sqrt(8)),
-        ("ab-2", 1, 0),
-        ("ab-3", 6 / 11, 0.7236272269866327),
-        ("ab-4", 0.3, 0.429987079909256),
-        ("am-2", 6, 0),
-        ("am-3", 3, 0),
-        ("leapfrog", 0, 1),
-        ("bdf-2", INF, INF),
-        ("bdf-3", INF, 0),
-        ("gauss-2", INF, INF),
-        ("gsymplectic-n", 0, 2.0604321400961436),
-    ],
-)
-def test_the_intervals_are_those_of_the_literature(name, real, imaginary):
-    method = glmref.load(name)
-    assert isinstance(method, glmref.GLM)
-    assert real_interval(method).end == pytest.approx(real, rel=1e-14)
-    assert imaginary_interval(method).end == pytest.approx(imaginary, rel=1e-14)
 
 
 def test_the_interval_ends_at_the_least_of_all_ends() -> None:
