@@ -22,7 +22,6 @@ from ..catalogue.claims import (
     CONJUGATE_SYMPLECTIC,
     CONJUGATE_SYMPLECTIC_ORDER,
     DENSE_ORDER,
-    EFFECTIVE_ORDER,
     EMBEDDED_ORDER,
     FINISHING_ORDER,
     GROWTH,
@@ -30,7 +29,6 @@ from ..catalogue.claims import (
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
     ORDER,
-    ORDER_IDENTITY,
     STARTING_ORDER,
     SYMMETRIC_REDUCED,
     W_ORDER,
@@ -57,7 +55,7 @@ from ..theory.starting_series import Judged, StartingSeries
 from ..theory.symmetry import Symmetry, symmetry
 from ..theory.symplectic import find_forms
 from .field import Texts, about, field_of_decimals, texts_of_decimals, tower_of
-from .kernel import Found, Kernel
+from .kernel import KINDS, Found, Kernel
 
 FORMAT = "glmref-certificate-1"
 Part = dict[str, Any]
@@ -341,9 +339,8 @@ class _Writer:
         claim, kernel = self.claim, self.kernel
         if claim == W_ORDER.key:
             kernel = kernel.any_matrix
-        fixed = {ORDER_IDENTITY.key: False, EFFECTIVE_ORDER.key: True, NYSTROM_ORDER.key: False}
         one = kernel.is_pair if "starting" in claim else kernel.one_step
-        return kernel.timed, fixed.get(claim, not one), claim.startswith("nystrom")
+        return kernel.timed, *KINDS.get(claim, (not one, claim.startswith("nystrom")))
 
     def _order_parts(self, *, upper_only: bool = False) -> list[Part]:
         """Return both bounds of the order, or of a claim about it that fails what refutes it.

@@ -23,12 +23,12 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from math import factorial
 from types import SimpleNamespace
 from typing import Any
 
 from ..catalogue.claims import (
     CLAIMS,
+    EFFECTIVE_ORDER,
     FINISHING_ORDER,
     NYSTROM_ORDER,
     NYSTROM_STARTING_ORDER,
@@ -38,7 +38,7 @@ from ..catalogue.claims import (
 )
 from ..errors import ExactnessError
 from ..exact import Exact, Scalar, ball, linalg
-from ..exact.judging import fast_judge
+from ..exact.judging import as_scalar, fast_judge
 from ..exact.linalg import Matrix, Vector
 from ..findings import Proof
 from ..judge.refusals import Refused
@@ -61,14 +61,20 @@ from ..theory.starting_series import (
     component,
     tableau,
 )
-from ..theory.trees import Tree, counted
+from ..theory.trees import Tree, counted, is_nystrom, paths, single, tree
 from .digits import DigitRules, Sized
 from .find_modified import ModifiedRules
 from .find_rows import RowRules
 from .implications import Implied
 from .ranges import MAX_ORDER, Range
 
-_ZERO, _ONE = Exact(0), Exact(1)
+_ZERO = Exact(0)
+#: Claims of orders: whether principal parts are free, and whether on second-order systems.
+KINDS = {
+    ORDER_IDENTITY.key: (False, False),
+    EFFECTIVE_ORDER.key: (True, False),
+    NYSTROM_ORDER.key: (False, True),
+}
 #: Largest order to which trees of one method that carries one value are compared.
 HIGHEST = 14
 #: Largest order where the trees without branches decide.
@@ -144,6 +150,11 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         self.judged = judged
         #: what is known of orders to digits, which the finder and the writer ask for
         self.sized: dict[tuple[Any, ...], dict[str, Sized]] = {}
+        #: the searches made, their series, and beside these those of start and finish, by
+        #: whether principal parts are free and whether on second-order systems
+        self._ranges: dict[tuple[bool, bool], Range] = {}
+        self.series: dict[tuple[bool, bool], StartingSeries] = {}
+        self._starts: dict[tuple[bool, bool], tuple[StartingSeries, Any]] = {}
 
     # -- claims ----------------------------------------------------------------------------------
 
@@ -202,6 +213,9 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
     def range(self, claim: str) -> Range:
         """Return proved bounds of an order; the theorem: :mod:`glmref.theory.starting_series`."""
         try:
+            if claim in KINDS:
+                free, nystrom = KINDS[claim]
+                return self._with_implied(claim, self.order_range(free=free, nystrom=nystrom))
             return self._with_implied(claim, self._rule(claim))
         except Refused as error:
             raise ExactnessError(str(error)) from error
@@ -229,18 +243,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         free = self.order_range(free=True)
         return identity if identity.value == free.value else free
 
-    @property
-    def _order_identity(self) -> Range:
-        return self.order_range(free=False)
-
-    @property
-    def _effective_order(self) -> Range:
-        return self.order_range(free=True)
-
-    @property
-    def _nystrom_order(self) -> Range:
-        return self.order_range(free=False, nystrom=True)
-
     def order_range(self, *, free: bool, nystrom: bool = False) -> Range:
         """Return bounds by the trees: residuals exactly 0 below, one that excludes 0 above."""
         if self.timed is not self:
@@ -251,15 +253,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         if key not in self._ranges:
             self._ranges[key] = self._search(free=free, nystrom=nystrom)
         return self._ranges[key]
-
-    @cached_property
-    def _ranges(self) -> dict[tuple[bool, bool], Range]:
-        return {}
-
-    @cached_property
-    def series(self) -> dict[tuple[bool, bool], StartingSeries]:
-        """The series of the searches made, for the claims that are about a start."""
-        return {}
 
     def _counts(self, *, nystrom: bool) -> Callable[[Tree], bool]:
         """Return which trees count: of second-order systems, or of the systems of the method."""
@@ -355,23 +348,11 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
 
         Otherwise the result is ``None``.
 
-        Let the principal parts be the identity, and ``xi(t) = c^|t| / gamma(t)`` at the stages for
-        the trees t without branches of fewer than n vertices. Then every tree t of at most n
-        vertices has ``eta(t) = |t|! / gamma(t) eta(s)`` and ``R(t) = |t|! / gamma(t) R(s)``, s the
-        tree without branches of the same order and colour of the root.
-
-        By induction on the order: t has the root r and children u_1 .. u_m, and the product of the
-        xi(u_i) is ``c^(|t| - 1) / (gamma(u_1) .. gamma(u_m))``, which is ``|t|! / gamma(t)`` times
-        that of s. Numbers ``|t|! / gamma(t) N_|t|`` are the series of ``sum N_n h^n y^(n)`` along
-        the solution, so that E acts on them as it does on the N_n. All else is linear. Multistep
-        formulas are of this kind: they ask for quadrature alone.
-
-        Where both functions are evaluated at the same stages (Q_i, P_i), colours may follow in any
-        order. The same induction holds, with s the path on which they alternate, if the abscissae
-        of Q and P agree.
-
-        On second-order systems f is linear: a vertex f has one child, u, ``xiD(t) = xi(u)`` and
-        gamma(t) = |t| gamma(u), so that the stages P need not be the solution.
+        The theorem is that of `paths` and `nystrom-paths` in ``docs/certificates.md``, section 4:
+        where the stages are right along these trees, every other tree has a multiple of the
+        residual of the one of its order and colour, since numbers ``|t|! / gamma(t) N_|t|`` are the
+        series of ``sum N_n h^n y^(n)`` along the solution, so that E acts on them as it does on the
+        N_n. Multistep formulas are of this kind: they ask for quadrature alone.
 
         With a free principal part no start reaches order n where the residuals r_f and r_k of the
         two trees of order n have a sum that is not zero. For on q' = p, p' = q, where no other
@@ -511,7 +492,7 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         for bush, residual in self._bushes(series, n, nystrom).items():
             if residual.is_zero() is False:
                 size = residual.magnitude()
-                return Range(lower, n - 1, bush, size, tuple(sizes), self.exact, value=n - 1)
+                return Range(lower, n - 1, str(bush), size, tuple(sizes), self.exact, value=n - 1)
         return None
 
     def _above_implied(self, series: StartingSeries, nystrom: bool) -> Range | None:
@@ -524,36 +505,28 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
         wanted = p > MAX_ORDER[0] - 2 if not self.is_pair else p and not self.shared
         return self._beyond(series, 0, p + 1, (), nystrom) if wanted else None
 
-    def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[str, Scalar]:
-        """Return ``b c^(n-1) - 1/n`` of a method that carries one value: conditions of order n.
+    def _bushes(self, series: StartingSeries, n: int, nystrom: bool = False) -> dict[Tree, Scalar]:
+        """Return conditions of order n of a method that carries one value, by trees with leaves.
 
-        Of a separable pair one for each colour of the root, c at the stages of the other. A free
-        principal part changes them. The term of degree n in R(z) less that of exp(z), the residual
-        of the tree without branches, it does not change: on y' = z y it is a number, which commutes
-        with R(z). A pair in that case has none here.
+        Of a separable pair there is one for each colour of the root. A free principal part changes
+        them, but not the residual of the tree without branches, the term of degree n in R(z) less
+        that of exp(z): on y' = z y it is a number, which commutes with R(z). A pair in that case
+        has none here.
         """
         if (self.shared and self.is_pair) or not self.one_step or (series.free and self.is_pair):
             return {}
-        if series.free:
-            c = series.components["o"]
-            power = (_ONE,) * len(c.A[0])
-            for _ in range(n - 1):
-                power = linalg.matvec(c.A, power)
-            value = self._seen(c, power) - Fraction(1, factorial(n))
-            return {"[" * (n - 1) + "o" + "]" * (n - 1): value}
+        level = paths(n, tuple(self.palette.items()))
+        if not series.free:
+            leaves = {root: single(below[0]) for root, below in self.palette.items()}
+            level = [tree([leaf] * (n - 1), root) for root, leaf in leaves.items()]
+        stages = tableau({c: (A, B) for c, (A, _, B, _) in self.blocks.items()})
         found = {}
-        for leaf in reversed(tuple(self.palette)):  # the root is of the other colour: f first
-            root = next(c for c, below in self.palette.items() if leaf in below)
-            text = leaf * (n - 1)
-            power = tuple(x ** (n - 1) for x in linalg.row_sums(series.components[leaf].A))
-            value = self._seen(series.components[root], power) - Fraction(1, n)
-            found[f"{root.replace('o', '')}[{text}]"] = value
-        return {t: x for t, x in found.items() if not (nystrom and t[0] == "f" and n > 2)}
-
-    @staticmethod
-    def _seen(c: Prepared, slopes: Vector) -> Scalar:
-        """Return W B times slopes, of a method that carries one value."""
-        return linalg.matvec(c.W, linalg.matvec(c.B, slopes))[0]
+        for t in level:
+            if not nystrom or is_nystrom(t):
+                values = tuple(map(as_scalar, stages.value(t.judged)))
+                seen = linalg.matvec(series.components[t.colour].W, values)
+                found[t] = seen[0] - Fraction(1, t.density)
+        return found
 
     def _bush(self, series: StartingSeries, n: int) -> Scalar | None:
         """Return the condition of order n of one method that carries one value."""
@@ -746,10 +719,6 @@ class Kernel(RowRules, DigitRules, ModifiedRules):
                 found = SimpleNamespace(start=tableau(table), finish=finish)
             self._starts[free, nystrom] = series, found
         return self._starts[free, nystrom]
-
-    @cached_property
-    def _starts(self) -> dict[tuple[bool, bool], tuple[StartingSeries, Any]]:
-        return {}
 
     def _own(self, series: StartingSeries) -> StartingSeries:
         """Return a series over the numbers of the package, before the first order."""
