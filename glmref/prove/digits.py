@@ -23,9 +23,10 @@ from ..exact import Exact, rounded_decimal
 from ..exact.judging import Fraction as rational
 from ..exact.judging import fast_judge
 from ..exact.linalg import Vector
-from ..judge.refusals import Refused
+from ..judge.trees import size as size_of
 from ..system.budget import spend
-from ..theory.trees import parse_tree
+from ..theory.starting_series import within_limits
+from ..theory.trees import from_judged
 
 if TYPE_CHECKING:
     from .kernel import Found
@@ -128,9 +129,9 @@ class _Residuals:
     """
 
     def __init__(self, kernel: Any, exponent: int, nystrom: bool) -> None:
-        self.palette, self.judge = tuple(kernel.palette.items()), fast_judge()
+        self.palette = tuple(kernel.palette.items())
         tables = ((c, tuple(map(_rational, A))) for c, (A, *_) in kernel.blocks.items())
-        self.found = self.judge.fixed_point.sizes_of(
+        self.found = fast_judge().fixed_point.sizes_of(
             tuple(tables), self.palette, kernel.method.system, nystrom, exponent
         )
         self.one = self.found.one
@@ -150,30 +151,13 @@ class _Residuals:
         found = self.found.exactly(t, b[t[0]])
         return Fraction(int(found.p), int(found.q))
 
-    def level(self, n: int) -> list[Plain]:
-        """Return the trees of an order that are conditions.
-
-        Raises
-        ------
-        ExactnessError
-            Where they are more than the judge lists.
-        """
-        try:
-            return self.found.level(n)
-        except Refused as error:
-            raise ExactnessError(f"trees of order {n}: {error}") from error
-
-    def text(self, t: Plain) -> str:
-        """Return the text of a tree."""
-        return str(parse_tree(self.judge.trees.show(t)))
-
     def above(self, order: int, b: Mapping[str, Any], low: int, limit: int) -> Iterator[Plain]:
         """Yield trees through an order that may have a residual above `limit`, or above `low`.
 
         Of the latter, which rises from order to order, those that others surely exceed are left.
         """
         for n in range(1, order + 1):
-            level = self.level(n)
+            level = self.found.level(n)
             if n < order - 1:
                 self.found.prepare(level)
             sure = (max(map(abs, x.gaps)) - x.error for x in self.found.groups(n, b))
@@ -197,8 +181,8 @@ class _Residuals:
             if x > limit and x > most:
                 if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
                     y = self.exactly(t, b)
-                found, text = rounded_up(Fraction(y, self.one)), self.text(t)
-                reason = f"tree {text} of order {self.judge.trees.size(t)} has residual {found}"
+                found, text = rounded_up(Fraction(y, self.one)), str(from_judged(t))
+                reason = f"tree {text} of order {size_of(t)} has residual {found}"
                 return Sized(False, reason, text)
             if x > low:
                 low, largest = x, t
@@ -216,13 +200,15 @@ class _Residuals:
         assert high <= most, "a residual that may be larger was computed exactly"
         for t in self.beyond(order + 1):
             if self.residual(t, b)[1] > GAP * most and self.exactly(t, b) > GAP * most:
-                return Sized(True, "", self.text(largest), self.text(t))
+                return Sized(True, "", str(from_judged(largest)), str(from_judged(t)))
         reason = f"no condition of order {order + 1} has a residual above {GAP} times {size}"
         return Sized(False, reason, order=order + 1)
 
     def vanish(self, b: Mapping[str, Any], order: int) -> bool:
         """Return whether all conditions through an order hold exactly."""
-        return all(self.exactly(t, b) == 0 for n in range(1, order + 1) for t in self.level(n))
+        return all(
+            self.exactly(t, b) == 0 for n in range(1, order + 1) for t in self.found.level(n)
+        )
 
     def sizes(self, weights: Mapping[str, Any], most: int) -> list[Fraction]:
         """Return the largest residual through each order, last the first that is no rounding."""
@@ -230,7 +216,7 @@ class _Residuals:
         found = [Fraction(0)]
         for n in range(1, most + 1):
             largest, conditions = found[-1], 0
-            for t in self.level(n):
+            for t in self.found.level(n):
                 conditions += 1
                 x, y = (Fraction(z, self.one) for z in self.residual(t, b))
                 if y > largest:
@@ -250,9 +236,9 @@ class _Residuals:
         no list of the trees of their order.
         """
         if len(self.palette) == 1:
-            for t in islice(self.level(order - 1), ONE_BRANCH + 2):
+            for t in islice(self.found.level(order - 1), ONE_BRANCH + 2):
                 yield self.palette[0][0], (t,)
-        yield from self.level(order)
+        yield from self.found.level(order)
 
 
 def _carries_on(A: Any, U: Any, B: Any, V: Any) -> bool:
@@ -303,7 +289,8 @@ class DigitRules:
             raise ExactnessError(f"trees are compared through order {most} here")
         exponent = max(-int(e.partition("e")[2]) for _, e in sized.values())
         found = _Residuals(self.timed, exponent, self._is_nystrom)
-        return {name: found.judged(weights, *sized[name]) for name, weights in rows.items()}
+        with within_limits():
+            return {name: found.judged(weights, *sized[name]) for name, weights in rows.items()}
 
     @cached_property
     def sizes_to_digits(self) -> dict[str, list[Fraction]]:
@@ -319,7 +306,8 @@ class DigitRules:
         self._check_one_value()
         residuals = _Residuals(self.timed, SMALLEST, self._is_nystrom)
         most, rows = self._most(nystrom=self._is_nystrom), self._rows_of_weights()
-        return {name: residuals.sizes(weights, most) for name, weights in rows.items()}
+        with within_limits():
+            return {name: residuals.sizes(weights, most) for name, weights in rows.items()}
 
     def _check_one_value(self) -> None:
         kernels = (self, *(x for _, x in self.row_kernels)) if self.one_step else ()

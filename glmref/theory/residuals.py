@@ -6,8 +6,9 @@ The linear systems the residuals belong to are solved by :func:`glmref.exact.lin
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import itemgetter
 
-from ..exact.linalg import Matrix
+from ..exact.linalg import Matrix, entries
 
 
 @dataclass(frozen=True)
@@ -23,20 +24,9 @@ class Residual:
 
 def verdict_of(residual: Matrix) -> Residual:
     """Judge a residual matrix: see :class:`Residual`."""
-    nonzero: tuple[float, tuple[int, int]] | None = None
-    open_size = -1.0
-    for i, row in enumerate(residual):
-        for j, x in enumerate(row):
-            zero = x.is_zero()
-            if zero is True:
-                continue
-            size = x.magnitude()
-            if zero is None:
-                open_size = max(open_size, size)
-            elif nonzero is None or size > nonzero[0]:
-                nonzero = (size, (i, j))
-    if nonzero is not None:
-        return Residual(False, *nonzero)
-    if open_size >= 0:
-        return Residual(None, open_size)
-    return Residual(True)
+    zeros = [(x.is_zero(), x, (i, j)) for i, j, x in entries(residual)]
+    known, open_ = ([(x.magnitude(), at) for zero, x, at in zeros if zero is answer]
+                    for answer in (False, None))  # fmt: skip
+    if known:
+        return Residual(False, *max(known, key=itemgetter(0)))
+    return Residual(None, max(open_)[0]) if open_ else Residual(True)

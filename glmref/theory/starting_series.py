@@ -386,7 +386,7 @@ class StartingSeries:
         """Go to the next order; its trees that count."""
         self.settle()
         n = self.order + 1
-        with _within_limits():
+        with within_limits():
             self.solved.advance(n)
         self._order, self._settled = min(n, self.solved.order), False
         used = self.free and n > 2 and self.complete
@@ -404,13 +404,13 @@ class StartingSeries:
 
     def settle(self) -> None:
         """Find eta at the trees of the last order, but for the principal parts."""
-        with _within_limits():
+        with within_limits():
             self.solved.fill()
         self._settled = True
 
 
 @contextmanager
-def _within_limits() -> Iterator[None]:
+def within_limits() -> Iterator[None]:
     """Say of more trees than the judge lists that nothing is decided."""
     try:
         with kept_whole():
