@@ -17,7 +17,7 @@ from glmref.findings import Verdict
 from glmref.method import families
 from glmref.prove.beside import BESIDE
 from glmref.prove.facts import facts_of
-from glmref.prove.kernel import Kernel
+from glmref.prove.kernel import KINDS, Kernel
 from glmref.prove.verifier import verify
 from tests.build import refused
 from tests.sources import PACKAGE, SOURCES, nodes, text
@@ -70,7 +70,8 @@ def test_keys_stand_in_canonical_order_and_once() -> None:
 @pytest.mark.parametrize("key", CLAIMS)
 def test_every_claim_is_decided_by_a_rule_of_its_own(key: str) -> None:
     spec = CLAIMS[key]
-    if spec.type in (int, dict):  # of the others the judge decides what the writer proposes
+    # of others the judge decides what the writer proposes
+    if spec.type in (int, dict) and key not in KINDS:
         rule = getattr(Kernel, "_" + key.replace("-", "_"))
         assert callable(rule) == (spec.type is not int)
     values = {int: 0, bool: True, list: [Text("7", Exact(7))], dict: {"hat": 1}}
