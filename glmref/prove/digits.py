@@ -23,7 +23,6 @@ from ..exact import Exact, rounded_decimal
 from ..exact.judging import Fraction as rational
 from ..exact.judging import fast_judge
 from ..exact.linalg import Vector
-from ..judge.trees import size as size_of
 from ..system.budget import spend
 from ..theory.starting_series import within_limits
 from ..theory.trees import from_judged
@@ -181,9 +180,9 @@ class _Residuals:
             if x > limit and x > most:
                 if rounded_up(Fraction(x, self.one)) != rounded_up(Fraction(y, self.one)):
                     y = self.exactly(t, b)
-                found, text = rounded_up(Fraction(y, self.one)), str(from_judged(t))
-                reason = f"tree {text} of order {size_of(t)} has residual {found}"
-                return Sized(False, reason, text)
+                found, tree = rounded_up(Fraction(y, self.one)), from_judged(t)
+                reason = f"tree {tree} of order {tree.order} has residual {found}"
+                return Sized(False, reason, str(tree))
             if x > low:
                 low, largest = x, t
             high = max(high, y)
