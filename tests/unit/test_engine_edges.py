@@ -1,6 +1,5 @@
 """Step sizes, times, states and sizes at the edge: an outcome or one sentence, never a traceback."""
 
-import math
 import os
 import sys
 import time
@@ -209,13 +208,6 @@ def test_a_power_without_a_real_value_ends_the_run_by_name(f, engine):
     for method in ("rk4", "gauss-2"):
         found = solve(given, method, h=0.01, steps=3, engine=engine)
         assert found.outcome is Outcome.NOT_FINITE
-
-
-@pytest.mark.parametrize("digits", [None, 1, 30])
-def test_a_start_that_is_no_number_is_refused_in_every_arithmetic(digits):
-    late = Problem(f=lambda t, y: [math.nan if t > 0 else y[1], -y[0]], y0=(1.0, 0.0))
-    with pytest.raises(UsageError, match="the starting values are not finite"):
-        solve(late, "rk4", h=0.1, steps=2, start="enhanced", engine="reference", digits=digits)
 
 
 @pytest.mark.parametrize("engine", ["compiled", "interpreted", "reference"])

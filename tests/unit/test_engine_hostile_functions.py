@@ -207,22 +207,6 @@ def test_a_coroutine_is_said_to_be_one():
     coroutine.close()
 
 
-NOT_A_NUMBER = {
-    "words": (lambda t, y: ["1", "2"], "`f` must return numbers, got an entry str"),
-    "times": (lambda t, y: np.array([1, 2], dtype="m8[s]"), "got an entry timedelta"),
-    "records": (lambda t, y: np.zeros(2, dtype=[("a", "f8")]), "got an entry tuple"),
-    "None": (lambda t, y: [None, 1], "got an entry NoneType"),
-    "complex": (complex_, "real numbers for a real state, got complex ones"),
-}
-
-
-@pytest.mark.parametrize("case", NOT_A_NUMBER)
-def test_extended_precision_takes_numbers_only(case):
-    f, says = NOT_A_NUMBER[case]
-    with pytest.raises(UsageError, match=says):
-        solve(oscillator(f), "rk4", h=0.1, steps=2, engine="reference", digits=30)
-
-
 @pytest.mark.parametrize("method", ["ars-1-2-2", "rk4"])
 def test_terms_are_looked_at_like_f(method):
     def summed(term, **more):

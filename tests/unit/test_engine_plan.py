@@ -21,33 +21,6 @@ def planned(h: float = 0.25, of: Problem = OF, **given: Any) -> tuple[int, int, 
     return found.steps, found.every, list(found.rows), found.limited
 
 
-@pytest.mark.parametrize(
-    ("given", "plan"),
-    [
-        ({}, (4, 0, [4], False)),
-        ({"every": 0}, (4, 0, [4], False)),
-        ({"every": 1}, (4, 1, [0, 1, 2, 3, 4], False)),
-        ({"every": 3}, (4, 3, [0, 3, 4], False)),
-        ({"every": 10**30}, (4, 5, [0, 4], False)),
-        ({"t_end": 1.5, "every": 2}, (2, 2, [0, 2], False)),
-        ({"t_end": 1.0}, (0, 0, [0], False)),
-        ({"t_end": 0.5, "h": -0.25}, (2, 0, [2], False)),
-        ({"steps": 0, "every": 3}, (0, 1, [0], False)),
-        ({"steps": 7, "every": 2, "limit": 5}, (5, 2, [0, 2, 4, 5], True)),
-        ({"steps": 7, "limit": 7}, (7, 0, [7], False)),
-        ({"steps": 7, "limit": 0}, (0, 0, [0], True)),
-        ({"times": [1.0, 1.5, 1.75]}, (3, 0, [0, 2, 3], False)),
-        ({"times": [1.25, 1.75, 2.0], "limit": 3}, (3, 0, [1, 3], True)),
-        ({"times": [1.25, 1.75, 2.0], "limit": 2}, (2, 0, [1, 2], True)),
-        ({"times": [1.25], "limit": 9}, (1, 0, [1], False)),
-        ({"times": (0.75, 0.25), "h": -0.25}, (3, 0, [1, 3], False)),
-        ({"t_end": 1 + 0.25 * (4 + 3.9e-9)}, (4, 0, [4], False)),
-    ],
-)
-def test_steps_and_rows(given: dict[str, Any], plan: tuple[Any, ...]) -> None:
-    assert planned(**given) == plan
-
-
 def test_time_that_stands_still_at_the_end_is_refused() -> None:
     of = Problem(f=("y[0]",), y0=(1.0,), t_span=(0.0, 1.0))
     late = Problem(f=("y[0]",), y0=(1.0,), t_span=(2.0**53 - 10, 2.0**53))

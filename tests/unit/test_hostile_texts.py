@@ -17,7 +17,6 @@ import pytest
 from glmref.catalogue.lookup import document
 from glmref.catalogue.reader import load_document
 from glmref.cli import main
-from glmref.errors import DataError
 from glmref.exchange.export import TARGETS, export
 from glmref.findings import Finding, Verdict
 from glmref.report import build, read
@@ -28,7 +27,7 @@ from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
 from glmref.views.figures import write_figures
 from glmref.views.tables import csv_text, findings_csv, findings_junit
-from tests.build import refused, scene_text
+from tests.build import scene_text
 
 #: Markup of every kind, an escape of terminals, a mark that turns a line round, what XML lacks.
 HOSTILE = (
@@ -271,26 +270,6 @@ def test_junit_is_xml_whatever_a_file_says() -> None:
     assert {node.tag for node in root.iter()} == {
         "testsuites", "testsuite", "testcase", "failure", "error", "system-out"
     }  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("entry", "why"),
-    [
-        ("@article{a, title = {x}}\n@preamble{\"\\write18{id}\"}", "goes on after the end"),
-        ('@preamble{"\\relax", x}', "must be one entry"),
-        ("@string{a, x = 1}", "must be one entry"),
-        ("no entry", "must be one entry"),
-        ("@article{a, title = {\\immediate\\write18{id}}}", "the TeX command '\\\\immediate'"),
-        ("@article{a, title = {\\input{/etc/passwd}}}", "the TeX command '\\\\input'"),
-        ("@article{a, title = {^^5cinput x}}", "the TeX command '^^'"),
-        ("@article{a, title = {x}", "not balanced"),
-        ("@article{a, title = {\x1b[2J}}", "control character"),
-    ],
-)  # fmt: skip
-def test_an_entry_that_is_more_than_an_entry_is_refused(entry: str, why: str) -> None:
-    method = {**document("rk4"), "source": {**document("rk4")["source"], "bibtex": entry}}
-    caught = refused(DataError, "", source_entry, method)
-    assert why in caught and caught.startswith("rk4: `source.bibtex` ")
 
 
 def test_an_entry_made_of_a_citation_is_one_entry() -> None:

@@ -312,22 +312,6 @@ def test_the_kinetic_energy_of_a_plane_may_be_one_sum():
     assert not Problem.from_hamiltonian(half, start, parameters={"m": [1, 3]}).second_order
 
 
-@pytest.mark.parametrize(
-    ("y0", "more", "message"),
-    [
-        ({"qx": [1], "qy": [0, 1], "px": [0], "py": [0]}, {}, "qx, qy, px and py of one length"),
-        ({"q": np.zeros((2, 2)), "p": np.zeros((2, 2))}, {}, "has the shape"),
-        ({"q": "i/0.5 % 2", "p": 0}, {"n": 0}, "`n` must be a whole number from 1"),
-        ({"q": "q[i]", "p": 0}, {"n": 3}, "q"),
-        ({"q": "sin(i", "p": 0}, {"n": 3}, "cannot be read"),
-        ({"q": "q % 2", "p": 0}, {"n": 3}, "remainders of whole numbers"),
-        ([1, 0], {"n": 3}, "by name"),
-    ],
-)  # fmt: skip
-def test_a_start_that_does_not_fit_is_said(y0, more, message):
-    refused(UsageError, message, Problem.from_hamiltonian, SPRINGS, y0, **more)
-
-
 LONG = "x" * 9_000
 
 

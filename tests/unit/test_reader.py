@@ -17,7 +17,7 @@ import glmref
 from glmref import judge
 from glmref.catalogue.claims import CLAIMS
 from glmref.catalogue.entries import Entries
-from glmref.catalogue.keys import MAX_SIZE, PAIRS, fault_of_texts, needed_keys, without_meaning
+from glmref.catalogue.keys import MAX_SIZE, PAIRS, needed_keys, without_meaning
 from glmref.catalogue.lookup import data_root, document, load, names
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
@@ -148,44 +148,6 @@ def test_every_key_that_a_class_needs_is_asked_for() -> None:
             if key in doc:
                 with pytest.raises(DataError, match=f"the key '{key}' is missing"):
                     load_document({x: y for x, y in doc.items() if x != key})
-
-
-@pytest.mark.parametrize(
-    ("changes", "fault"),
-    [
-        ({"title": 3}, "`title` must be a string, got 3"),
-        ({"title": ["a"]}, '`title` must be a string, got ["a"]'),
-        ({"notes": ["a", 1]}, '`notes` must be a string, got ["a", 1]'),
-        ({"notes": ["a", "b"], "title": "It"}, ""),
-        ({"enclosure": "x"}, '`enclosure` must be an object, got "x"'),
-        ({"enclosure": {"box": 1}}, "the key 'box' is unknown in `enclosure`"),
-        ({"enclosure": {"equations": "x"}}, "must be a list of strings, got"),
-        ({"enclosure": {"equations": ["x", 1]}}, "must be a list of strings, got"),
-        ({"enclosure": {"equations": ["x"], "radius": "1", "xi": "1"}}, ""),
-        ({"broken": "x"}, "`broken` must be an object"),
-        ({"broken": None}, "`broken` must be an object"),
-        ({"broken": {"claim": "order"}}, "`broken` must be an object"),
-        ({"broken": {"claim": "order", "why": "x", "who": "y"}}, "`broken` must be an object"),
-        ({"broken": {"claim": "order", "why": 1}}, "`broken` must be an object"),
-        ({"broken": {"claim": "order", "why": "x", "found": "y"}}, ""),
-        ({"source": "x"}, '`source` must be an object, got "x"'),
-        ({"source": {**SOURCE_BLOCK, "where": " "}}, "`source.where` must be a non-empty string"),
-        ({"source": {**SOURCE_BLOCK, "status": 1}}, "`source.status` must be a non-empty string"),
-        ({"source": {**SOURCE_BLOCK, "by": "x"}}, "the key 'by' is unknown in `source`"),
-        ({"source": {**SOURCE_BLOCK, "errata": "x"}}, "must be a list of sentences, got"),
-        ({"source": {**SOURCE_BLOCK, "errata": [1]}}, "must be a list of sentences, got"),
-        ({"source": {**SOURCE_BLOCK, "doi": ["x"]}}, "`source.doi` must be a string, got"),
-        ({"source": {**SOURCE_BLOCK, "notes": 1}}, "`source.notes` must be a string, got 1"),
-        ({"source": {**SOURCE_BLOCK, "errata": ["x"], "notes": ["x"], "doi": "x"}}, ""),
-        ({"source": {**SOURCE_BLOCK, "status": "guessed"}}, "must be one of as printed, corrected"),
-        ({"source": {}}, "`source.citation` must be a non-empty string"),
-        ({"source": {}, "claims": {}}, ""),
-        ({"claims": {}}, ""),
-    ],
-)
-def test_texts_and_sources_are_looked_at(changes: dict[str, Any], fault: str) -> None:
-    found = fault_of_texts({**doc("rk"), **changes})
-    assert fault in found and bool(fault) is bool(found)
 
 
 def test_lists_are_read_up_to_their_largest_size() -> None:

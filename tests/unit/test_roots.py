@@ -49,12 +49,6 @@ def test_sums_and_products_have_their_size_and_what_is_zero_is_decided(seed: int
     assert value.real.is_real()
 
 
-def test_zero_has_no_reciprocal() -> None:
-    z = number("exp(2*pi*i/7)")
-    with pytest.raises(ZeroDivisionError):
-        _ = z / (z - root_of_unity(1, 7))
-
-
 @pytest.mark.parametrize(
     ("text", "printed"),
     [

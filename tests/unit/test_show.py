@@ -25,7 +25,6 @@ from glmref.views.tables import (
     findings_junit,
     findings_table,
     json_text,
-    one_line,
     plain,
 )
 
@@ -153,23 +152,6 @@ def test_colour_is_for_terminals_and_never_against_no_color() -> None:
     assert not Style.of(terminal, {"TERM": "dumb"}).color
     assert Style(color=True).paint("x", "red") == "\x1b[31mx\x1b[0m"
     assert Style().paint("x", "red") == "x"
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("a\nb\r\n c", "a b c"),
-        ("\x1b[31mred", "\\u001b[31mred"),
-        ("a\u202eb", "a\\u202eb"),
-        ("a\x00", "a\\u0000"),
-        ("\ud800", "\\ud800"),
-        ("Nørsett ü", "Nørsett ü"),
-        (3, "3"),
-    ],
-)
-def test_any_text_becomes_one_printable_line(text: object, line: str) -> None:
-    assert one_line(text) == line
-    assert one_line(text).isprintable()
 
 
 def test_json_is_strict_and_ascii() -> None:
