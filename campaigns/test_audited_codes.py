@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -14,49 +16,7 @@ from glmref.catalogue.audits import STATUSES, audited_codes, named
 
 RECORDS = audited_codes()
 #: Tables that a first reading by hand found wrong or oddly named, and what the audit names.
-KNOWN = [
-    ("petsc", "TSARKIMEXBPR3", "wrong", "`a[5][3]` is 3/5, should be 3/4"),
-    ("petsc", "TSROSWGRK4T", "question", "a2 = 2 gamma = 0.462"),
-    ("petsc", "TSROSWSHAMP4", "question", "a2 = 2 gamma = 1"),
-    ("petsc", "TSROSWVELDD4", "question", "a2 = 2 gamma = 0.451416229645136"),
-    ("petsc", "TSROSW4L", "question", "a2 = 2 gamma = 1.14564"),
-    ("petsc", "TSARKIMEX1BEE", "question", ""),
-    ("petsc", "TSGLEE25I", "question", ""),
-    ("openmodelica", "RK1214", "wrong", "the rows 2 to 13 of A are zero"),
-    ("openmodelica", "FEHLBERG45", "wrong", "`fehlberg-5-4` has `b[1]` = 16/135, `b[2]` = 0,"),
-    ("openmodelica", "FEHLBERG12", "wrong", "the rows may be exchanged"),
-    ("torchdiffeq", "_TSITOURAS_TABLEAU", "wrong", "b holds the embedded weights"),
-    ("ordinarydiffeq.jl", "Feagin12", "wrong", "`c[2]` is 2, should be 1/5"),
-    ("diffeqdevtools.jl", "constructFeagin12", "wrong", "`c[2]` is 2, should be 1/5"),
-    ("ordinarydiffeq.jl", "SIR54ConstantCache", "wrong", "error weight 4 = 1.788803890902483"),
-    ("ordinarydiffeq.jl", "McAte42ConstantCache", "wrong", "mclachlan-rkn-4, which has 6 a"),
-    ("diffrax", "_implicit_tableau", "wrong", "`a[7][6]` is -0.54553377422597815"),
-    ("ariadne", "CooperSayfy5", "wrong", "`a[2][1]` is 1.303389193851135, should be 0.44624"),
-    ("tudat", "RungeKuttaFehlberg89", "wrong", "its difference from b has the wrong sign"),
-    ("nodepy", "Lambert65", "wrong", "`a[3][1], a[3][2]` is 1/8, 1/8, should be 3/16, 1/16"),
-    ("nodepy", "SSP53", "digits", ""),
-    ("rklib", "rks5", "question", ""),
-    ("rklib", "rk8_10", "question", ""),
-    ("desolver", "BABs9o7HSolver", "question", ""),
-    ("desolver", "ABAs5o6HSolver", "question", ""),
-    ("desolver", "RK8713MSolver", "wrong", "the row second row has order 8"),
-    ("qmat", "RK53", "question", "c[3] differs from the sum of row 3 of A by 0.043"),
-    ("kpp", "Rodas3_1", "wrong", "the row m - E is declared of order 2 and has order 1"),
-    ("ordinarydiffeq.jl", "Anas5ConstantCache", "unread", "completed at run time"),
-    ("gromacs", "sy_const_5, 5", "question", "the sum of the cubes of the weights is 0.098"),
-    ("openmm", "getYoshidaSuzukiWeights, 3", "question", "the cubes of the weights is 0.855"),
-    ("jax-md", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
-    ("gridap.jl", "tableau", "wrong", "the row emb_weights has order 3, declared is 2"),
-    ("pathsim", "RKF45", "question", "`rkf45-4` has `a[6][3]` = -3544/2565"),
-    ("gusto", "b", "question", "is 967/240 and should be 1901/720"),
-    ("openmmtools", "YSWeights", "question", "the cubes of the weights is 0.855"),
-    ("torch-sim", "SUZUKI_YOSHIDA_WEIGHTS, 3", "question", "the cubes of the weights is 0.855"),
-    ("md-engine", "sy_fac, 5", "question", "the sum of the cubes of the weights is 0.098"),
-    ("at", "SymplecticIntegrator", "question", "d may be exchanged"),
-    ("pythos", "B4", "question", "a12 and a13 are those of M4"),
-    ("runge-kutta.py", "ESDIRK5(4I)8L[2]SA", "wrong", "5.475399871109475, should be -5.475399"),
-    ("runge-kutta.py", "L-SDIRK-22-QZ", "wrong", "with b = [1 - x, x] the order is 2"),
-]
+KNOWN = json.loads(Path(__file__).with_name("known_defects.json").read_text("utf-8"))
 
 
 def test_the_counts_in_the_sentence_are_those_of_the_records() -> None:

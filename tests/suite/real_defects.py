@@ -2,7 +2,8 @@
 
 ``real_defects.json`` states each table as it stands in the file named there (``where``, at the
 version ``commit``), what it declares, the order it has (``found``) and what is right: the entries to
-change, another order, or a table. Only numbers are taken over.
+change, another order, or a table; ``caught`` has the claim that fails in the conformance suite, and
+words of its messages. Only numbers are taken over.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from glmref.problems import from_path
 from glmref.scenes.campaign import load_campaign
 from glmref.scenes.reading import load_scene
 from glmref.system.files import named_in
-from tests.build import refused
+from tests.build import refused, scene_text
 
 #: It leaves a mark when it is executed.
 EVIL = """
@@ -26,18 +26,10 @@ Path(__file__).with_name("executed").touch()
 def make():
     return {"H": "p**2/2 - cos(q)", "y0": {"q": 1.0, "p": 0.0}}
 """
-SCENE = """
-format = "glmref-scene-1"
-name = "small"
-title = "A scene"
-question = "Which file?"
-methods = ["rk4", METHOD]
-ask = ["state"]
-answer = { kind = "fastest", at = 1e-3 }
-t_end = 1
-steps = [8]
-problem = { PROBLEM }
-"""
+SCENE = scene_text(
+    "small", "PROBLEM", 'kind = "fastest"\nat = 1e-3', methods=["rk4", "METHOD"], ask=["state"],
+    t_end=1, steps=[8],
+)  # fmt: skip
 CAMPAIGN = """
 format = "glmref-campaign-1"
 name = "small"
@@ -87,7 +79,7 @@ def test_a_python_file_elsewhere_is_not_executed(command: str, inner: Path, cli)
     path = inner / "scene.toml"
     for name in ways_out(inner, "evil.py"):
         problem = f'file = "{name}:make"'
-        path.write_text(SCENE.replace("PROBLEM", problem).replace("METHOD", '"heun-2"'))
+        path.write_text(SCENE.replace("PROBLEM", problem).replace("METHOD", "heun-2"))
         err = cli(command, path, code=2).err
         assert "must lie in the folder of" in err and "file" in err and err.count("\n") == 1
         refused((DataError, UsageError), "must lie in the folder", from_path, path)
@@ -108,12 +100,12 @@ def test_a_method_file_lies_beside_the_scene_or_is_shipped(inner: Path) -> None:
     path = inner / "scene.toml"
     text = SCENE.replace("PROBLEM", 'name = "pendulum"')
     for name in ways_out(inner, "mine.json"):
-        path.write_text(text.replace("METHOD", json.dumps(name)))
+        path.write_text(text.replace('"METHOD"', json.dumps(name)))
         refused(DataError, "must lie in the folder", load_scene, path)
     (inner / "own.json").write_text((inner.parent / "mine.json").read_text())
-    path.write_text(text.replace("METHOD", '"own.json"'))
+    path.write_text(text.replace("METHOD", "own.json"))
     assert load_scene(path).methods[1] == str(inner / "own.json")
-    path.write_text(text.replace("METHOD", json.dumps(str(path_of("gauss-2")))))
+    path.write_text(text.replace('"METHOD"', json.dumps(str(path_of("gauss-2")))))
     assert load_scene(path).methods[1] == str(path_of("gauss-2"))
 
 

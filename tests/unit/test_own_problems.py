@@ -11,7 +11,7 @@ from glmref.errors import DataError, GlmrefError
 from glmref.problems import problem
 from glmref.problems.table import from_table
 from glmref.scenes import load_scene, plan
-from tests.build import refused
+from tests.build import refused, scene_text
 
 DOUBLE = "(p1**2 + 2*p2**2 - 2*p1*p2*cos(q1 - q2))/(2 + 2*sin(q1 - q2)**2) - 2*cos(q1) - cos(q2)"
 
@@ -177,20 +177,10 @@ def test_a_python_file_is_executed_by_name(tmp_path):
         refused(UsageError, message, from_table, {"file": f"mine.py:{maker}"}, tmp_path)
 
 
-SCENE = """
-format = "glmref-scene-1"
-name = "mine"
-title = "Mine"
-question = "Which method?"
-methods = ["gauss-2", "gauss-4"]
-steps = [50, 100]
-t_end = 5
-ask = ["state", "energy"]
-answer = {{ kind = "accurate", error = "state", at = 1e-6 }}
-
-[problem]
-{problem}
-"""
+SCENE = scene_text(
+    "mine", "PROBLEM", 'kind = "accurate"\nerror = "state"\nat = 1e-6', methods=["gauss-2", "gauss-4"],
+    steps=[50, 100], t_end=5, ask=["state", "energy"],
+)  # fmt: skip
 PENDULUM = 'H = "p**2/2 - cos(q)"\ny0 = { q = 1, p = 0 }'
 
 
@@ -198,34 +188,34 @@ def test_a_scene_executes_a_file_beside_it_only(tmp_path):
     (tmp_path / "mine.py").write_text(MAKER)
     inner = tmp_path / "inner"
     inner.mkdir()
-    (tmp_path / "good.toml").write_text(SCENE.format(problem='file = "mine.py:make"'))
+    (tmp_path / "good.toml").write_text(SCENE.replace("PROBLEM", 'file = "mine.py:make"'))
     assert load_scene(tmp_path / "good.toml").subject.second_order
     before = plan(load_scene(tmp_path / "good.toml")).tasks[0]
     (tmp_path / "mine.py").write_text(MAKER.replace("k=1", "k=2"))
     assert plan(load_scene(tmp_path / "good.toml")).tasks[0] != before
     for file in ("../mine.py:make", str(tmp_path / "mine.py:make")):
-        (inner / "bad.toml").write_text(SCENE.format(problem=f'file = "{file}"'))
+        (inner / "bad.toml").write_text(SCENE.replace("PROBLEM", f'file = "{file}"'))
         refused(DataError, "must lie in the folder of the file", load_scene, inner / "bad.toml")
 
 
 @pytest.mark.parametrize(
     ("text", "line"),
-    [('H = "p**2/2 - cosh(q)"\ny0 = { q = 1, p = 0 }', 13),
-     ('H = "p**2/2"\ny0 = { q = 1 }', 14),
-     ('H = "p**2/2"\ny0 = { q = 1, p = 0 }\nt_ends = 3', 15)],
+    [('H = "p**2/2 - cosh(q)"\ny0 = { q = 1, p = 0 }', 11),
+     ('H = "p**2/2"\ny0 = { q = 1 }', 12),
+     ('H = "p**2/2"\ny0 = { q = 1, p = 0 }\nt_ends = 3', 13)],
 )  # fmt: skip
 def test_a_complaint_about_an_own_problem_names_its_line(tmp_path, text, line):
     path = tmp_path / "bad.toml"
-    path.write_text(SCENE.format(problem=text))
+    path.write_text(SCENE.replace("PROBLEM", text))
     refused(DataError, f"line {line}: ", load_scene, path)
 
 
 def test_a_scene_ends_where_its_own_problem_does(tmp_path):
     path = tmp_path / "mine.toml"
     text = SCENE.replace("t_end = 5\n", "")
-    path.write_text(text.format(problem=PENDULUM + "\nt0 = 1\nt_end = 8.5"))
+    path.write_text(text.replace("PROBLEM", PENDULUM + "\nt0 = 1\nt_end = 8.5"))
     assert load_scene(path).t_end == 7.5  # counted from the beginning
-    path.write_text(text.format(problem=PENDULUM))
+    path.write_text(text.replace("PROBLEM", PENDULUM))
     refused(DataError, "`t_end` must be a positive number", load_scene, path)
 
 

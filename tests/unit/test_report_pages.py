@@ -23,7 +23,7 @@ from glmref.report.markup import number
 from glmref.report.orbits import MOST
 from glmref.report.runs import COLUMNS, MOST_BARS
 from glmref.report.stability import stability
-from tests.build import refused
+from tests.build import refused, scene_text
 
 METHODS = ("rk4", "gauss-2", "gsymplectic-n", "pair-4-4")
 
@@ -434,24 +434,11 @@ def test_the_command_names_what_it_cannot_show_and_says_what_to_open(tmp_path, r
     assert len(cli("report", tmp_path / "nothing", code=2).err.splitlines()) == 1
 
 
-OWN = """\
-format = "glmref-scene-1"
-name = "duffing"
-title = "A Duffing <oscillator>"
-question = "Which method has the state right to 1e-4 first?"
-methods = ["stormer-verlet", "rk4"]
-h = { from = 0.2, to = 0.02, count = 3 }
-t_end = 2
-ask = ["state", "orbit"]
-
-[problem]
-H = "p**2/2 - q**2/2 + q**4/4"
-y0 = { q = "3/2", p = 0 }
-
-[answer]
-kind = "accurate"
-at = 1e-4
-"""
+OWN = scene_text(
+    "duffing", 'H = "p**2/2 - q**2/2 + q**4/4"\ny0 = { q = "3/2", p = 0 }', 'kind = "accurate"\nat = 1e-4',
+    title="A Duffing <oscillator>", question="Which method has the state right to 1e-4 first?",
+    methods=["stormer-verlet", "rk4"], steps=[10, 32, 100], t_end=2, ask=["state", "orbit"],
+)  # fmt: skip
 
 
 @pytest.fixture
