@@ -162,14 +162,6 @@ class RungeKutta(Enclosed):
             return is_nil(total(self.rows[row]) - 1)
         return row is None and len(t[1]) == 1 and self.columns
 
-    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
-        """Return True: the one value is the solution."""
-        return True
-
-    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
-        """Return True: the one value is the solution."""
-        return True
-
     def gives_order(self, p: int, nystrom: bool | str, row: str | None, method: Method) -> bool:
         """Tell whether the equations give all conditions through order p with the row."""
         if row is None and self.gauss:

@@ -89,9 +89,6 @@ class Enclosed:
     residuals: Callable[
         [list], list
     ]  # left minus right of every equation at values of the unknowns
-    # of principal part and trees, and of the row: whether the theorem about orders is about them
-    is_of_the_theorem: Callable[[bool, bool | str, str | None], bool]
-    principal_is_zero: Callable[[int, bool, bool | str], bool]  # below an order, where it must be
     gives_order: Callable[[int, bool | str, str | None, Method], bool]  # all conditions through it
     implies: Callable[[str], bool]  # whether a claim that is true or false holds at the root
 
@@ -135,6 +132,14 @@ class Enclosed:
             self.residuals, self.published, self.digits, proof, lambda: self.over_box
         )
         return other
+
+    def is_of_the_theorem(self, identity: bool, nystrom: bool | str, row: str | None) -> bool:
+        """Tell whether the theorem about orders is about a principal part, trees and a row."""
+        return True
+
+    def principal_is_zero(self, p: int, identity: bool, nystrom: bool | str) -> bool:
+        """Tell whether principal parts below p are 0, where they must be."""
+        return True
 
     def gives_stage_order(self, q: int) -> bool:
         """Tell whether the equations give the stage order q: of pairs they do not."""

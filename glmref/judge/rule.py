@@ -259,3 +259,13 @@ class Rule(Generic[C]):
         if self.conclusion is None:
             return case.shows(self.about, self.direction in ("holds", "at least"))
         return self.conclusion(case)
+
+
+def either_way(
+    names: str, about: str, theorem: str, source: str, case: Callable[[Proof, object], C],
+    holds: tuple[Callable[[C], bool | Fails], ...], fails: tuple[Callable[[C], bool | Fails], ...],
+) -> tuple[Rule, Rule]:  # fmt: skip
+    """Return the rule that a claim holds and the one that it fails; none needs a witness."""
+    first, second = names.split()
+    return (Rule(first, about, "holds", theorem, source, NoWitness, case, holds),
+            Rule(second, about, "fails", theorem, source, NoWitness, case, fails))  # fmt: skip

@@ -13,7 +13,7 @@ from .linalg import apply, dot, identity, is_exact, kernel, less, minus, ones, t
 from .numbers import apart, inverse, total, vanishes
 from .proof import Part, Proof, read_parts
 from .refusals import as_object, require, whole
-from .rule import Bound, Case, Fails, NoWitness, Order, RowOrder, Rule, Truth
+from .rule import Bound, Case, Fails, NoWitness, Order, RowOrder, Rule, Truth, either_way
 from .series import Series
 from .trees import Tree, gamma, size, trees
 
@@ -282,15 +282,10 @@ def a_power_is_wrong(case: DenseCase) -> bool:
     return any(map(apart, case.gaps(case.witness.tree)))
 
 
-def all_or_not(
-    name: str, other: str, claim: str, gaps: Callable[[Method], list]
-) -> tuple[Rule, Rule]:
+def all_or_not(names: str, claim: str, gaps: Callable[[Method], list]) -> tuple[Rule, Rule]:
     """Return the rules that the numbers of a case are all 0, and that one is not."""
-    same = "the definition", PAGE, NoWitness, partial(RowsCase, gaps)
-    return (
-        Rule(name, claim, "holds", *same, (all_numbers_are_0,)),
-        Rule(other, claim, "fails", *same, (a_number_is_not_0,)),
-    )
+    return either_way(names, claim, "the definition", PAGE, partial(RowsCase, gaps),
+                      (all_numbers_are_0,), (a_number_is_not_0,))  # fmt: skip
 
 
 ROW_RULES = (
@@ -301,9 +296,9 @@ ROW_RULES = (
             case.name, case.bound.low or 0, 20 if case.bound.high is None else case.bound.high
         ),
     ),
-    *all_or_not("differences", "no-differences", "embedded-difference", differences_of),
-    *all_or_not("row-sums", "no-row-sums", "row-sums", gaps_of_rows),
-    *all_or_not("dense-end", "no-dense-end", "dense-end", gaps_of_end),
+    *all_or_not("differences no-differences", "embedded-difference", differences_of),
+    *all_or_not("row-sums no-row-sums", "row-sums", gaps_of_rows),
+    *all_or_not("dense-end no-dense-end", "dense-end", gaps_of_end),
     Rule(
         "absent", "embedded-order", "holds", "the definition", PAGE, NoWitness, AbsentCase,
         (claim_is_about_a_part_of_the_file, file_has_it_not,

@@ -8,7 +8,7 @@ from .arithmetic import Fraction
 from .document import Component
 from .linalg import apply, combine, diagonal, dot, inverse_matrix, less, minus, placewise, times
 from .numbers import apart, conj, real, vanishes
-from .rule import NoWitness, Rule, Space
+from .rule import Space, either_way
 from .rules_growth import GrowthCase
 from .rules_modified import Underlying, underlying_of
 from .trees import LEAF, Tree
@@ -97,19 +97,11 @@ def another_invariant_is_declared(case: SecondCase) -> bool:
 
 _SUPPOSED = (eigenvalues_are_simple, map_is_of_order_2, parasitic_matrices_are_0,
              terms_of_first_order_rotate)  # fmt: skip
-_THEOREM = (
+SECOND_RULES = either_way(
+    "second-order other-second-order", "second-order-growth",
     "where the growth parameters are 0 and the terms of z^2 imaginary, a parasitic component obeys "
     "phi' = h^2 (I3 f' f' f' phi + I1 f''(f' f, phi)), but for rotations, commutators and total "
-    "derivatives along the solution"
-)
-
-SECOND_RULES = (
-    Rule(
-        "second-order", "second-order-growth", "holds", _THEOREM, SOURCE, NoWitness, SecondCase,
-        (*_SUPPOSED, invariants_are_those_declared),
-    ),
-    Rule(
-        "other-second-order", "second-order-growth", "fails", _THEOREM, SOURCE, NoWitness,
-        SecondCase, (*_SUPPOSED, another_invariant_is_declared),
-    ),
+    "derivatives along the solution",
+    SOURCE, SecondCase, (*_SUPPOSED, invariants_are_those_declared),
+    (*_SUPPOSED, another_invariant_is_declared),
 )  # fmt: skip

@@ -40,7 +40,7 @@ from .polynomials import (
     plus,
     trim,
 )
-from .rule import Bounded, Case, Flag, NoWitness, Rule, Truth
+from .rule import Bounded, Case, Flag, NoWitness, Rule, Truth, either_way
 
 STABILITY = (
     "Hairer, Wanner, Solving Ordinary Differential Equations II (1996), V.1 and V.9; "
@@ -347,12 +347,8 @@ STABILITY_RULES = (
         (one_reason_is_given, powers_grow_at_y, a_limit_is_outside, a_pole_is_on_the_left,
          an_eigenvalue_on_the_axis_is_outside, powers_of_V_grow),
     ),
-    Rule(
-        "l-limit", "l-stable", "holds", "the definition", STABILITY, NoWitness, StabilityCase,
-        (limits_are_0,),
-    ),
-    Rule(
-        "not-l-limit", "l-stable", "fails", "the definition", STABILITY, NoWitness, StabilityCase,
-        (a_limit_is_not_0,),
+    *either_way(
+        "l-limit not-l-limit", "l-stable", "the definition", STABILITY, StabilityCase,
+        (limits_are_0,), (a_limit_is_not_0,),
     ),
 )  # fmt: skip

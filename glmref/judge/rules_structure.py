@@ -13,7 +13,7 @@ from .document import Component, Method
 from .linalg import apply, dot, kernel, less, minus, multiples, rank, times, transpose
 from .numbers import apart, inverse, is_nil, total, vanishes
 from .refusals import Refused, Undecided
-from .rule import Case, NoWitness, Replaced, Rule
+from .rule import Case, Replaced, Rule, either_way
 from .rules_orders import BUTCHER, ComponentCase, u_and_v_exist
 
 MINIMAL = "Kalman (1963), Mathematical description of linear dynamical systems"
@@ -269,41 +269,25 @@ def both_are_preconsistent(case: EquivalentCase) -> bool:
 
 
 STRUCTURE_RULES = (
-    Rule(
-        "explicit", "explicit", "holds", "the definition", BUTCHER, NoWitness, StageCase,
-        (stages_need_earlier_ones,),
+    *either_way(
+        "explicit implicit", "explicit", "the definition", BUTCHER, StageCase,
+        (stages_need_earlier_ones,), (some_stages_need_each_other,),
     ),
-    Rule(
-        "implicit", "explicit", "fails", "the definition", BUTCHER, NoWitness, StageCase,
-        (some_stages_need_each_other,),
-    ),
-    Rule(
-        "abscissae", "abscissae", "holds", "the definition", BUTCHER, NoWitness, AbscissaeCase,
+    *either_way(
+        "abscissae other-abscissae", "abscissae", "the definition", BUTCHER, AbscissaeCase,
         (method_is_no_pair, u_and_v_exist, v_is_seen_once, abscissae_are_those_declared),
-    ),
-    Rule(
-        "other-abscissae", "abscissae", "fails", "the definition", BUTCHER,
-        NoWitness, AbscissaeCase,
         (method_is_no_pair, u_and_v_may_exist, v_is_seen_once, abscissae_are_others),
     ),
-    Rule(
-        "error-constant", "error-constant", "holds", "the definition", CONSTANT,
-        NoWitness, ConstantCase,
-        (method_is_multistep, beta_has_a_sum, constant_is_the_declared_one),
+    *either_way(
+        "error-constant other-error-constant", "error-constant", "the definition", CONSTANT,
+        ConstantCase, (method_is_multistep, beta_has_a_sum, constant_is_the_declared_one),
+        (method_is_multistep, constant_is_none_or_another),
     ),
-    Rule(
-        "other-error-constant", "error-constant", "fails", "the definition", CONSTANT, NoWitness,
-        ConstantCase, (method_is_multistep, constant_is_none_or_another),
-    ),
-    Rule(
-        "reducible", "reducible", "holds",
-        "values outside the span of (u, B, V B, ..), or in the kernel of (U; U V; ..), can go",
-        MINIMAL, NoWitness, ReducibleCase, (a_value_is_idle,),
-    ),
-    Rule(
-        "irreducible", "reducible", "fails", "a system that is reached and seen is minimal",
-        MINIMAL,
-        NoWitness, ReducibleCase, (no_value_is_idle,),
+    *either_way(
+        "reducible irreducible", "reducible",
+        "values outside the span of (u, B, V B, ..), or in the kernel of (U; U V; ..), can go; a "
+        "system that is reached and seen is minimal",
+        MINIMAL, ReducibleCase, (a_value_is_idle,), (no_value_is_idle,),
     ),
     Rule(
         "equivalent", "symmetric-reduced", "holds",
