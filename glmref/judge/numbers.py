@@ -169,12 +169,16 @@ class Box(Ring):
         self.re, self.im = as_interval(re), as_interval(im)
 
     def __add__(self, other: Number) -> Box:
+        if isinstance(other, Ring) and type(other) not in (Interval, Box, Element):
+            return NotImplemented
         other = enclose(other)
         return Box(self.re + other.re, self.im + other.im)
 
     def __mul__(self, other: Number) -> Box:
         if type(other) is Interval or not isinstance(other, Ring):
             return Box(self.re * other, self.im * other)
+        if type(other) not in (Box, Element):
+            return NotImplemented
         other = enclose(other)
         (a, b), (c, d) = (self.re, self.im), (other.re, other.im)
         return Box(a * c - b * d, a * d + b * c)

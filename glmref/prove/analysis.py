@@ -589,7 +589,7 @@ def _analyzed(q: _Questions) -> Analysis:
         symmetric={"holds": (holds := q.truth(SYMMETRIC.key))}
         | reversal
         | (_reduced(q) if holds is False and (not single or values != [1]) else {}),
-        growth=q.ask("growth", lambda f: _growth(f, single), []),
+        growth=q.ask("growth", _growth, []),
         growth_rates=None if single else q.ask("growth rates", _growth_rates),
         abscissae=q.ask("abscissae", lambda f: _vector(f.abscissae)),
         stability=stability,
@@ -644,18 +644,13 @@ def _reduced(q: _Questions) -> dict[str, Any]:
     return {"reduced": truth, "why": why}
 
 
-def _growth(facts: Facts, single: bool) -> list[dict[str, Any]]:
-    return [
-        {"eigenvalue": shown_number(g.eigenvalue)}
-        | (
-            {"mu": shown_number(g.mu) if g.mu is not None else _matrix(g.matrix)}
-            if single
-            else {name: _matrix(g.matrices[name]) for name in ("mu_q", "mu_p")}
-            if "mu_q" in g.matrices
-            else {name: shown_number(m[0][0]) for name, m in g.matrices.items()}
-        )
-        for g in facts.parasitism.growths
-    ]
+def _growth(facts: Facts) -> list[dict[str, Any]]:
+    found = []
+    for g in facts.parasitism.growths:
+        number = g.mu is not None and "mu_q" not in g.listed
+        shown = {x: shown_number(m[0][0]) if number else _matrix(m) for x, m in g.listed.items()}
+        found.append({"eigenvalue": shown_number(g.eigenvalue), **shown})
+    return found
 
 
 def _growth_rates(facts: Facts) -> dict[str, float] | None:

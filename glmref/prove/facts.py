@@ -219,15 +219,7 @@ class Facts:
         growths = self.parasitism.growths
         if self.is_single:
             return tuple(g.mu for g in growths if g.mu is not None)
-        shared = any("mu_q" in g.matrices for g in growths)
-        return tuple(
-            x
-            for g in growths
-            for name, m in g.matrices.items()
-            if name in ("mu_q", "mu_p") or not shared
-            for row in m
-            for x in row
-        )
+        return tuple(x for g in growths for m in g.listed.values() for row in m for x in row)
 
     @cached_property
     def reduction(self) -> Reduction:

@@ -105,12 +105,9 @@ def _beside(claim: str) -> Callable[[Facts], Proposal]:
     return propose
 
 
-def _consistent(facts: Facts) -> Proposal:
-    return Proposal(explain=_told(lambda: facts.consistencies))
-
-
-def _zero_stable(facts: Facts) -> Proposal:
-    return Proposal(explain=_told(lambda: facts.zero_stabilities))
+def _recorded(of: Callable[[Facts], Any]) -> Callable[[Facts], Proposal]:
+    """Return what theory's records say of a claim."""
+    return lambda facts: Proposal(explain=_told(lambda: of(facts)))
 
 
 def _explicit(facts: Facts) -> Proposal:
@@ -140,10 +137,6 @@ def _symplectic(facts: Facts) -> Proposal:
     return Proposal(explain=_told(lambda: facts.g_symplecticity))
 
 
-def _g_symplectic(facts: Facts) -> Proposal:
-    return Proposal(explain=_told(lambda: facts.g_symplecticity))
-
-
 def _conjugate_symplectic(facts: Facts) -> Proposal:
     def explain(truth: bool, certificate: object) -> tuple[str, float]:
         key = CONJUGATE_SYMPLECTIC_ORDER.key
@@ -152,15 +145,9 @@ def _conjugate_symplectic(facts: Facts) -> Proposal:
     return Proposal(explain=explain)
 
 
-def _symmetric(facts: Facts) -> Proposal:
-    def found() -> Symmetry:
-        return symmetry_as_given(facts.method) if facts.symmetry.reduced else facts.symmetry
-
-    return Proposal(explain=_told(found))
-
-
-def _symmetric_reduced(facts: Facts) -> Proposal:
-    return Proposal(explain=_told(lambda: symmetry_as_given(facts.reduced)))
+def _as_given(facts: Facts) -> Symmetry:
+    """Return the symmetry of the method itself, not of that without idle values."""
+    return symmetry_as_given(facts.method) if facts.symmetry.reduced else facts.symmetry
 
 
 def _parasitism(facts: Facts) -> Proposal:
@@ -252,15 +239,15 @@ def _reducible(facts: Facts) -> Proposal:
 
 
 _FINDERS: Mapping[str, Callable[[Facts], Proposal]] = {
-    PRECONSISTENT.key: _consistent,
-    CONSISTENT.key: _consistent,
-    ZERO_STABLE.key: _zero_stable,
+    PRECONSISTENT.key: _recorded(lambda facts: facts.consistencies),
+    CONSISTENT.key: _recorded(lambda facts: facts.consistencies),
+    ZERO_STABLE.key: _recorded(lambda facts: facts.zero_stabilities),
     EXPLICIT.key: _explicit,
     SYMPLECTIC.key: _symplectic,
-    G_SYMPLECTIC.key: _g_symplectic,
+    G_SYMPLECTIC.key: _recorded(lambda facts: facts.g_symplecticity),
     CONJUGATE_SYMPLECTIC.key: _conjugate_symplectic,
-    SYMMETRIC.key: _symmetric,
-    SYMMETRIC_REDUCED.key: _symmetric_reduced,
+    SYMMETRIC.key: _recorded(_as_given),
+    SYMMETRIC_REDUCED.key: _recorded(lambda facts: symmetry_as_given(facts.reduced)),
     PARASITISM_FREE.key: _parasitism,
     GROWTH.key: _growth,
     SECOND_ORDER_GROWTH.key: _second_order_growth,

@@ -45,6 +45,12 @@ class Growth:
         return next(iter(self.matrices.values()))
 
     @property
+    def listed(self) -> Mapping[str, Matrix]:
+        """The matrices that a claim lists: where an eigenvalue is shared, how each half feeds."""
+        coupled = {name: self.matrices[name] for name in ("mu_q", "mu_p") if name in self.matrices}
+        return coupled or self.matrices
+
+    @property
     def mu(self) -> Scalar | None:
         """The growth parameter: that matrix where it is one number, else ``None``."""
         return self.matrix[0][0] if self.multiplicity == 1 else None
