@@ -41,6 +41,16 @@ def test_a_ball_around_zero_is_never_taken_for_a_pivot_nor_for_zero() -> None:
     assert linalg.inverse(certain)[0][0].contains(2)
 
 
+def test_complex_balls_and_irrational_numbers_stand_in_one_matrix() -> None:
+    i, root = parse("i"), parse("root(2,3)*exp(2*pi*i/7)")
+    near = Ball.around(Exact(0).ball(), Fraction(1, 10**40)) + i
+    x = linalg.solve(((near, root), (root, exact(1))), ((exact(1),), (root,)))
+    true = linalg.solve(((i, root), (root, exact(1))), ((exact(1),), (root,)))
+    for row, other in zip(x, true, strict=True):
+        assert isinstance(row[0], Ball) and row[0].contains(other[0])
+        assert not row[0].contains(other[0] + Fraction(1, 10**38))
+
+
 def test_inverse_over_balls_encloses_the_exact_one() -> None:
     decimals = as_matrix(
         [
