@@ -20,13 +20,13 @@ from pathlib import Path
 from typing import Any
 
 from glmref.catalogue.lookup import document
-from glmref.catalogue.strict_json import write_json
 from glmref.compute import Done, Limits, Records, executor, measure
 from glmref.compute.executors import ENVIRONMENT
 from glmref.compute.identity import identity
 from glmref.compute.records import key_of
 from glmref.errors import UsageError
 from glmref.measure.timing import circumstances
+from tools.measured_json import write_json
 
 #: Claims of order, on which the runs and the numbers depend.
 ORDERS = ("order", "order-identity", "effective-order")

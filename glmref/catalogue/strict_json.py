@@ -15,11 +15,10 @@ from typing import Any
 
 from ..errors import DataError
 from ..system import arguments
-from ..system.files import make_folder, read_text, write_text
+from ..system.files import read_text
 
 MAX_BYTES = 4_000_000  # a method file has some kilobytes; the largest vectors some hundred
 MAX_NESTING = 40
-_WIDEST = 200  # letters of a list or an object that is written on one line
 
 # a string without its closing quote counts as one too: else its search would be quadratic
 _STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
@@ -36,39 +35,6 @@ class Double(float):
         self = super().__new__(cls, text)
         self.text = text
         return self
-
-
-def write_json(path: Path, document: object) -> None:
-    """Write a document of measurements, in a folder that is made where it is missing.
-
-    A list or an object that fits on a line is written on one, so that a row of a table is a line.
-
-    Raises
-    ------
-    ValueError
-        For NaN or an infinity, which JSON has not; the file stays as it was.
-    """
-    text = _lines(document, "\n")
-    make_folder(path.parent)
-    write_text(path, text + "\n")
-
-
-def _lines(value: object, margin: str) -> str:
-    """Return the text of a value.
-
-    ``margin`` is the end of line before it with the blanks to its left.
-    """
-    line = json.dumps(value, allow_nan=False, ensure_ascii=False)
-    deeper = margin + " "
-    if len(line) <= _WIDEST or not isinstance(value, dict | list | tuple):
-        return line
-    if isinstance(value, dict):
-        rows = [
-            f"{json.dumps(str(key), ensure_ascii=False)}: {_lines(x, deeper)}"
-            for key, x in value.items()
-        ]
-        return f"{{{deeper}{f',{deeper}'.join(rows)}{margin}}}"
-    return f"[{deeper}{f',{deeper}'.join(_lines(x, deeper) for x in value)}{margin}]"
 
 
 def read_json(path: Path) -> Any:

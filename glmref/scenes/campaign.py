@@ -30,13 +30,11 @@ from typing import Any
 import numpy as np
 
 from ..catalogue.files import table_path, tables_of
-from ..catalogue.lookup import document
 from ..catalogue.lookup import names as method_names
 from ..compute import Limits
 from ..errors import DataError, GlmrefError, UsageError
 from ..problems import names as problem_names
 from .campaign_kinds import CAMPAIGN_KINDS, CampaignKind
-from .model import KINDS
 from .reading import MAX_NAME, Reader, between
 
 FORMAT = "glmref-campaign-1"
@@ -287,14 +285,8 @@ class _CampaignReader(Reader):
     def _methods(self, where: tuple[str, ...], kinds: Any) -> tuple[str, ...]:
         """Return shipped methods of a class or with a property, or with all of several."""
         asked = [kinds] if isinstance(kinds, str) else list(self.items(where, kinds))
-        shipped = [document(name) for name in method_names("methods")]
-        for kind in asked:
-            self.choice(where, kind, (*sorted({d["class"] for d in shipped}), *KINDS))
-        found = tuple(
-            d["name"]
-            for d in shipped
-            if all(d["class"] == kind or d["claims"].get(kind) is True for kind in asked)
-        )
+        every = [self.having(where, kind) for kind in asked]
+        found = tuple(x for x in method_names("methods") if all(x in names for names in every))
         if not found:
             raise self.fail(where, f"no method is {' and '.join(asked)}")
         return found

@@ -519,27 +519,9 @@ def _recommended(
         ratio = (others[0].seconds or 0.0) / best.seconds
         sentences[0] += f", {others[0].method} takes {ratio:.2f} times that"
     if kind != "general":
-        if best.long_runs == BOUNDED:
-            sentences.append(
-                "it is symplectic and carries one value, so that no parasitic part can grow"
-            )
-        elif best.long_runs == RECORDED:
-            sentences.append(
-                "it is not symplectic; over the runs of ten million steps that its file records "
-                "the energy error stays bounded"
-            )
-        elif best.long_runs == OBSERVED:
-            sentences.append(
-                f"it is not symplectic; over {MOST_WATCHED:,} steps of this orbit no growing "
-                f"parasitic part was reported, and solve() reports one with a notice"
-            )
-        elif best.long_runs == PREDICTED:
-            sentences.append(
-                "it is not symplectic; no parasitic part is predicted to become large within ten "
-                "million steps"
-            )
-        else:
-            sentences.append("it is not symplectic: its energy error is that of this run only")
+        known = best.long_runs in (BOUNDED, *_KEPT)
+        meaning = "not symplectic: its energy error is that of this run only"
+        sentences.append(f"it is {MEANINGS[best.long_runs] if known else meaning}")
     for one in reached[: reached.index(best)]:
         part = (one.seconds or 0.0) / best.seconds
         why = "its long runs grow or are lost"

@@ -174,6 +174,12 @@ class Reader:
             raise self.must(where, f"one of {listed}", value, hint)
         return value
 
+    def having(self, where: tuple[str, ...], kind: Any) -> list[str]:
+        """Return shipped methods of a class or with a property."""
+        shipped = [document(name) for name in method_names("methods")]
+        self.choice(where, kind, (*sorted({d["class"] for d in shipped}), *KINDS))
+        return [d["name"] for d in shipped if kind == d["class"] or d["claims"].get(kind) is True]
+
     def items(self, where: tuple[str, ...], value: Any) -> Iterator[Any]:
         """Read a list without repetitions, of one entry or more."""
         if not isinstance(value, list) or not value:
@@ -462,14 +468,8 @@ class Reader:
             if not isinstance(name, str):
                 raise self.fail(at("methods"), f"a method must be a text, got {shown(name)}")
             found.append(self._method(name, at("methods")))
-        kinds = self._list(at("classes"), given, "classes", empty=True)
-        # the shipped files are read only where a scene asks for a class of them
-        shipped = [document(name) for name in method_names("methods")] if kinds else []
-        for kind in kinds:
-            self.choice(at("classes"), kind, (*sorted({d["class"] for d in shipped}), *KINDS))
-            for doc in shipped:
-                if doc["class"] == kind or doc["claims"].get(kind) is True:
-                    found.append(doc["name"])
+        for kind in self._list(at("classes"), given, "classes", empty=True):
+            found += self.having(at("classes"), kind)
         return tuple(dict.fromkeys(found))
 
     def _method(self, name: str, where: tuple[str, ...]) -> str:

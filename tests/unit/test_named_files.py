@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from glmref.catalogue.lookup import path_of
-from glmref.catalogue.strict_json import MAX_BYTES, MAX_NESTING, read_json, write_json
+from glmref.catalogue.strict_json import MAX_BYTES, MAX_NESTING, read_json
 from glmref.cli import main
 from glmref.errors import DataError, UsageError
 from glmref.problems import from_path
@@ -18,6 +18,7 @@ from glmref.scenes.campaign import load_campaign
 from glmref.scenes.reading import load_scene
 from glmref.system.files import named_in
 from tests.build import refused, scene_text
+from tools.measured_json import write_json
 
 #: It leaves a mark when it is executed.
 EVIL = """

@@ -20,10 +20,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from glmref.catalogue.strict_json import write_json
 from glmref.measure.timing import circumstances
 from tools.measure import compare_c, compare_kepler, compare_lanes, compare_textbook
 from tools.measure.engine_tables import PAIR_TABLES, SHORT_TABLES, TABLES, filled
+from tools.measured_json import write_json
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from glmref.catalogue.lookup import names
-from glmref.catalogue.strict_json import write_json
 from glmref.measure.timing import circumstances
+from tools.measured_json import write_json
 
 RUNS = 5
 NOTE = (
