@@ -247,15 +247,7 @@ def _g_scale(first: np.ndarray, G: np.ndarray, C: np.ndarray) -> float:
     return float(np.sum(products * np.abs(G)))
 
 
-def watch(
-    problem: Problem,
-    solution: Solution,
-    *,
-    G: np.ndarray | None = None,
-    energy: bool = True,
-    quadratic: bool = True,
-    invariants: bool = True,
-) -> list[Drift]:
+def watch(problem: Problem, solution: Solution, *, G: np.ndarray | None = None) -> list[Drift]:
     """Return drifts of what a problem conserves along a solution.
 
     Parameters
@@ -266,23 +258,19 @@ def watch(
         With several rows; with ``history`` where the G-form is wanted.
     G : np.ndarray or None
         (r, r) form of the method; ``None`` leaves the G-forms out.
-    energy, quadratic, invariants : bool
-        Which conserved quantities of y_1 to watch.
     """
     found: list[Drift] = []
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     if not len(t):
         return found
-    if energy and problem.hamiltonian is not None:
+    if problem.hamiltonian is not None:
         energies, scale = along(problem.hamiltonian, y), energy_scale(problem, y[0])
         found.append(drift("energy", t, energies, kind="hamiltonian", scale=scale))
-    if quadratic:
-        for name, form in problem.quadratic.items():
-            scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
-            found.append(drift(name, t, along(form, y), kind="quadratic", scale=scale))
-    if invariants:
-        for name, function in problem.invariants.items():
-            found.append(drift(name, t, along(function, y)))
+    for name, form in problem.quadratic.items():
+        scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
+        found.append(drift(name, t, along(form, y), kind="quadratic", scale=scale))
+    for name, function in problem.invariants.items():
+        found.append(drift(name, t, along(function, y)))
     if G is not None:
         if solution.history is None:
             raise UsageError("the G-form needs all values; solve with history=True")
