@@ -67,7 +67,6 @@ def observed_order(
     first: int = FIRST,
     most: int = 128 * FIRST,
     target: Sequence[Any] | None = None,
-    distance: Callable[[Sequence[Any], Sequence[Any]], Any] | None = None,
 ) -> ConvergenceRecord:
     """Measure the order of ``run(n)``, the numerical solution at a fixed time after n steps.
 
@@ -83,21 +82,18 @@ def observed_order(
         The largest number of steps.
     target : Sequence[Any] or None
         What ``run`` converges to; by default successive runs are compared.
-    distance : Callable[[Sequence[Any], Sequence[Any]], Any] or None
-        Norm of the difference of two results; the Euclidean norm when not given.
     """
-    norm = distance or _norm
     steps, sizes = [first], []
     previous = run(first)
     if target is not None:
-        sizes.append(norm(previous, target))
+        sizes.append(_norm(previous, target))
     orders: list[float] = []
     extrapolated: list[float] = []
     settled = False
     while not settled and steps[-1] * 2 <= most:
         steps.append(steps[-1] * 2)
         current = run(steps[-1])
-        sizes.append(norm(current, previous if target is None else target))
+        sizes.append(_norm(current, previous if target is None else target))
         previous = current
         if len(sizes) > 1:
             orders.append(_log2_ratio(sizes[-2], sizes[-1]))
