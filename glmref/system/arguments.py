@@ -125,28 +125,16 @@ def number(name: str, value: Any, error: Refusal = UsageError) -> float:
     return found
 
 
-def flag(name: str, value: Any, error: Refusal = UsageError) -> bool:
-    """Return True or False, of Python or of numpy.
-
-    Raises
-    ------
-    GlmrefError
-        Of ``error``, for anything else.
-    """
+def flag(name: str, value: Any) -> bool:
+    """Return True or False, of Python or of numpy; a :class:`UsageError` for anything else."""
     kind = getattr(getattr(value, "dtype", None), "kind", "")
     if isinstance(value, bool) or (kind == "b" and value.shape == ()):
         return bool(value)
-    raise error(f"`{name}` must be True or False, got {shown(value)}")
+    raise UsageError(f"`{name}` must be True or False, got {shown(value)}")
 
 
-def place(name: str, value: Any, error: Refusal = UsageError) -> Path:
-    """Return where a file is or will be.
-
-    Raises
-    ------
-    GlmrefError
-        Of ``error``, for what is neither a text nor a path.
-    """
+def place(name: str, value: Any) -> Path:
+    """Return where a file is or will be; a :class:`UsageError` for neither a text nor a path."""
     if not isinstance(value, str | Path):
-        raise error(f"`{name}` must be a file, got {shown(value)}")
+        raise UsageError(f"`{name}` must be a file, got {shown(value)}")
     return Path(value)

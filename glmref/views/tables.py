@@ -81,27 +81,19 @@ def counted(n: int, what: str) -> str:
     return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
-def columns(
-    rows: Iterable[Sequence[str]], *, style: Style, head: Sequence[str] = (), right: str = ""
-) -> str:
+def columns(rows: Iterable[Sequence[str]], *, style: Style, head: Sequence[str] = ()) -> str:
     """Align rows into columns, two spaces apart, the last column as long as it is.
 
-    The style decides the rule under the head. ``right`` has the digits of the columns (from 0) that
-    are aligned to the right, as ``"12"``.
+    The style decides the rule under the head.
     """
     cells = [[one_line(x) for x in row] for row in rows]
     everything = [list(head), *cells] if head else cells
     if not everything:
         return ""
     widths = [max(len(row[j]) for row in everything) for j in range(len(everything[0]))]
-    last = len(widths) - 1
 
     def line(row: Sequence[str]) -> str:
-        parts = [
-            x.rjust(w) if str(j) in right else x.ljust(w) if j < last else x
-            for j, (x, w) in enumerate(zip(row, widths, strict=True))
-        ]
-        return "  ".join(parts).rstrip()
+        return "  ".join(x.ljust(w) for x, w in zip(row, widths, strict=True)).rstrip()
 
     lines = [line(row) for row in cells]
     if head:
