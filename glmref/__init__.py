@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from .method.families import runge_kutta as from_rk
     from .method.families import splitting as from_splitting
     from .problems import Problem, problem
+    from .problems.sundman import time_transformed
     from .prove.analysis import Analysis, analyze
     from .prove.verifier import verify
     from .scenes.comparing import Comparison, compare
@@ -62,6 +63,7 @@ _HOMES = {
     "measure.prediction": ("Prediction", "predict"),
     "scenes.modified": ("Modified", "modified"),
     "problems": ("Problem", "problem"),
+    "problems.sundman": ("time_transformed",),
     "theory.series": ("Series",),
     "theory.starting_series": ("StartingSeries",),
     "theory.trees": ("Tree",),
@@ -125,6 +127,7 @@ __all__ = [
     "problem",
     "show",
     "solve",
+    "time_transformed",
     "verify",
 ]
 

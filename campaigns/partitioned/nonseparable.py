@@ -228,7 +228,8 @@ def main(path: Path) -> None:
     complete(path, record)
 
 
-def _count(n: int | None) -> str:
+def count_of(n: int | None) -> str:
+    """Return a number of evaluations as the tables have it."""
     return "—" if n is None else f"{n:,}"
 
 
@@ -240,7 +241,7 @@ def count_table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> str:
         if x["tolerance"] == 1e-9:
             gauss = min(n for name, n in found.items() if name.startswith("gauss") and n)
             shown = [*(found[name] for name in names), gauss, found["scipy-dop853"]]
-            lines.append([x["problem"], *map(_count, shown)])
+            lines.append([x["problem"], *map(count_of, shown)])
     return markdown(["problem", *(f"`{x}`" for x in names), "best Gauss", "DOP853"], lines)
 
 

@@ -12,7 +12,7 @@ import json
 import math
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from campaigns.partitioned.nonseparable import (
     LONG,
     LOST,
     TOLERANCES,
+    count_of,
     ends,
     growth,
     long_run,
@@ -35,13 +36,36 @@ from campaigns.partitioned.nonseparable import (
 from glmref import Problem, solve
 from glmref.catalogue.lookup import load
 from glmref.derive.recipes.strong_multistep import SHIPPED
+from glmref.engine.outcome import StartFailed
 from glmref.measure.timing import circumstances
-from glmref.measure.work_precision import reference_state, state_error
+from glmref.measure.work_precision import Reference, energy_deviation, reference_state, state_error
+from glmref.method import Method
 from glmref.problems import problem
+from glmref.problems.sundman import time_transformed
 
 #: What is timed against what, the first of its numbers of steps, and steps by rounds.
 FAST, _RIVAL, _COARSE = "multistep-strong-8", "gauss-4", 20
 TIMES = {100_000: 25, 1_000_000: 7}
+#: By problem a rate of its time with few operations, dt = rate ds, and the s that the time of the
+#: other runs is nearest to. It is the time of a free fall or the turn of a charge where an orbit
+#: comes close, a radius or a sine where only coordinates are singular, and 1 for a fixed step. On
+#: the hyperbolic plane nothing is won.
+_DISTANCES = "(((x + mass)**2 + y**2)*((x - 1 + mass)**2 + y**2))**(1/2)"
+RATES: Mapping[str, tuple[str, float]] = {
+    "kepler-polar": ("r**(3/2)", 14.70),
+    "post-newtonian-binary": ("(qx**2 + qy**2)**(3/4)", 36.38),
+    "rotating-three-body": (_DISTANCES, 41.58),
+    "hill-moon": ("(x**2 + y**2)**(3/4)", 29.00),
+    "swinging-atwood": ("qr", 14.98),
+    "sphere-pendulum": ("sin(a)", 27.64),
+    "heavy-top": ("sin(qn)", 22.38),
+    "dipole-charge": ("(x**2 + y**2 + z**2)**(3/2)", 55.36),
+    "magnetic-bottle": ("1/(field + z**2)", 54.84),
+    "hyperbolic-plane": ("1/y", 20.46),
+    "magnetic-trap": ("1", 20.0),
+    "penning-trap": ("1", 20.0),
+    "relativistic-charge": ("1", 20.0),
+}
 #: The numbers of steps of the scenes.
 _COUNTS = np.unique(np.geomspace(20, 4000, 28).round().astype(int)).tolist()
 
@@ -60,23 +84,60 @@ def problem_of(name: str) -> Problem:
     return Problem.from_hamiltonian(given["H"], given["y0"], name=name, **names)
 
 
+def _counted(
+    one: Problem, method: Method, end: float, error: Callable[[np.ndarray], float]
+) -> tuple[dict[str, int | None], float | None]:
+    """Return the evaluations by tolerance, and the step size of the smallest one."""
+    curve: list[tuple[int, float]] = []
+    start = 0
+    for steps in _COUNTS:
+        try:
+            found = solve(one, method, h=end / steps, steps=steps, every=steps)
+        except StartFailed:
+            curve.append((steps, math.inf))
+            continue
+        start = found.start_evaluations
+        size = error(found.y[-1]) if found.completed else math.inf
+        curve.append((found.evaluations + start, size))
+    counts = {f"{x:g}": needed(curve, x) for x in TOLERANCES}
+    least = counts[f"{TOLERANCES[-1]:g}"]
+    return counts, float(f"{end / (least - start):.3g}") if least else None
+
+
 def _measured(case: Mapping[str, Any]) -> dict[str, Any]:
     """Return the evaluations by tolerance, and a long run at the step of the smallest one."""
     one, name = problem_of(case["problem"]), case["method"]
-    end, method = ends().get(one.name, 20.0), load(name)
+    end = ends().get(one.name, 20.0)
     exact = reference_state(one, end)
-    curve: list[tuple[int, float]] = []
-    for steps in _COUNTS:
-        found = solve(one, method, h=end / steps, steps=steps, every=steps)
-        error = state_error(found.y[-1], exact) if found.completed else math.inf
-        curve.append((found.evaluations + found.start_evaluations, error))
-    counts = {f"{x:g}": needed(curve, x) for x in TOLERANCES}
+    counts, h = _counted(one, load(name), end, lambda y: state_error(y, exact))
     row = {**case, "evaluations": counts}
-    if least := counts[f"{TOLERANCES[-1]:g}"]:
-        h = float(f"{end / (least - curve[0][0] + _COUNTS[0]):.3g}")
+    if h:
         row |= {"h": h, "steps": LONG[0], **long_run(name, one, h, LONG[0])}
         if row["reported"] is not None:
             row["growth"] = growth(one, name, h, row["reported"], 0)
+    return row
+
+
+def transformed(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the same in a transformed time; errors are of the orbit at the time of the run."""
+    plain, (rate, end) = problem_of(case["problem"]), RATES[case["problem"]]
+    one = time_transformed(plain, rate)
+    at, exact = one.labels.index("t"), reference_state(one, end).state
+    own = [k for k in range(plain.dimension + 1) if k != at]
+
+    def error(y: np.ndarray) -> float:
+        # to first order in the error of the time
+        right = exact[own] + (y[at] - exact[at]) * plain.f(exact[at], exact[own])
+        return state_error(y[own], Reference(right, 0.0, "moved"))
+
+    counts, h = _counted(one, load(case["method"]), end, error)
+    row = {**case, "rate": rate, "evaluations": counts}
+    if h:
+        found = solve(one, case["method"], h=h, steps=LONG[0], every=LONG[0] // 1000)
+        states = np.vstack([plain.y0, found.y[:, own]])
+        size = float(energy_deviation(plain, states).max()) if found.completed else None
+        row |= {"h": h, "steps": LONG[0], "energy": size and float(f"{size:.2g}")}
+        row["reported"] = found.suspect
     return row
 
 
@@ -126,6 +187,8 @@ def main(path: Path) -> None:
     )
     cases = [{"problem": x, "method": m} for x in names for m in SHIPPED]
     record["runs"] = carried_out(_measured, cases, beside=path)
+    cases = [{"problem": x, "method": m} for x in RATES for m in SHIPPED]
+    record["transformed"] = carried_out(transformed, cases, beside=path)
     timed = [{"problem": name, "h": h} for name, h in kept(record["runs"]).items()]
     rows = carried_out(times, timed, beside=path, limits=TIMED)
     record["times"] = {"where": circumstances(), "rows": rows}
@@ -169,6 +232,30 @@ def table(tolerance: float = TOLERANCES[-1]) -> str:
     return markdown([*heads, "best Gauss", "DOP853"], lines)
 
 
+def _rivals(name: str) -> tuple[int | None, int | None]:
+    """Return the evaluations at 1e-9 of the best Gauss method and of DOP853, where measured."""
+    record = measured("nonseparable")
+    rows = [*record["evaluations"], *record["semi-separable"]["evaluations"]]
+    found = rivals(name, TOLERANCES[-1]) or next(
+        (x["methods"] for x in rows if (x["problem"], x["tolerance"]) == (name, TOLERANCES[-1])), {}
+    )
+    known = {k: n for k, n in found.items() if n}
+    return (best_gauss(known) if known else None), known.get("scipy-dop853")
+
+
+def transformed_table() -> str:
+    """Return the runs in a transformed time: evaluations before and after, and the energy."""
+    lines = []
+    for x in measured("strong-multistep")["transformed"]:
+        if x["method"] == FAST and x["rate"] != "1":
+            before = _rows().get(x["problem"], {}).get(FAST)
+            counts = [before and before["evaluations"]["1e-09"], x["evaluations"]["1e-09"]]
+            shown = [count_of(n) for n in (*counts, *_rivals(x["problem"]))]
+            lines.append([x["problem"], f"`{x['rate']}`", *shown, f"{x['energy']:.1e}"])
+    heads = ["problem", "rate", "fixed", "transformed", "best Gauss", "DOP853", "energy"]
+    return markdown(heads, lines)
+
+
 #: What the table of long runs has beside: a pair without renewal, and one with.
 _PAIRS = (("multistep-general-8", 0), ("multistep-general-8c", 1000))
 
@@ -189,6 +276,7 @@ def _long_table() -> str:
 
 PAGES: Pages = {
     _DOCS / "nonseparable.md": {"strong": table},
+    _DOCS / "close-encounters.md": {"strong-transformed": transformed_table},
     _DOCS / "nonseparable" / "long-runs.md": {"strong-long": _long_table},
 }
 

@@ -31,6 +31,8 @@ _NONE: Mapping[str, str] = MappingProxyType({})
 
 FUNCTIONS = ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")
 LARGEST_EXPONENT = 1000
+#: What a power of numbers alone may have as a base that is made of powers itself.
+LARGEST_BASE = 1e15
 _NODES = (
     *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Subscript, ast.Name, ast.Constant),
     *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.Load),
@@ -388,14 +390,26 @@ def _value(node: ast.AST, values: Mapping[int, Any]) -> Any:
     return operation(values[id(node.left)], values[id(node.right)])
 
 
+def _size(side: ast.expr) -> float:
+    """Return the size of an expression of numbers, in floats: towers of powers cost nothing."""
+    values: dict[int, Any] = {}
+    for node in reversed(list(ast.walk(side))):
+        with suppress(ZeroDivisionError, OverflowError):
+            value = _value(node, values)
+            if value is not None:
+                values[id(node)] = 1.0 * value
+    return abs(values.get(id(side), math.inf))
+
+
 def _check_power(node: ast.BinOp, where: str) -> None:
     """Refuse powers that a few characters make astronomically large."""
     literals = [x.value for x in ast.walk(node.right) if isinstance(x, ast.Constant)]
     towers = [
         side
-        for side in (node.left, node.right)
+        for side, most in ((node.left, LARGEST_BASE), (node.right, 0))
         if any(isinstance(x, ast.Pow) for x in ast.walk(side))
         and not any(isinstance(x, ast.Name) for x in ast.walk(side))
+        and not _size(side) <= most
     ]
     if towers or any(isinstance(x, int | float) and abs(x) > LARGEST_EXPONENT for x in literals):
         raise UsageError(

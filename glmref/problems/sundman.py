@@ -1,13 +1,17 @@
-"""Sundman's time transformation that keeps the structure: a variable step that is no variable step.
+"""Sundman's time transformation: small steps where they are wanted, at a constant step.
 
-With dt = g(y) ds small steps are taken where g is small, at a constant step in s. Applied to the
-equations alone it would destroy the Hamiltonian form; applied to the Hamiltonian it does not:
+With dt = g(y) ds small steps in t are taken where g is small, at a constant step in s. For y' =
+f(t, y) that is the system
 
-    K(q, t, p, w) = g(q) (H(q, p) + w),        w = -H at the start
+    dy/ds = g(y) f(t, y),        dt/ds = g(y),
+
+which is reversible where f and g are. It is not Hamiltonian where y' = f(y) is. But
+
+    K(q, t, p, w) = g(q, p) (H(q, p) + w),        w = -H at the start
 
 is a Hamiltonian in the extended phase space, with t as a coordinate and w as its momentum. On K = 0
 its flow in s is that of H in t. A symplectic or G-symplectic method with a constant step in s then
-keeps what it keeps.
+keeps what it keeps. K is not separable, also where H is.
 
 References
 ----------
@@ -19,83 +23,128 @@ transformation; Darboux-Sundman as (2.1)). Leimkuhler and Reich, "Simulating Ham
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..errors import UsageError
-from .derivative import differentiated
-from .formula import Formula, kept, substituted
+from ..system.arguments import shown
+from .canonical import equations, shared
+from .formula import Formula, substituted
 from .loops import QuadraticForm
 from .model import Problem
 
 
 def time_transformed(problem: Problem, rate: str) -> Problem:
-    """Return the problem in the time s with dt = rate ds, Hamiltonian again.
+    """Return the problem in the time s with dt = rate ds, Hamiltonian again where it was.
 
     Parameters
     ----------
     problem : Problem
-        Canonical, with a Hamiltonian and initial values given as expressions or numbers.
+        Its equations, or, where it is canonical, its Hamiltonian, and its initial values given as
+        expressions or numbers.
     rate : str
-        Positive expression in ``y[0]``, ... and the problem's parameters, small where small steps
-        are wanted; for the symplectic form it may use positions and momenta alike.
+        Positive expression in the names of the components, or in ``y[0]``, .., and the problem's
+        parameters; small where small steps are wanted.
 
     Returns
     -------
     Problem
-        A problem in y = (q, t, p, w), two components more.
+        A canonical one in y = (q, t, p, w), with H as an invariant; another in (y, t).
 
     Raises
     ------
     UsageError
-        For a problem that is not canonical or not given as expressions.
+        For a problem that is not given as expressions, or a rate that cannot be read.
     """
-    energy = problem.hamiltonian
-    if not problem.canonical or not isinstance(energy, Formula):
+    canonical, given = problem.canonical, problem.hamiltonian if problem.canonical else problem.f
+    if not isinstance(given, Formula) or callable(problem.initial):
+        what = "its Hamiltonian" if canonical else "its equations"
         raise UsageError(
-            f"{problem.name} must be canonical with its Hamiltonian as an expression; give one"
+            f"{problem.name} must have {what} and its initial value as expressions or numbers"
         )
-    if callable(problem.initial):
-        raise UsageError(f"{problem.name} must give its initial value as numbers or expressions")
-    m = problem.dimension // 2
+    d, begin = problem.dimension, problem.t_span[0]
+    m = d // 2 if canonical else d  # where t stands
+
+    def moved(formula: Formula) -> Formula:
+        # what a name is replaced by is replaced, too: t is told from the components by its vector
+        return formula.rewritten(
+            lambda vector, i: f"y[{m}]" if vector == "t_" else f"y[{i + (i >= m)}]", {"t": "t_[0]"}
+        )
+
+    factor = moved(_rate(problem, rate)).outputs[0]
+    names, whole = problem.labels, moved(given)
     known = [f"({x})" if isinstance(x, str) else repr(x) for x in _listed(problem.initial)]
-    wanted = Formula((rate,), variables=("y",), parameters=problem.parameters, shape=())
-    text = substituted(energy.outputs[0], kept, {k: f"({x})" for k, x in energy.common})
-    factor, moved = (
-        substituted(x, lambda _, i: f"y[{i + (i >= m)}]") for x in (wanted.outputs[0], text)
-    )
-    K = f"({factor})*({moved} + y[{2 * m + 1}])"
-    whole = Formula((K,), variables=("y",), parameters=problem.parameters, shape=())
-    slopes = differentiated(whole, 2 * m + 2)
-    half = m + 1
-    f = Formula(
-        outputs=(*slopes.outputs[half:], *(f"-({x})" for x in slopes.outputs[:half])),
-        common=slopes.common,
-        parameters=problem.parameters,
-    )
-    start = substituted(text, lambda _, i: known[i])
+    entries: dict[str, Any] = {
+        "invariants": {k: moved(x) for k, x in _formulas(problem.invariants)},
+        "observables": {k: moved(x) for k, x in _formulas(problem.observables)},
+        "quadratic": {
+            k: _spread(form, m, d + 1 + canonical) for k, form in problem.quadratic.items()
+        },
+    }
+    if canonical:
+        K = f"({factor})*({whole.outputs[0]} + y[{d + 1}])"
+        start = substituted(
+            given.outputs[0], lambda _, i: known[i], {k: f"({x})" for k, x in given.common}
+        )
+        entries |= equations(replace(whole, outputs=(K,), variables=("t", "y")), m + 1)
+        # with a constant more, so that errors are relative to the energy
+        entries["hamiltonian"] = replace(whole, outputs=(f"{K} + ({start})",))
+        entries["invariants"] |= {"H": whole}
+        known = [*known[:m], begin, *known[m:], f"-({start})"]
+        names = (*names[:m], "t", *names[m:], "p_t")
+    else:
+        slopes = (*(f"({factor})*({x})" for x in whole.outputs), factor)
+        entries["f"] = shared(replace(whole, outputs=slopes, shape=(d + 1,)))
+        entries["hamiltonian"] = problem.hamiltonian
+        known, names = [*known, begin], (*names, "t")
     return Problem(
         name=f"{problem.name}, transformed",
         source=f"{problem.source}; dt = ({rate}) ds",
         parameters=problem.parameters,
-        f=f,
-        y0=(*known[:m], 0, *known[m:], f"-({start})"),
+        y0=tuple(known),
         t_span=problem.t_span,
-        hamiltonian=K,
-        quadratic={name: _spread(form, m) for name, form in problem.quadratic.items()},
-        canonical=True,
+        canonical=canonical,
+        names=names if problem.labels else (),
         scales={"time": float(problem.scales.get("time", 1.0))},
+        **entries,
     )
+
+
+def _rate(problem: Problem, rate: str) -> Formula:
+    """Read the rate, in the names of the components or in ``y[0]``, .."""
+    places = {name: f"y[{k}]" for k, name in enumerate(problem.labels)}
+    if not isinstance(rate, str) or not rate.strip():
+        raise UsageError(
+            f"`rate` must be an expression such as 'sqrt(x**2 + y**2)', got {shown(rate)}"
+        )
+    try:
+        text = substituted(rate, lambda vector, i: places.get(f"{vector}[{i}]"), places)
+    except (SyntaxError, ValueError, RecursionError):
+        raise UsageError(f"`rate` cannot be read: {shown(rate)}") from None
+    found = Formula((text,), variables=("y",), parameters=problem.parameters, shape=())
+    beyond = [i for i in found.indices if not 0 <= i < problem.dimension]
+    if beyond:
+        raise UsageError(f"`rate` uses component {beyond[0]} of {problem.dimension}")
+    with np.errstate(all="ignore"), suppress(ArithmeticError):
+        if 0 < found(np.asarray(problem.y0, dtype=float)) < np.inf:
+            return found
+    raise UsageError(f"`rate` must be positive and finite, and is not at y0: {shown(rate)}")
+
+
+def _formulas(given: Mapping[str, Any]) -> list[tuple[str, Formula]]:
+    """Return those functions that are expressions."""
+    return [(k, x) for k, x in given.items() if isinstance(x, Formula)]
 
 
 def _listed(initial: Any) -> list[Any]:
     return initial.tolist() if hasattr(initial, "tolist") else list(initial)
 
 
-def _spread(form: QuadraticForm, m: int) -> QuadraticForm:
-    """The same form in the extended phase space."""
-
-    def place(i: int) -> int:
-        return i if i < m else i + 1
-
-    terms = {(place(i), place(j)): value for (i, j), value in form.terms.items()}
-    return QuadraticForm(terms, 2 * m + 2)
+def _spread(form: QuadraticForm, m: int, d: int) -> QuadraticForm:
+    """Return the same form in d components, of which the one numbered m is new."""
+    terms = {(i + (i >= m), j + (j >= m)): value for (i, j), value in form.terms.items()}
+    return QuadraticForm(terms, d)

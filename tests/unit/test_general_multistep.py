@@ -231,23 +231,14 @@ def test_the_page_prints_what_is_measured() -> None:
     assert "0.79, 0.56 and 0.61 of DOP853" in page
 
 
-def test_the_page_says_what_long_runs_lost() -> None:
+def test_no_long_run_is_lost_without_a_notice() -> None:
     """No run is lost without a notice; a loss is an energy error beyond 1e-3."""
-    page = (data_root().parent / "docs/nonseparable.md").read_text(encoding="utf-8")
     whole = json.loads((data_root() / "measurements/nonseparable.json").read_text("utf-8"))["long"]
     record = [x for x in whole if x["h"] is not None and x["method"] != GENERAL[0]]
     lost = [x for x in record if x["energy"] is None or x["energy"] >= 1e-3]
     noticed = [x for x in record if x["reported"] is not None]
     assert all(x in noticed for x in lost)
-    assert "All lost runs were reported" in page
     assert max(x["growth"] for x in noticed) < 100
-    counts = [
-        [sum((x["method"], x["renew"]) == run for x in rows) for rows in (record, lost)]
-        for run in (("multistep-general-8", 0), ("multistep-general-8c", 1000))
-    ]
-    assert counts == [[17, 6], [17, 2]]
-    assert "With `renew=1000` `-8c` lost two of seventeen problems in a million steps" in page
-    assert "`-8` without renewal six in ten million" in page
 
 
 def test_the_page_says_what_renewal_costs() -> None:

@@ -7,6 +7,8 @@ import flint
 import numpy as np
 import pytest
 from flint import arb
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from glmref.catalogue.lookup import load
 from glmref.conformance.taylor import series_context, taylor_states, vector, working
@@ -310,7 +312,11 @@ def test_the_general_transformation_gives_the_same_equations():
     y = np.array([0.3, -0.2, 5.0, 0.4, 1.1, 0.6])
     # r times (H + w) against its expansion: a few roundings of terms of size one
     assert general.f(0.0, y) == pytest.approx(p.f(0.0, y), rel=1e-14, abs=1e-15)
-    assert general.hamiltonian(y) == pytest.approx(p.hamiltonian(y), abs=1e-14)
+    # but for the energy, which is added: errors are relative to it
+    energy = -p.y0[5]
+    assert general.hamiltonian(y) - energy == pytest.approx(p.hamiltonian(y), abs=1e-14)
+    assert general.invariants["H"](general.y0) == pytest.approx(energy, abs=1e-14)
+    assert general.labels == ("q[0]", "q[1]", "t", "p[0]", "p[1]", "p_t")
     assert general.quadratic["angular momentum"](y) == p.quadratic["angular momentum"](y)
 
 
@@ -356,3 +362,45 @@ def test_the_angular_momentum_is_kept_to_round_off_by_a_symplectic_method():
     values = np.array([form(y) for y in found.y])
     # a random walk of 3000 steps with a rounding each in terms of size 10
     assert np.max(np.abs(values - values[0])) < 3000 * 10 * 2.0**-53
+
+
+@settings(deadline=None, max_examples=30)
+@given(
+    name=st.sampled_from(["kepler", "swinging-atwood", "hill-moon", "henon-heiles", "rigid-body"]),
+    a=st.floats(0.1, 3.0), b=st.floats(0.1, 3.0), k=st.integers(0, 2),
+)  # fmt: skip
+def test_a_transformed_orbit_has_the_same_direction(name, a, b, k):
+    """At the energy of the start dy/ds = r f and dt/ds = r, whatever r is."""
+    plain = problem(name)
+    y = np.asarray(plain.y0, dtype=float)
+    rate, value = f"{a!r} + {b!r}*{plain.labels[k]}**2", a + b * y[k] ** 2
+    moved = time_transformed(plain, rate)
+    at = moved.labels.index("t")
+    slope = np.asarray(moved.f(0.0, np.asarray(moved.y0, dtype=float)))
+    own = [i for i in range(plain.dimension + 1) if i != at]
+    assert slope[at] == pytest.approx(value, rel=1e-15)
+    right = value * np.asarray(plain.f(0.0, y))
+    # terms of size one cancel in H + p_t, times the gradient of r
+    assert slope[own] == pytest.approx(right, rel=1e-13, abs=1e-13 * (1 + b))
+    assert moved.canonical == plain.canonical
+    assert slope[len(own) + 1 :] == pytest.approx(0.0, abs=0)
+
+
+def test_a_time_that_occurs_in_equations_is_that_of_the_clock():
+    plain = Problem.from_equations({"x": "v", "v": "cos(t) - x"}, {"x": 1, "v": 0}, t0=2)
+    moved = time_transformed(plain, "1 + x**2")
+    assert moved.labels == ("x", "v", "t") and moved.y0.tolist() == [1, 0, 2]
+    y = np.array([0.5, 0.25, 7.0])
+    assert moved.f(99.0, y) == pytest.approx([1.25 * 0.25, 1.25 * (math.cos(7) - 0.5), 1.25])
+
+
+def test_a_transformed_run_passes_where_the_plain_one_does():
+    plain = problem("hill-moon")
+    moved = time_transformed(plain, "(x**2 + y**2)**(3/4)")
+    found = solve(moved, load("gauss-4"), h=0.01, steps=500)
+    x, y, u, v, t = found.y[-1]
+    right = solve(plain, load("gauss-4"), h=t / 4000, steps=4000).y[-1]
+    # of order 8, at the distances of the orbit 1e-12 and less in both
+    assert np.abs(right - [x, y, u, v]).max() < 1e-10
+    energy = moved.hamiltonian(found.y[-1])
+    assert energy == pytest.approx(plain.hamiltonian(plain.y0), abs=1e-11)
