@@ -91,9 +91,9 @@ ADVICE: tuple[Advice, ...] = (
         "The first is not symplectic; of 29 systems it lost two in ten million steps, none in a "
         "transformed time ({doc}`close-encounters`), where `gauss-4` is symplectic. On the double "
         "pendulum, at 1e-9, `gauss-4` takes 0.42 to 0.80 of the time of six G-symplectic methods; "
-        "the seventh, `order8-s5i1-w3`, takes 0.87 of its time ({doc}`order6-measurements`). On Kepler's orbit "
-        "with eccentricity 0.6 `gauss-7` and `gauss-8` are the fastest of `gauss-3` to `gauss-8` "
-        "({doc}`engine`).",
+        "the seventh, `order8-s5i1-w3`, takes 0.87 of its time ({doc}`order6-measurements`). On "
+        "Kepler's orbit with eccentricity 0.6 `gauss-7` and `gauss-8` are the fastest of "
+        "`gauss-3` to `gauss-8` ({doc}`engine`).",
     ),
     Advice(
         "charges in fields, rotating frames: q' = f(p), p' = g(q, p)",
