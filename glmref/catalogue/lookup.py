@@ -1,4 +1,4 @@
-"""The catalogue: one method, one JSON file, one source."""
+"""Methods by their names: files of the catalogue, and of users, read into methods."""
 
 from __future__ import annotations
 

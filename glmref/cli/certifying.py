@@ -1,4 +1,4 @@
-"""``glmref certify``: certificates that others can check."""
+"""``glmref verify --certificates``: certificates that others can check."""
 
 from __future__ import annotations
 
