@@ -48,6 +48,7 @@ from ..errors import DataError, GlmrefError, UsageError
 from ..system.files import reason
 from ..system.process import MARK, end_group, ending, remember_group
 from ..system.terminal import escaped
+from .subject import OPERATIONS
 
 #: Seconds a program may be silent.
 PATIENCE = 60.0
@@ -61,8 +62,6 @@ MAX_STDERR = 64_000
 _SILENCES = 3
 #: Seconds between two looks at whether a program is still there.
 _LOOK = 0.2
-#: What a program may offer.
-OFFERS = ("step", "stages", "start", "finish", "solve")
 
 
 class PipeError(GlmrefError):
@@ -135,17 +134,17 @@ class PipeAdapter:
         offers = about["offers"]
         if not isinstance(offers, list) or not all(isinstance(x, str) for x in offers):
             raise PipeError(f"`offers` must be a list of names, got {_short(offers)}")
-        unknown = sorted(set(offers) - set(OFFERS))
+        unknown = sorted(set(offers) - set(OPERATIONS))
         if unknown:
             told = _short(repr(unknown[0]))
-            raise PipeError(f"`offers` must be among {', '.join(OFFERS)}, got {told}")
+            raise PipeError(f"`offers` must be among {', '.join(OPERATIONS)}, got {told}")
         self.methods, self.offers = about["methods"], tuple(offers)
         for key in ("tolerance", "epsilon", "problems", "starts"):
             if key in about:
                 setattr(self, key, about[key])
 
     def __getattr__(self, name: str) -> Any:
-        if name in OFFERS and name in self.__dict__.get("offers", ()):
+        if name in OPERATIONS and name in self.__dict__.get("offers", ()):
             return self.__getattribute__(f"_{name}")
         raise AttributeError(name)
 

@@ -16,7 +16,7 @@ import pytest
 from glmref.cli import main as glmref_main
 from glmref.conformance.adapter import SHIPPED
 from glmref.conformance.checks import RESTS_ON
-from glmref.conformance.pipe import OFFERS
+from glmref.conformance.subject import OPERATIONS
 from glmref.conformance.vector_problems import problems
 
 PAGES = [Path(__file__).parents[2] / "docs" / f"{x}.md" for x in ("conformance", "adapters")]
@@ -80,7 +80,7 @@ def test_the_smallest_adapter_passes_and_is_read_as_what_it_is(here: Path, capsy
 
 def test_the_tables_name_every_operation_claim_problem_and_shipped_adapter() -> None:
     quoted = set(re.findall(r"`([\w+-]+)[`(]", TEXT))
-    assert {*OFFERS, *SHIPPED, *problems()} - {"rigid-body"} <= quoted
+    assert {*OPERATIONS, *SHIPPED, *problems()} - {"rigid-body"} <= quoted
     claims = TEXT.partition("## What is checked")[2].partition("\n## ")[0]
     rows = {
         name
