@@ -443,6 +443,6 @@ class Watch:
         return (
             f"from t = {time:.6g} (step {step}) the parasitic part of the solution is large "
             f"against the truncation error, or the energy wrong, and the orbit is being lost; give "
-            f"{cures}a smaller h, or an implicit method such as gauss-4, see "
-            f"docs/{self.page}.md"
+            f"{cures}a smaller h, a transformed time (docs/close-encounters.md), or an implicit "
+            f"method such as gauss-4, see docs/{self.page}.md"
         )

@@ -20,13 +20,14 @@ from ..system.arguments import unknown_key
 from ..system.files import named_in, read_text
 from .from_expressions import equation_entries, hamiltonian_entries, time_of
 from .model import Problem
+from .sundman import time_transformed
 
 #: Keys that say what the equations are; a table has one of them.
 OWN = ("H", "f", "file")
 #: Keys of the table.
 KEYS = (
     *(*OWN, "y0", "coordinates", "momenta", "parameters", "t_end", "t0"),
-    *("invariants", "observables", "name", "source", "time", "n"),
+    *("invariants", "observables", "name", "source", "time", "n", "rate"),
 )
 #: Bytes of a file that describes a problem.
 MAX_BYTES = 200_000
@@ -36,7 +37,7 @@ def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
     """Build the problem that a table of plain data stands for: keys of :data:`KEYS`.
 
     A path in ``file`` starts in ``folder`` and must stay there; without, it is any path of the
-    caller.
+    caller. With ``rate`` all times, ``t_end`` too, are s with dt = rate ds, see :mod:`.sundman`.
 
     Raises
     ------
@@ -51,6 +52,9 @@ def from_table(table: Mapping[str, Any], folder: Path | None = None) -> Problem:
             f"`problem` must give one of `H`, `f` and `file` (or the `name` of a shipped problem), "
             f"got {' and '.join(given) or 'none'}"
         )
+    if "rate" in table:
+        plain = {k: v for k, v in table.items() if k != "rate"}
+        return time_transformed(from_table(plain, folder), table["rate"])
     rest = {k: v for k, v in table.items() if k not in given}
     if given == ["file"]:
         return from_file(table["file"], folder=folder, **rest)

@@ -169,6 +169,9 @@ def test_a_python_file_is_executed_by_name(tmp_path):
     own = from_table({"file": "mine.py:make", "parameters": {"k": 4}, "t_end": 3}, tmp_path)
     np.testing.assert_allclose(own.f(0, np.array([1.0, 0.0])), [0, -4])
     assert own.t_span == (0.0, 3.0)
+    moved = from_table({"file": "mine.py:make", "t_end": 3, "rate": "1 + q**2"}, tmp_path)
+    assert moved.labels == ("q", "t", "p", "p_t") and moved.t_span == (0.0, 3.0)
+    assert moved.f(0, np.array([2.0, 0.0, 1.0, -0.5]))[:2].tolist() == [5, 5]
     named = from_table({"file": "mine.py:ready", "name": "mine", "t_end": "pi"}, tmp_path)
     assert named.name == "mine" and named.t_span[1] == np.pi
     for maker, message in (("wrong", "must return a Problem"), ("fails", "raised KeyError"),
