@@ -738,13 +738,18 @@ class Collector:
                 for k, x in enumerate(value, low):
                     self._entry(block, name, (*(y.whole() for y in index), k), x, line)
                 return True
+            if isinstance(held, list) and index == [(None, None)] and isinstance(last, Number):
+                k = last.whole() - self.language.base
+                for row, x in zip(held, plain(value), strict=True):  # a column
+                    row[k] = x
+                return True
             for k in index:
                 held = held[k.whole() - self.language.base] if isinstance(held, list) else None
             if not (isinstance(held, list) and isinstance(last, tuple) and len(last) == 2):
                 return False
             low = 0 if last[0] is None else last[0].whole() - self.language.base
             high = len(held) if last[1] in (None, "end") else last[1].whole()
-        except (Unread, AttributeError, IndexError, TypeError):
+        except (Unread, AttributeError, IndexError, TypeError, ValueError):
             return False
         high += len(held) if high < 0 else 0
         if low < 0 or high > len(held) or high - low != len(value):

@@ -218,6 +218,7 @@ def arrays(block: Block, language: Language) -> list[Array]:
             made = _of_entries(value, item, 1 if own else base)
             if made is not None:
                 found.append(made)
+                found += _parts(replace(item, value=made.value, last=made.last), block.called)
                 if match and not match[3] and made.flat:
                     lists.setdefault(match[1], []).append((int(match[2]), made))
         elif isinstance(value, list):
@@ -360,8 +361,9 @@ def _by_place(item: Item, value: list[Any], *, told: bool) -> list[Array]:
     nodes = max([x for x in vectors if x in given[:first]] or vectors, key=good, default=[])
     if len(vectors) < 2 or not (told or good(nodes) > 0.5):
         return []
-    names = {id(x): y for x, y in zip([x for x in vectors if x is not nodes], ("b", "bhat"),
-                                      strict=False)}  # fmt: skip
+    weights = [x for x in vectors if x is not nodes]
+    names = {id(x): y for x, y in zip(weights, ("b", "bhat"), strict=False)}
+    names |= {id(x): "e" for x in weights[1:2] if abs(sum(map(size, x))) < LOOSE}
     names |= {id(nodes): "c", **{id(x): "dense" for x in given if x not in vectors}, id(A): "A"}
     found = [Array(f"{item.name}_{names[id(x)]}", x, item.line, item.last or item.line, item.at,
                    item.lost) for x in given if id(x) in names]  # fmt: skip
@@ -374,8 +376,8 @@ def _parts(item: Item, called: str) -> list[Array]:
 
     An argument without a name is one in a call that has a word of the subject.
     """
-    value = item.value
-    if not (role_of(item.name)[1] == "b" if item.name else of_subject(called)):
+    value, role = item.value, role_of(item.name)[1]
+    if not (role in ("b", "c") if item.name else of_subject(called)):
         return []
     if len(value) > 2 and {*map(_width, value)} == {2}:
         value = [list(x) for x in zip(*value, strict=True)]
@@ -384,6 +386,8 @@ def _parts(item: Item, called: str) -> list[Array]:
     if len(value) not in (2, 3):
         return []
     if not all(isinstance(x, list) and len(x) >= len(value) for x in value):
+        return []
+    if role == "c" and abs(sum(map(size, value[0])) - 1) > 1e-6:  # weights beside a matrix b
         return []
     if any(len(x) == len(value) and abs(sum(map(size, x)) - 1) > 1e-6 for x in value):
         return []

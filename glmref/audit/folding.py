@@ -683,6 +683,9 @@ class Folder:
             return self._of_json(given[0], lines[0] if lines else t.line)
         if low == "dict" and words and _is_numbered(words):
             return _numbered(words)
+        owner = name[: -len(last) - 1]
+        if low == "sum" and owner and self._known(owner):
+            given = [self.look(owner), *given]
         found = self._function(low, given, words)
         if found is not _NOT_KNOWN:
             return found

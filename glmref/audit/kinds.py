@@ -73,6 +73,8 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
     for rule in (_imkg, _general_linear, _rosenbrock, _transformed, _shu_osher, nystrom, _dense):
         found += rule(block, matrices, vectors)
     steps = [x for x in matrices if len(x.value) > 2 and {*map(_length, x.value)} == {2}]
+    if _SPLITTING.search(text) and not any(x.role == "b" for x in made):
+        steps += [x for x in matrices if _timed(x)]
     pairs = [y for x in steps for y in _columns(x)]
     vectors += pairs if len(steps) == len(matrices) else []
     if {"gamma1", "gamma2", "gamma3", "beta", "delta"} <= {x.name for x in vectors}:
@@ -116,8 +118,17 @@ def _columns(x: Array) -> list[Array]:
     """Return the steps of two flows that a list of pairs holds."""
     return [
         Array(f"{x.name}_{letter}", [row[k] for row in x.value], x.line, x.last, x.at, x.lost)
-        for k, letter in enumerate("ab")
+        for k, letter in enumerate("ab", _length(x.value[0]) - 2)
     ]
+
+
+def _timed(x: Array) -> bool:
+    """Return whether rows have the steps of two flows, each with the sum 1, behind a time."""
+    if len(x.value) < 3 or {*map(_length, x.value)} != {3}:
+        return False
+    if any(size(row[1]) and size(row[2]) for row in x.value):  # of three flows
+        return False
+    return all(_one(sum(map(size, column))) for column in list(zip(*x.value, strict=True))[1:])
 
 
 def _square(x: Array, *, strict: bool = False) -> Rows | None:
@@ -605,6 +616,11 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             n = len(first.value)
             table.kind = "splitting"
             table.b = [first.value, [*second.value, *([ZERO] * (n - len(second.value)))]]
+            cubes = sum(size(v) ** 3 for v in second.value)
+            if n > 3 and cubes > 1e-9 and min(map(size, second.value)) < 0 == size(table.b[1][-1]):
+                made = of_weights("", 0, table.b[1][:-1]).b[0]
+                gaps = [complex(p.value - q.value) for p, q in zip(made, first.value, strict=True)]
+                table.kind = "composition" if max(map(abs, gaps)) < 1e-12 else table.kind
 
         pairs = x.at == y.at and x.name[:-1] == y.name[:-1]  # columns of a list of pairs
         name = x.name[:-2] if pairs else ""
@@ -662,24 +678,30 @@ def _compositions(block: Block, vectors: list[Array], text: str) -> Iterator[Fou
             continue  # the names of the numbers of another list
         same = [abs(p - q) < LOOSE for p, q in zip(values, reversed(values), strict=True)]
         full = len(values) > 2 and len(values) % 2 == 1 and last_letter(x) not in ("b", "c", "d")
+        n = max((k for k, y in enumerate(values, 1) if y), default=0)
+        half = [*values[:n], *values[: max(0, n - 1)][::-1]]
+        exact = n > 1 and max(abs(sum(half) - 1), abs(sum(y**3 for y in half))) < LOOSE
         given: list[Any] = []
         sure = True
         if word and full and sum(same) >= len(same) - 2 and min(values) <= 0:
             given = x.value if abs(sum(values) - 1) <= LOOSE or all(same) else []
         elif full and sum(same) >= len(same) - 2 and min(values) < 0:
             gaps = abs(sum(values) - 1), abs(sum(y**3 for y in values))
-            likely = max(gaps) < 0.9 and _WEIGHTS.search(text) and not _other_flow(x, vectors)
+            likely = (
+                max(gaps) < 0.9
+                and not exact
+                and _WEIGHTS.search(text)
+                and not _other_flow(x, vectors)
+            )
             middle = values[len(values) // 2]  # no filter goes back in the middle
             known = likely and gaps[0] < 1e-9 and middle == min(values) and middle % 1 != 0
             sure = all(same) and (max(gaps) < LOOSE or known)
             given = x.value if sure or likely else []
-        n = max((k for k, y in enumerate(values, 1) if y), default=0)
-        half = [*values[:n], *values[: max(0, n - 1)][::-1]]
         if not given and n > 1 and min(half) < 0 < max(half):
             gaps = abs(sum(half) - 1), abs(sum(y**3 for y in half))
             known = (word or 2 * n - 1 in steps) and max(gaps) < 0.5
             broken = any(y % 1 for y in half) and not MULTISTEP.search(" ".join(block.path()))
-            if broken and (max(gaps) < LOOSE or (known and min(gaps) < LOOSE)):
+            if broken and (exact or (known and min(gaps) < LOOSE)):
                 given = [*x.value[:n], *x.value[: n - 1][::-1]]
         if not given and word and n > 1 and all(isinstance(y, Number) for y in x.value[:n]):
             middle = 1 - 2 * sum(values[:n])  # which codes compute

@@ -113,6 +113,8 @@ def _values(
     """Yield what a token should be: the other sign, the root of a condition, a small number."""
     x = row[k]
     if x.kind == "name":
+        if row[k + 1 : k + 2] and row[k + 1].text in (".", "::", "("):
+            return
         if k and row[k - 1].text in _BEFORE and _good(residuals(f"(-{x.text})")):
             yield f"-{x.text}"
         return

@@ -118,6 +118,7 @@ class Reading:
     c: list[Any] | None = None
     b: list[Any] | None = None
     cost: int = 0  #: How unusual it is.
+    order: int | None = None  #: In the corner of c, A and b.
     sums: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -126,6 +127,8 @@ class Reading:
 
 def _padded(rows: Sequence[Sequence[Any]], s: int) -> Rows | None:
     if len(rows) != s or not all(isinstance(x, list) and len(x) <= s for x in rows):
+        return None
+    if {*map(len, rows)} - {0} == {2} and s > 3:  # pairs
         return None
     return [[*x, *([ZERO] * (s - len(x)))] for x in rows]
 
@@ -161,16 +164,21 @@ def readings(array: Array) -> Iterator[Reading]:
             yield Reading(made, b=list(value[-1]), cost=2)
     upper = all(size(x) == 0 for i in range(n) for x in value[i][:i])
     if upper and min(lengths) == width and n - width in (0, 1):  # by columns, the first left out
-        yield Reading([*[[ZERO] * n] * (n - width), *map(list, zip(*value, strict=True))], cost=3)
+        columns = [list(x) for x in zip(*value, strict=True)]
+        yield Reading([*[[ZERO] * n] * (n - width), *columns], cost=3)
+        if n == width and any(size(value[i][i]) for i in range(n)):  # of the stages from the second
+            yield Reading([[ZERO] * (n + 1), *([*x, ZERO] for x in columns)], cost=3)
     if 2 < n == lengths[-1] + 1 and all(1 < x < k + 2 for k, x in enumerate(lengths[1:-1], 1)):
         A = _padded([row[1:] for row in value[:-1]], n - 1)  # c | A over b, in rows of any length
         if A is not None and _strict(A):
             yield Reading(A, [row[0] for row in value[:-1]], list(value[-1]), 3)
     if min(lengths) == width == n + 1:  # c | A
         yield Reading([row[1:] for row in value], [row[0] for row in value], cost=1)
-    if min(lengths) == width == n and n > 2:  # c | A over 0 | b
+    if min(lengths) == width == n and n > 2:  # c | A over 0 | b, or over its order
+        corner = whole_number(value[-1][0])
+        order = corner if corner in range(2, 15) else None
         yield Reading([row[1:] for row in value[:-1]], [row[0] for row in value[:-1]],
-                      list(value[-1][1:]), 3)  # fmt: skip
+                      list(value[-1][1:]), 3, order)  # fmt: skip
 
 
 def _strict(A: Rows) -> bool:
@@ -1092,7 +1100,8 @@ def _of_block(
         best = candidates(array, near)
         if best is None or _is_explicit_part(best, made):
             continue
-        if array.role == "beta" and len(array.value) > 1 and best.match < MOST_ROWS:
+        if array.role == "beta" and len(array.value) > 1 and best.match < MOST_ROWS and (
+                best.order < 2):  # fmt: skip
             continue
         if _is_table(best, about=about, call=block.called):
             found.append((best, near))
@@ -1100,6 +1109,7 @@ def _of_block(
         elif _HALF.search(array.name):
             halves.append((best, near))
     found = [x for x in found if not _is_beside(x[0], [y for y, _ in found])]
+    found = [(_completed(x, [y for y, _ in found]), near) for x, near in found]
     for half in halves:  # named so beside a table, it is its other half, however wrong
         if any(_HALF.search(y.array.name) and _additive(half[0], y) for y, _ in found):
             found.append(half)
@@ -1118,6 +1128,18 @@ def _of_block(
                 unread.append(table)
     built = _built(block, found)
     return [*(x.table for x in other), *built, *_passed_over(block, made, built), *unread]
+
+
+def _completed(x: Candidate, others: Sequence[Candidate]) -> Candidate:
+    """Return a candidate with the weights of another one where names of its own lack the last."""
+    if x.b is None or not x.b.named or x.order or len(x.b.value) == len(x.weights):
+        return x
+    n, own = len(x.b.value), [size(y) for y in x.weights]
+    same = [y for y in others if y.order and len(y.weights) == len(own)
+            and [size(z) for z in y.weights[:n]] == own[:n]]  # fmt: skip
+    if not same:
+        return x
+    return replace(x, weights=same[0].weights, order=order_in(x.reading, same[0].weights))
 
 
 def _is_embedded(x: Array, made: Sequence[Array], text: str) -> bool:
@@ -1332,12 +1354,13 @@ def _single(block: Block, x: Candidate, near: list[Array]) -> Table:
         return table
     table.A, table.b, table.c = [x.reading.A], [x.weights], [times]
     table.named = x.array.named
-    order = x.array.order if x.array.order is not None else _own_order(block)
+    order = x.array.order if x.array.order is not None else x.reading.order
+    order = order if order is not None else _own_order(block)
     table.order, table.sure, table.pair = order, True, _two_orders(block)
     table.guessed = x.reading.b is None
     if x.b is not None:
         table.guessed = x.b.guessed or role_of(x.b.name)[1] == "embedded"
-    if x.array.role != "A" or (x.b is not None and x.b.role != "b"):
+    if not x.reading.order and (x.array.role != "A" or (x.b is not None and x.b.role != "b")):
         table.sure = False
     alone = x.match < MOST_ROWS and x.c is None and x.reading.c is None
     if x.order == 1 and alone and not _strict(x.reading.A):
@@ -1397,10 +1420,17 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
-            named = role_of(y.name)[1] in ("embedded", "error")
+            own = role_of(y.name)[1]
+            named = own in ("embedded", "error")
+            if y.named and len(y.value) < s and not _near(total, 1):
+                continue  # an entry has no name
             if abs(total) < LOOSE and not _EMBEDDED.search(y.name):
                 table.errors.append(row)
-            elif _near(total, 1) or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE)):
+            elif (
+                _near(total, 1)
+                or own in ("b", "c")
+                or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE))
+            ):
                 table.rows.append((y.name, row, lower))
 
 

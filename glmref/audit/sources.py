@@ -272,8 +272,8 @@ def _search(
     """Look for the one number of the source with which a table has its order; then it is asked."""
     file, place = Path(task["file"]), task["number"]
 
-    def form(x: Table) -> tuple[int, str, int, int]:
-        return x.line, x.kind, len(x.rows), len(x.errors)
+    def form(x: Table) -> tuple[int, str, int, int, bool]:
+        return x.line, x.kind, len(x.rows), len(x.errors), x.guessed
 
     def again(text: str) -> Table | None:
         with suppress(GlmrefError, Unread, ValueError, LookupError, TypeError, AttributeError):

@@ -504,8 +504,7 @@ class Step:
             before, returned = len(self.places), self.returned
             self._end(row)
             if any(not x.valued for x in calls(row)) and len(self.places) == before:
-                # no stage: it may add slopes to what it is given
-                self.lost |= any(_slopes(self.values.get(x.text)) for x in row)
+                self.lost |= self._adds(row)
                 self.returned = returned
             return
         left = row[:equal]
@@ -525,6 +524,17 @@ class Step:
             first -= 2
         owner = [x.text for x in left[first:-1:2] if x.text not in _OWN]
         self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
+
+    def _adds(self, row: Sequence[Token]) -> bool:
+        """Return whether a call, which is no stage, may add slopes to what it is given.
+
+        Not to a slope itself, and no more to an estimate where the new value has been set.
+        """
+        given = row[2:] if [x.text for x in row[1:2]] == ["."] else row
+        held = [x for x in map(self.values.get, (y.text for y in given)) if _slopes(x)]
+        new = [x for x in self.values.values() if _slopes(x) and id(x.value) not in self.used
+               and any(len(k) == 1 and k[0][0] != "#" for k in form(x).terms)]  # fmt: skip
+        return any(len(form(x).terms) == 1 or not new or x in new for x in held)
 
     def _set_at_once(
         self, targets: Sequence[Sequence[Token]], given: Sequence[Sequence[Token]]

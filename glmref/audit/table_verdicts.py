@@ -28,6 +28,7 @@ from ..prove.wrong_entry import (
     exchanged,
     mirrored,
     one_row_apart,
+    one_weight,
     unordered,
     vector,
     weight,
@@ -124,7 +125,7 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
         status = _meant(table, method, status, record, remarks)
     record["status"] = status
     record["remarks"] = remarks
-    for x in record.get("correction", ()):
+    for x in (*record.get("correction", ()), *record.get("nearest", {}).get("entries", ())):
         place = _place(table, x["entry"])
         if place is not None:
             x["line"], x["text"] = place
@@ -160,8 +161,10 @@ def _meant(
         one_row_apart(method) or method.kind == "additive"
     )
     entry = entry or any(x.startswith("with error weight") for x in remarks)
-    if status in ("wrong", "question") and table.guessed and entry:  # what is right says weights
-        return "question"
+    near = record.get("nearest", {})
+    slip = table.computed and near.get("differing") == 1 and near.get("order", 0) > found
+    if status in ("wrong", "question") and table.guessed and (entry or slip):
+        return "question"  # what is right says that these are weights
     if status in ("wrong", "question") and table.guessed:
         remarks.append(
             "the last row of A, or that of an estimate, is taken for weights, as no others are read"
@@ -200,7 +203,6 @@ def _meant(
                 record["correction"] = mended
                 remarks.append(f"with this entry the order is {order}")
                 return "question"
-    near = record.get("nearest", {})
     if 0 < near.get("differing", 0) <= 2 and near.get("order", 0) > found:
         remarks.append(f"the order of the nearest method is {near['order']}")
         return "question"
@@ -429,6 +431,8 @@ def _explained(
         record["correction"] = look(method, table.order)
         if table.kind == "shu-osher" and not record["correction"]:
             record["correction"] = look(Trial(in_one_form(table)), table.order)
+        if table.kind == "rk" and method.has_order(table.order, method.A[0][-1]):
+            remarks.append(f"the last row of A as weights has order {table.order}")
     gaps = sum("differs from the sum" in x or "q''" in x for x in remarks)
     pair = _exchanged_nodes(method)
     if pair:
@@ -472,8 +476,10 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
                     "sums to 0: it may be that of an error estimate, in place of embedded weights"
                 )
             remarks.append(f"the row {label} {said}{_line(weights)}")
-            named = abs(total) <= coarse and re.search(r"hat|low|emb", label, re.IGNORECASE)
-            status = "question" if status in ("right", "digits") or named else status
+            one = one_weight(method, row, least)
+            remarks += one
+            meant = abs(total) <= coarse and re.search(r"hat|low|emb", label, re.IGNORECASE)
+            status = "question" if status in ("right", "digits") or one or meant else status
         elif declared is not None and size > fine and size > 1e-12 * method.scale:
             remarks.append(f"the row {label} has order {declared} to {size:.1e}")
         elif table.general and declared is None and order < least and status in _GOOD:
