@@ -164,11 +164,9 @@ def slower(case: str) -> tuple[str, float]:
 
 def form() -> tuple[float, int]:
     """Return the deviation of the form of g6245 after the last of the steps, and how many."""
-    (one,) = (
-        x
-        for x in measured("roundoff")["rows"]
-        if x["method"] == "g6245" and x["variant"] == "exact form, compensated"
-    )
+    wanted = ("g6245", "exact form, compensated")
+    rows = measured("roundoff")["rows"]
+    (one,) = (x for x in rows if (x["method"], x["variant"]) == wanted)
     return one["rms"][-1], one["steps"][-1]
 
 
@@ -223,10 +221,4 @@ def commands() -> str:
 
 
 #: Page -> name of a table -> what writes it.
-PAGES: Pages = {
-    PAGE: {
-        "explicit": explicit,
-        "gsymplectic": gsymplectic,
-        "commands": commands,
-    }
-}
+PAGES: Pages = {PAGE: {"explicit": explicit, "gsymplectic": gsymplectic, "commands": commands}}

@@ -19,17 +19,9 @@ ROOT = Path(__file__).resolve().parents[1]
 Pages = Mapping[Path, Mapping[str, Callable[[], str]]]
 #: Modules of this package with :data:`Pages` of their own, called ``PAGES``.
 WRITERS = (
-    *(
-        "audited_codes",
-        "audited_orders",
-        "gallery",
-        "long_survey",
-        "parasitic_losses",
-        "scene_results",
-    ),
-    *("order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
-    "partitioned.nonseparable",
-    "partitioned.strong",
+    *("audited_codes", "audited_orders", "gallery", "long_survey", "parasitic_losses"),
+    *("scene_results", "order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
+    *("partitioned.nonseparable", "partitioned.strong"),
 )
 
 

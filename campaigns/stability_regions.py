@@ -19,16 +19,7 @@ import numpy as np
 
 from campaigns.driver import arguments, carried_out, complete, fingerprint
 from glmref.catalogue.lookup import document, load, names
-from glmref.measure.stability import (
-    GRID,
-    MOST,
-    Point,
-    interval,
-    moduli,
-    radius,
-    region,
-    rounded_up,
-)
+from glmref.measure import stability
 from glmref.measure.timing import circumstances
 from glmref.method import GLM, PartitionedGLM
 from glmref.theory.stability import oscillator
@@ -54,17 +45,17 @@ def row(method: Any) -> dict[str, Any]:
     if isinstance(method, PartitionedGLM):
         whole = oscillator(method)
         end = _end(whole, 1.0)
-        reach = rounded_up(min(max(1.4 * end, 1.0), MOST))
+        reach = stability.rounded_up(min(max(1.4 * end, 1.0), stability.MOST))
         return {
             "reach": reach,
             "moduli": [
                 _text(simplified(piece, 2 * NEARNESS))
-                for piece in moduli(whole, 1.0, reach)
+                for piece in stability.moduli(whole, 1.0, reach)
                 if len(piece) > 1
             ],
             "oscillation": _short(end),
         }
-    found = region(method)
+    found = stability.region(method)
     rings = [simplified(ring, found.reach * NEARNESS) for ring in found.rings]
     return {
         "reach": found.reach,
@@ -81,8 +72,8 @@ def _end(method: GLM, direction: complex) -> float:
     stable at all. In the middle of it growth is 1e-7/2^k, above 1e-11 for k up to 13; where the
     method is stable, rounding is all there is: a few 1e-15.
     """
-    end = interval(method, direction, most=FAR)
-    inside = radius(method, direction * np.linspace(0.0, end, 65)[1:]) - 1
+    end = stability.interval(method, direction, most=FAR)
+    inside = stability.radius(method, direction * np.linspace(0.0, end, 65)[1:]) - 1
     return end if float(np.median(inside)) < 1e-11 else 0.0
 
 
@@ -90,11 +81,11 @@ def _short(value: float) -> float:
     return float(f"{value:.4g}")
 
 
-def _text(points: Iterable[Point]) -> str:
+def _text(points: Iterable[stability.Point]) -> str:
     return " ".join(f"{x:.4g},{y:.4g}" for x, y in points)
 
 
-def simplified(points: list[Point], near: float) -> list[Point]:
+def simplified(points: list[stability.Point], near: float) -> list[stability.Point]:
     """Leave out points of a line that are nearer to what is left than that (Douglas, Peucker)."""
     line = np.array(points)
     keep = np.zeros(len(line), dtype=bool)
@@ -151,9 +142,10 @@ def main(path: Path) -> int:
         "name": "stability",
         "title": "Stability regions",
         "how": "python -m campaigns.stability_regions FILE",
-        "measured": f"Where no eigenvalue of M(z) is larger than one by 1e-7, on {GRID} x {GRID} "
-        f"points of a box with half side `reach`; polygons are right to {NEARNESS:g} of it, and "
-        f"what is thinner than a cell is not seen. Axes are looked at up to {FAR:g}.",
+        "measured": "Where no eigenvalue of M(z) is larger than one by 1e-7, on "
+        f"{stability.GRID} x {stability.GRID} points of a box with half side `reach`; polygons are "
+        f"right to {NEARNESS:g} of it, and what is thinner than a cell is not seen. Axes are "
+        f"looked at up to {FAR:g}.",
         "where": circumstances() if measured else file.get("where"),
         "methods": rows,
     }

@@ -22,7 +22,7 @@ import numpy as np
 from campaigns.driver import arguments, carried_out, complete, record_of
 from glmref.catalogue.lookup import load
 from glmref.compute.records import in_json
-from glmref.engine.kernel import Kernel, prepare
+from glmref.engine.kernel import prepare
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.work_precision import reference_state, state_error
@@ -80,10 +80,6 @@ def matrices_of(method: GLM, problem: Problem, *, h: float) -> Matrices:
         For a method without implicit stages.
     """
     kernel = prepare(method, problem, h=h, solver="newton")
-    return _matrices(kernel)
-
-
-def _matrices(kernel: Kernel) -> Matrices:
     if not kernel.form.implicit_stages:
         raise UsageError("an explicit method has no Newton matrices")
     unknowns = kernel.shape.half if kernel.shape.halved else kernel.shape.dimension

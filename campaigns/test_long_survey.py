@@ -4,17 +4,7 @@ from collections import Counter
 
 import pytest
 
-from campaigns.long_survey import (
-    ONE_VALUE,
-    PAGES,
-    PROBLEMS,
-    RENEW,
-    followed,
-    loaded,
-    step_sizes,
-    surveyed,
-    verdict,
-)
+from campaigns import long_survey
 from campaigns.pages import measured
 from campaigns.partitioned.test_kepler_long import labels
 from glmref.derive.recipes.multistep import SHIPPED
@@ -25,26 +15,31 @@ ROWS = measured("long-survey")["rows"]
 
 @pytest.mark.slow
 def test_the_record_holds_what_it_says():
-    assert {x["method"] for x in ROWS} <= set(surveyed())
-    assert {x["method"] for x in ROWS} >= set(ONE_VALUE)
-    assert set(Counter((x["method"], x["steps"]) for x in ROWS).values()) == {len(PROBLEMS)}
-    carried = {name: loaded(name).carried for name in {x["method"] for x in ROWS}}
+    assert {x["method"] for x in ROWS} <= set(long_survey.surveyed())
+    assert {x["method"] for x in ROWS} >= set(long_survey.ONE_VALUE)
+    assert set(Counter((x["method"], x["steps"]) for x in ROWS).values()) == {
+        len(long_survey.PROBLEMS)
+    }
+    carried = {name: long_survey.loaded(name).carried for name in {x["method"] for x in ROWS}}
     for row in ROWS:
         never = [run["h"] for run in row["runs"] if not run["renew"]]
-        assert tuple(never) == step_sizes(row["method"], row["problem"])
-        again = [run["h"] for run in row["runs"] if run["renew"] == RENEW]
+        assert tuple(never) == long_survey.step_sizes(row["method"], row["problem"])
+        again = [run["h"] for run in row["runs"] if run["renew"] == long_survey.RENEW]
         grown = [run["h"] for run in row["runs"] if run["verdict"] in ("grows", "lost")]
         assert set(again) <= set(never)
         if carried[row["method"]] > 1:
             assert {h for h in grown if h not in again} == set()
-        assert all(run["verdict"] == verdict(run) for run in row["runs"])
+        assert all(run["verdict"] == long_survey.verdict(run) for run in row["runs"])
 
 
 def test_recommended_methods_stay_on_every_problem_at_every_step_size():
     kept = [
-        (x["steps"], run["verdict"]) for x in ROWS if x["method"] in ONE_VALUE for run in x["runs"]
+        (x["steps"], run["verdict"])
+        for x in ROWS
+        if x["method"] in long_survey.ONE_VALUE
+        for run in x["runs"]
     ]
-    each = 3 * len(PROBLEMS) * len(ONE_VALUE)
+    each = 3 * len(long_survey.PROBLEMS) * len(long_survey.ONE_VALUE)
     assert Counter(kept) == {(10**6, "bounded"): each, (10**7, "bounded"): each}
 
 
@@ -69,7 +64,7 @@ def test_a_file_is_labelled_exactly_where_ten_million_steps_are_not_bounded():
 def test_a_run_repeats_its_first_hundred_thousand_steps():
     row = next(x for x in ROWS if x["method"] == "pair-6-7" and x["problem"] == "lattice")
     run = row["runs"][0]
-    found = followed("pair-6-7", "lattice", run["h"], 100_000, 0)
+    found = long_survey.followed("pair-6-7", "lattice", run["h"], 100_000, 0)
     assert found["energy"] == pytest.approx(run["energy"][:2], rel=0.05)
 
 
@@ -87,16 +82,18 @@ def test_a_run_repeats_its_first_hundred_thousand_steps():
     ],
 )
 def test_verdicts(energy, outcome, said):
-    assert verdict({"outcome": outcome, "energy": energy}) == said
+    assert long_survey.verdict({"outcome": outcome, "energy": energy}) == said
 
 
 def test_the_sentences_of_the_pages_are_those_of_the_record():
-    choose, notes = (" ".join(x.read_text(encoding="utf-8").split()) for x in PAGES)
+    choose, notes = (" ".join(x.read_text(encoding="utf-8").split()) for x in long_survey.PAGES)
     long = [x for x in ROWS if x["steps"] == 10**7]
     never = [(x["method"], run["verdict"]) for x in long for run in x["runs"] if not run["renew"]]
     always = {name for name, _ in never} - {name for name, end in never if end != "bounded"}
     multistep = {x for x in SHIPPED if x != "multistep-rkn-12"}
-    assert always == set(ONE_VALUE) | multistep | {"s3z", "s5z-w3"} and len(SHIPPED) == 7
+    assert (
+        always == set(long_survey.ONE_VALUE) | multistep | {"s3z", "s5z-w3"} and len(SHIPPED) == 7
+    )
     assert (
         "the recommended methods, six of the seven multistep methods and two general linear ones, "
         "`s3z` and `s5z-w3`, stayed bounded in all; no other method did"

@@ -28,7 +28,7 @@ import numpy as np
 
 from campaigns.driver import TIMED, arguments, carried_out, complete, record_of, three_digits
 from campaigns.pages import markdown
-from campaigns.partitioned.multistep import twin
+from campaigns.partitioned.error_front import twin
 from campaigns.partitioned.work import Case, case_of, need_row, per_step, task_of
 from glmref.engine.solve import solve
 from glmref.errors import UsageError

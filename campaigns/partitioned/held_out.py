@@ -1,6 +1,6 @@
 """Multistep methods against pairs and splittings on forty problems that nobody trained on.
 
-Each problem of :mod:`.held_out_problems` over two horizons: the error of the last state over the
+Each problem of ``held_out_problems.json`` over two horizons: the error of the last state over the
 short one, the largest error of the energy in 64 samples over the long one. Evaluations are counted
 as :mod:`.work` does. Times are taken beside them, all methods of a case in turn, round after round,
 the least of the rounds: the load of the machine meets all of them alike.
@@ -24,9 +24,17 @@ from typing import Any
 
 from campaigns.driver import arguments, carried_out, complete, record_of, three_digits
 from campaigns.pages import markdown
-from campaigns.partitioned.held_out_problems import PROBLEMS
-from campaigns.partitioned.multistep import SYMMETRIC, twin
-from campaigns.partitioned.work import Case, case_of, mean, needed, needs, per_step, task_of
+from campaigns.partitioned.error_front import SYMMETRIC, twin
+from campaigns.partitioned.work import (
+    PROBLEMS,
+    Case,
+    case_of,
+    mean,
+    needed,
+    needs,
+    per_step,
+    task_of,
+)
 from glmref.engine.solve import solve
 
 TOLERANCES = ("1e-06", "1e-09")

@@ -34,14 +34,8 @@ GROUPS: Mapping[str, Sequence[str]] = {
     "Kahan-Li 8": ("kahan-li-8",),
     "Suzuki-Umeno 8": ("suzuki-umeno-8",),
 }
-_GENERAL = (
-    *("pair-4-4", "pair-4-5", "pair-4-6", "pair-6-7", "pair-6-8", "pair-6-9", "pair-6-10"),
-    "pair-8-24",
-)
-_SECOND = (
-    *("pair-rkn-6-7", "pair-rkn-6-7b", "pair-rkn-6-8", "pair-rkn-6-8b", "pair-rkn-6-9"),
-    "pair-rkn-8-16",
-)
+_GENERAL = tuple(x for x in PAIRS if "rkn" not in x)
+_SECOND = tuple(x for x in PAIRS if "rkn" in x)
 
 
 def best(

@@ -6,17 +6,9 @@ from pathlib import Path
 import pytest
 
 from campaigns.pages import measured
+from campaigns.partitioned import work
 from campaigns.partitioned import work as pair_needs
 from campaigns.partitioned.tables import PAIRS
-from campaigns.partitioned.work import (
-    DENSITY,
-    TOLERANCES,
-    Case,
-    _settled,
-    crossing,
-    needs,
-    per_step,
-)
 from glmref.catalogue.lookup import document
 
 RECORD = measured("pairs")
@@ -26,41 +18,43 @@ METHODS = list(dict.fromkeys(x["method"] for x in RECORD["cases"][0]["methods"])
 def test_a_crossing_is_interpolated_in_logarithms():
     # error = n^-6: 1e-9 at n = 10^1.5
     curve = [(10, 1e-6), (100, 1e-12)]
-    assert crossing(curve, 1e-9) == pytest.approx(10**1.5)
+    assert work.crossing(curve, 1e-9) == pytest.approx(10**1.5)
 
 
 def test_a_lucky_dip_of_the_error_does_not_count():
     curve = [(10, 1e-6), (12, 1e-10), (20, 1e-7), (40, 1e-10)]
-    found = crossing(curve, 1e-9)
+    found = work.crossing(curve, 1e-9)
     assert found is not None
     assert 20 < found < 40
-    assert crossing([*curve, (80, math.nan)], 1e-9) is None
-    assert crossing([(10, 1e-6)], 1e-9) is None
-    assert crossing([(10, 1e-10)], 1e-9) == 10.0
-    assert crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
+    assert work.crossing([*curve, (80, math.nan)], 1e-9) is None
+    assert work.crossing([(10, 1e-6)], 1e-9) is None
+    assert work.crossing([(10, 1e-10)], 1e-9) == 10.0
+    assert work.crossing([(10, math.inf), (20, 1e-10)], 1e-9) == 20.0
 
 
 def test_a_curve_ends_an_octave_below_the_sharpest_tolerance():
     low, high = (10, 4e-10), (10, 6e-10)
-    few = [low] * (DENSITY - 1)
+    few = [low] * (work.DENSITY - 1)
     for curve in ([], [low], few, [high, *few], [low, low, (10, math.nan)]):
-        assert not _settled(curve, 1e-9)
-    assert _settled([high, low, *few], 1e-9)
+        assert not work._settled(curve, 1e-9)
+    assert work._settled([high, low, *few], 1e-9)
 
 
 def test_no_count_of_the_stored_curves_lies_behind_the_point_where_a_curve_ends():
     ended = 0
     for row in (row for case in RECORD["cases"] for row in case["methods"]):
         curve = [(n, math.nan if e is None else e) for n, e in row["curve"]]
-        short = next((curve[:k] for k in range(len(curve)) if _settled(curve[:k], 1e-9)), curve)
+        short = next(
+            (curve[:k] for k in range(len(curve)) if work._settled(curve[:k], 1e-9)), curve
+        )
         ended += len(short) < len(curve)
-        for tolerance in TOLERANCES:
-            assert crossing(curve, tolerance) == crossing(short, tolerance)
+        for tolerance in work.TOLERANCES:
+            assert work.crossing(curve, tolerance) == work.crossing(short, tolerance)
     assert ended > 100
 
 
 def test_the_texts_say_how_dense_the_grid_is():
-    assert DENSITY == 3
+    assert work.DENSITY == 3
     page = " ".join((Path(__file__).parent / "README.md").read_text(encoding="utf-8").split())
     for text in (pair_needs.__doc__ or "", page):
         assert "a third of an octave" in text and "quarter of an octave" not in text
@@ -73,7 +67,7 @@ def test_the_evaluations_of_a_step_are_those_the_engine_counts(name):
 
     taken = solve("kepler", name, h=0.01, steps=100, start="zero")
     # one more where the first force of a run is not the last of a step before
-    assert taken.evaluations - 100 * per_step(name) in (0, 1)
+    assert taken.evaluations - 100 * work.per_step(name) in (0, 1)
 
 
 def test_a_pair_is_labelled_exactly_where_ten_million_steps_show_growth():
@@ -98,8 +92,8 @@ def test_counts_are_those_of_the_record(name, t_end, least, measure, within) -> 
     (case,) = (x for x in RECORD["cases"] if x["case"] == name)
     assert (case["time"], case["measure"]) == (t_end, measure)
     stored = {x["method"]: x["needed"] for x in case["methods"] if x["start"] != "enhanced"}
-    four, pair = needs(
-        Case(name, "henon-heiles", t_end, least, measure=measure),
+    four, pair = work.needs(
+        work.Case(name, "henon-heiles", t_end, least, measure=measure),
         ["forest-ruth-4", "pair-rkn-6-8b"],
     )
     for x in (four, pair):

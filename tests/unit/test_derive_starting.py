@@ -20,15 +20,8 @@ from glmref.exact.judging import Fraction as rational
 from glmref.exact.judging import as_numbers, as_scalar, fast_judge
 from glmref.judge.refusals import Refused
 from glmref.method import as_matrix
+from glmref.prove import starting
 from glmref.prove.enclosure import prove
-from glmref.prove.starting import (
-    Blocks,
-    Target,
-    conditions_of,
-    inverse_block,
-    proposed,
-    prove_blocks,
-)
 from glmref.theory.trees import trees
 from tests.bseries import elementary_weights
 from tests.build import refused
@@ -42,19 +35,19 @@ def without_start(name: str) -> dict[str, Any]:
     return doc
 
 
-def with_target(name: str) -> tuple[dict[str, Any], Target]:
+def with_target(name: str) -> tuple[dict[str, Any], starting.Target]:
     """Return a document, and what its start aims at."""
     doc = without_start(name)
-    return document(name), Target.of(doc, prove(doc).root.record)
+    return document(name), starting.Target.of(doc, prove(doc).root.record)
 
 
 @pytest.fixture(scope="module")
-def target() -> Target:
+def target() -> starting.Target:
     return with_target(NAME)[1]
 
 
-def proved(target: Target, block: Any, **more: Any) -> Blocks:
-    return prove_blocks(target.of_document({"starting": block, **more}))
+def proved(target: starting.Target, block: Any, **more: Any) -> starting.Blocks:
+    return starting.prove_blocks(target.of_document({"starting": block, **more}))
 
 
 def test_a_series_with_parity_is_that_of_the_tableau() -> None:
@@ -74,7 +67,7 @@ def test_a_series_with_parity_is_that_of_the_tableau() -> None:
             assert n % 2 == 1 or not found[3]
 
 
-def test_a_shipped_start_and_finish_are_proved(target: Target) -> None:
+def test_a_shipped_start_and_finish_are_proved(target: starting.Target) -> None:
     doc = document(NAME)
     found = proved(target, doc["starting"], finishing=doc["finishing"])
     assert found.orders == {"starting-order": 6, "finishing-order": 6}
@@ -82,12 +75,12 @@ def test_a_shipped_start_and_finish_are_proved(target: Target) -> None:
     assert [len(x["centre"]) for x in found.proofs.values()] == [54, 25]
 
 
-def test_a_start_for_another_method_is_refused(target: Target) -> None:
+def test_a_start_for_another_method_is_refused(target: starting.Target) -> None:
     with pytest.raises(ExactnessError, match="no root within the digits"):
         proved(target, document("s5i1-i")["starting"])
 
 
-def test_a_changed_rational_entry_is_refused(target: Target) -> None:
+def test_a_changed_rational_entry_is_refused(target: starting.Target) -> None:
     block = copy.deepcopy(document(NAME)["starting"])
     i, j = next((i, j) for i, row in enumerate(block["A"]) for j, x in enumerate(row) if "/" in x)
     value = Fraction(block["A"][i][j]) + Fraction(1, 1000)
@@ -107,7 +100,9 @@ def test_a_changed_rational_entry_is_refused(target: Target) -> None:
         (lambda x: x["A"][1].__setitem__(0, "0.125"), "few places"),
     ],
 )
-def test_a_start_of_another_form_is_refused(target: Target, change: Any, said: str) -> None:
+def test_a_start_of_another_form_is_refused(
+    target: starting.Target, change: Any, said: str
+) -> None:
     block = copy.deepcopy(document(NAME)["starting"])
     change(block)
     refused(DataError, said, proved, target, block)
@@ -130,7 +125,7 @@ def test_a_finish_of_another_form_is_refused(target, change, error, said):
     refused(error, said, proved, target, doc["starting"], finishing=closing)
 
 
-def test_conditions_are_as_many_as_unknowns(target: Target) -> None:
+def test_conditions_are_as_many_as_unknowns(target: starting.Target) -> None:
     block = copy.deepcopy(document(NAME)["starting"])
     long = max((x for row in block["B"] for x in row), key=len)
     text = re.search(r"[0-9.]{30,}", long)
@@ -165,7 +160,7 @@ def test_the_inverse_finish_is_recognised_and_a_changed_one_is_not() -> None:
     opening, closing = doc["starting"], copy.deepcopy(doc["finishing"])
     undoes, numbers = fast_judge().parity.undoes, target.record.exact
     assert undoes(numbers, opening, closing)
-    assert canonical({**inverse_block(opening), "order": 8}) == canonical(closing)
+    assert canonical({**starting.inverse_block(opening), "order": 8}) == canonical(closing)
     closing["A"][0][0] += "+1/1000"
     assert not undoes(numbers, opening, closing)
 
@@ -176,7 +171,9 @@ def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
     start = target.of_document({"starting": doc["starting"]}).start
     assert start.q == 3
     # y_1, two even values, three odd ones
-    assert len(conditions_of("starting", start)) == len(start.unknowns) == 6 + 2 * 22 + 3 * 12
+    assert (
+        len(starting.conditions_of("starting", start)) == len(start.unknowns) == 6 + 2 * 22 + 3 * 12
+    )
     changed = copy.deepcopy(doc["starting"])
     changed["A"][8][3], changed["A"][7][4] = "1/7", "-1/7"
     refused((DataError, ExactnessError), "", proved, target, changed)
@@ -185,7 +182,7 @@ def test_the_start_of_order_8_is_proved_at_classes_of_trees() -> None:
 def test_too_few_stages_are_reported() -> None:
     doc = without_start("order8-s3-w3-i")
     record = prove(doc)
-    target = Target.of(doc, record.root.record)
+    target = starting.Target.of(doc, record.root.record)
     with pytest.raises(ExactnessError, match="add pairs"):
         linear_start([{"c": "1/2"}], target, record.involution, first=4)
 
@@ -208,9 +205,9 @@ def test_only_a_condition_of_the_first_value_is_left_out_where_it_always_holds(u
     )  # fmt: skip
     start.wanted = [x for x in start.wanted if judge.trees.size(x[1]) < 3]
     if unknown == "second":
-        start.root(proposed("starting", start))
+        start.root(starting.proposed("starting", start))
     else:
-        refused(DataError, "2 conditions in 1 unknowns", proposed, "starting", start)
+        refused(DataError, "2 conditions in 1 unknowns", starting.proposed, "starting", start)
 
 
 @pytest.mark.parametrize("place", [1, 2])

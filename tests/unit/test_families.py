@@ -6,11 +6,7 @@ import pytest
 
 from glmref.exact import Exact, exact
 from glmref.exact.linalg import solve
-from glmref.method.families import (
-    linear_multistep,
-    one_leg,
-    splitting,
-)
+from glmref.method import families
 
 LAMBDA = Fraction(-2, 3)  # h lambda of the linear problem the recursions are run on
 
@@ -69,7 +65,7 @@ def assert_follows(method, values, y):
 def test_multistep_glm_reproduces_the_recursion(alpha, beta):
     a, b, y = followed(alpha, beta)
     k = len(a) - 1
-    m = linear_multistep(alpha, beta)
+    m = families.linear_multistep(alpha, beta)
     implicit = b[k] != 0
     ys = k - min(next(i for i, x in enumerate(a) if x), k - 1)
     fs = m.r - ys
@@ -83,14 +79,14 @@ def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
     # on a linear problem f(sum beta y) = sum beta f(y): the twin follows the same recursion
     a, _, y = followed(alpha, beta)
     k = len(a) - 1
-    assert_follows(one_leg(alpha, beta), [exact(y[k - 1 - j]) for j in range(k)], y[k:])
+    assert_follows(families.one_leg(alpha, beta), [exact(y[k - 1 - j]) for j in range(k)], y[k:])
 
 
 def test_splitting_is_the_step_it_says():
-    pair = splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
+    pair = families.splitting(["1/2", "1/2"], ["1"], first="q")  # position Verlet
     assert (pair.n_P, pair.n_Q, pair.separable) == (2, 1, True)
     assert pair.A == ((Fraction(1, 2), 0),)
     assert pair.A_hat == ((0,), (1,))
-    other = splitting(["1"], ["1/2", "1/2"], first="p")  # velocity Verlet
+    other = families.splitting(["1"], ["1/2", "1/2"], first="p")  # velocity Verlet
     assert other.A == ((0,), (1,))
     assert other.A_hat == ((Fraction(1, 2), 0),)

@@ -14,13 +14,7 @@ from hypothesis import strategies as st
 from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import data_root, load, path_of
 from glmref.catalogue.reader import load_document
-from glmref.derive import recipes
-from glmref.derive.general_multistep import (
-    gaining,
-    general_document,
-    matching_cosine,
-    start_levels,
-)
+from glmref.derive import general_multistep, recipes
 from glmref.derive.halves import GeneralHalf, integrals
 from glmref.derive.recipes.general_multistep import SHIPPED
 from glmref.engine.solve import solve
@@ -41,7 +35,7 @@ Q4, P4 = GeneralHalf((F(1, 2),), True), GeneralHalf((F(1, 3), F(-1, 4)))
 
 
 def document(q: GeneralHalf, p: GeneralHalf) -> dict[str, Any]:
-    return {**general_document("found", q, p), "title": "found", "source": SOURCE}
+    return {**general_multistep.general_document("found", q, p), "title": "found", "source": SOURCE}
 
 
 def method(q: GeneralHalf, p: GeneralHalf) -> Any:
@@ -75,7 +69,7 @@ def test_the_error_constant_is_affine_and_can_be_matched(c, other):
     half = GeneralHalf(tuple(c[:1]), True)
     assume(other not in c)
     try:
-        found = matching_cosine(half, (other,))
+        found = general_multistep.matching_cosine(half, (other,))
     except UsageError:
         return
     assume(found != other)
@@ -112,7 +106,7 @@ def test_paths_need_stages_at_one_time() -> None:
        st.sampled_from([F(-2), F(-1, 2), F(3, 4), F(1)]))  # fmt: skip
 def test_a_gaining_node_gains_the_integral_an_order(x: list[Fraction], c: Fraction) -> None:
     given = sorted({y for y in x if not min(c, 0) < y < max(c, 0)} - {F(0)})
-    nodes = [F(0), *given, gaining(given, c)]
+    nodes = [F(0), *given, general_multistep.gaining(given, c)]
     assert min(c, 0) < nodes[-1] < max(c, 0)
     for k in range(len(nodes) + 1):  # one more than the weights ask for
         exact = c ** (k + 1) / (k + 1)
@@ -122,7 +116,7 @@ def test_a_gaining_node_gains_the_integral_an_order(x: list[Fraction], c: Fracti
 
 def test_a_start_of_each_order_has_so_many_points_and_no_order_more() -> None:
     for order, count in ((2, 2), (4, 6), (6, 13), (8, 24), (10, 39), (12, 58)):
-        assert 1 + sum(map(len, start_levels(order))) == count
+        assert 1 + sum(map(len, general_multistep.start_levels(order))) == count
     doc = {**document(Q4, P4), "claims": {"starting-order": 4}}
     assert len(doc["starting"]["A"]) == 6
     facts = facts_of(load_document(doc))

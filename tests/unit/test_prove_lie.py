@@ -7,15 +7,8 @@ from math import factorial
 import pytest
 
 from glmref.catalogue.lookup import document
+from glmref.judge import lie
 from glmref.judge.enclosed_pair import ALTERNATING, all_follow, listed, second_order
-from glmref.judge.lie import (
-    colour_words,
-    lie_elements,
-    lie_images,
-    verlet_logarithm,
-    word_product,
-    word_sum,
-)
 from glmref.judge.trees import read_tree, show, versions
 from glmref.judge.trees import trees as judged_trees
 from glmref.method.component import SEPARABLE
@@ -57,20 +50,20 @@ def test_free_trees_divide_the_rooted_ones():
 
 
 def test_words_count_the_orders_with_children_first():
-    assert colour_words(read_tree("f[kk[f]]")) == {"kfkf": 1, "fkkf": 2}
+    assert lie.colour_words(read_tree("f[kk[f]]")) == {"kfkf": 1, "fkkf": 2}
     for t in (t for n in range(1, 6) for t in judged_trees(ALTERNATING, n)):
         one = parse_tree(show(t))
-        assert sum(colour_words(t).values()) == factorial(one.order) // one.density
+        assert sum(lie.colour_words(t).values()) == factorial(one.order) // one.density
 
 
 def test_the_logarithm_of_a_verlet_step():
-    third = {w: a for w, a in verlet_logarithm(3, "f").items() if len(w) == 3}
+    third = {w: a for w, a in lie.verlet_logarithm(3, "f").items() if len(w) == 3}
     # A + B - [A, [A, B]]/24 - [B, [A, B]]/12 + ..
     assert (third["ffk"], third["kkf"]) == (Fraction(-1, 24), Fraction(1, 12))
-    assert all(len(w) % 2 for w in verlet_logarithm(6, "f"))  # symmetric: odd degrees only
+    assert all(len(w) % 2 for w in lie.verlet_logarithm(6, "f"))  # symmetric: odd degrees only
     swap = str.maketrans("fk", "kf")
-    swapped = {w.translate(swap): a for w, a in verlet_logarithm(5, "f").items()}
-    assert swapped == verlet_logarithm(5, "k")
+    swapped = {w.translate(swap): a for w, a in lie.verlet_logarithm(5, "f").items()}
+    assert swapped == lie.verlet_logarithm(5, "k")
 
 
 @pytest.mark.parametrize(("order", "needed"), [(3, 2), (5, 6), (7, 18)])
@@ -85,9 +78,9 @@ def test_residuals_of_a_splitting_lie_in_the_image_of_the_lie_algebra(order, nee
 def test_the_residuals_of_a_verlet_step_are_the_image_of_its_logarithm():
     verlet = splitting(["1/2", "1/2"], [1])
     found = {t: x for t, x in order_residuals(verlet, 3).items() if t.order == 3}
-    logarithm = {w: a for w, a in verlet_logarithm(3, "f").items() if len(w) == 3}
+    logarithm = {w: a for w, a in lie.verlet_logarithm(3, "f").items() if len(w) == 3}
     for t in trees(3, SEPARABLE):
-        words = colour_words(read_tree(str(t)))
+        words = lie.colour_words(read_tree(str(t)))
         assert found[t] == sum(n * logarithm.get(w, 0) for w, n in words.items()), t
 
 
@@ -111,17 +104,17 @@ def test_compositions_of_verlet_need_4_conditions_of_order_7():
 @pytest.mark.parametrize("kind", ["splitting", "f", "k"])
 def test_images_are_sums_over_the_words_of_a_tree(order, kind):
     for t in one_of_each(order):
-        words = colour_words(t)
-        elements = lie_elements(order, kind)
+        words = lie.colour_words(t)
+        elements = lie.lie_elements(order, kind)
         sums = [sum(x * words.get(w, 0) for w, x in element.items()) for element in elements]
-        assert lie_images(t, kind) == sums
+        assert lie.lie_images(t, kind) == sums
 
 
 def test_a_bracket_is_the_difference_of_both_products():
     x, y = {"f": Fraction(2), "fk": Fraction(1)}, {"k": Fraction(3)}
 
     def bracket(x, y):
-        return word_sum(word_product(x, y, 4), word_product(y, x, 4), -1)
+        return lie.word_sum(lie.word_product(x, y, 4), lie.word_product(y, x, 4), -1)
 
     assert bracket(x, y) == {"fk": 6, "kf": -6, "fkk": 3, "kfk": -3}
     assert bracket(x, x) == {} and bracket(x, {}) == {}
