@@ -16,15 +16,11 @@ from dataclasses import dataclass
 from ..errors import ExactnessError
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, sum_of_products
-from .judging import asked
 
 Vector = tuple[Scalar, ...]
 Matrix = tuple[Vector, ...]
 
 _ZERO, _ONE = Exact(0), Exact(1)
-
-#: The reduced rows, a basis of the span of rows, and their pivot columns, as the judge has them.
-reduced = asked("linalg.echelon")
 
 
 def zeros(rows: int, columns: int) -> Matrix:
@@ -153,6 +149,53 @@ def is_lower_triangular(a: Matrix) -> bool:
     return all(x.vanishes() for i, j, x in entries(a) if j > i)
 
 
+def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
+    """Return the row to pivot on, ``None`` if the column is zero from ``start`` on.
+
+    Exact entries: the first nonzero one. Balls: the one furthest from zero; an undecided column
+    cannot be called zero, so it is an error.
+    """
+    candidates = [i for i in range(start, len(rows)) if rows[i][column].is_zero() is False]
+    if candidates:
+        if any(isinstance(rows[i][column], Ball) for i in candidates):
+            return max(candidates, key=lambda i: rows[i][column].ball().lower_magnitude())
+        return candidates[0]
+    if any(rows[i][column].is_zero() is None for i in range(start, len(rows))):
+        raise ExactnessError(
+            f"column {column + 1} holds balls around zero: its rank is not decided; "
+            f"give more digits or exact entries"
+        )
+    return None
+
+
+def reduced(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
+    """Return Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
+    rows = [list(row) for row in a]
+    pivots: list[int] = []
+    for column in range(columns):
+        top = len(pivots)
+        if top == len(rows):
+            break
+        at = _pivot_row(rows, top, column)
+        if at is None:
+            continue
+        rows[top], rows[at] = rows[at], rows[top]
+        lead = rows[top][column]
+        rows[top] = [x if x.vanishes() else x / lead for x in rows[top]]
+        rows[top][column] = _ONE
+        for i, row in enumerate(rows):
+            spend()
+            factor = row[column]
+            if i == top or factor.vanishes():
+                continue
+            rows[i] = [
+                x if y.vanishes() else x - factor * y for x, y in zip(row, rows[top], strict=True)
+            ]
+            rows[i][column] = _ZERO
+        pivots.append(column)
+    return rows, pivots
+
+
 def solve(a: Matrix, right: Matrix) -> Matrix:
     """Solve ``a x = right`` for square ``a``.
 
@@ -162,11 +205,10 @@ def solve(a: Matrix, right: Matrix) -> Matrix:
         When ``a`` is singular.
     """
     size = len(a)
-    rows, pivots = reduced([(*r, *s) for r, s in zip(a, right, strict=True)])
-    found = sum(k < size for k in pivots)
-    if found < size:
-        raise ExactnessError(f"a matrix of size {size} and rank {found} cannot be inverted")
-    return tuple(row[size:] for row in rows)
+    rows, pivots = reduced([(*r, *s) for r, s in zip(a, right, strict=True)], size)
+    if len(pivots) < size:
+        raise ExactnessError(f"a matrix of size {size} and rank {len(pivots)} cannot be inverted")
+    return tuple(tuple(row[size:]) for row in rows)
 
 
 def inverse(a: Matrix) -> Matrix:
@@ -182,13 +224,14 @@ def inverse(a: Matrix) -> Matrix:
 
 def rank(a: Matrix) -> int:
     """Rank."""
-    return len(reduced(a)[1])
+    return len(reduced(a, len(a[0]))[1])
 
 
 def nullspace(a: Matrix) -> list[Vector]:
     """Return a basis of ``{x : a x = 0}``: a vector for each free column, its entry there 1."""
-    rows, pivots = reduced(a)
-    return _directions(dict(zip(pivots, rows, strict=True)), len(a[0]))
+    columns = len(a[0])
+    rows, pivots = reduced(a, columns)
+    return _directions(dict(zip(pivots, rows, strict=False)), columns)
 
 
 def _directions(solved: Mapping[int, Sequence[Scalar]], n: int) -> list[Vector]:

@@ -16,7 +16,6 @@ from .arithmetic import (
     dot_of_intervals,
     dot_of_rationals,
     product_of_rationals,
-    tick,
 )
 from .numbers import (
     Element,
@@ -190,7 +189,6 @@ def echelon(M: list) -> tuple[list, list[int]]:
         factor = inverse(rows[top][column])
         rows[top] = [factor * x if live(x) else x for x in rows[top]]
         for i, row in enumerate(rows):
-            tick()
             if i != top and live(row[column]):
                 head = row[column]
                 rows[i] = [

@@ -167,9 +167,9 @@ def _change_equations(order: int, colours: Colours) -> tuple[tuple[Tree, ...], M
         row[len(unknowns) + i] = -1
         rows.append(row)
     size = len(unknowns)
-    reduced, pivots = linalg.reduced([list(map(Exact, row)) for row in rows])
-    solved = tuple(unknowns[j] for j in pivots if j < size)
-    return solved, tuple(row[size:] for row in reduced), len(solved)
+    reduced, pivots = linalg.reduced([list(map(Exact, row)) for row in rows], size)
+    matrix = tuple(tuple(row[size:]) for row in reduced)
+    return tuple(unknowns[j] for j in pivots), matrix, len(pivots)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ..errors import UsageError
 from ..exact import Exact, Scalar, linalg
+from ..exact.judging import asked
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM
 from ..method.stage_order import reached
@@ -13,10 +14,13 @@ from .reduction import observed_rows, reached_rows
 
 _ZERO = Exact(0)
 
+#: The reduced rows, a basis of the span of rows, and their pivot columns.
+_echelon = asked("linalg.echelon")
+
 
 def _keep_observed(m: GLM) -> GLM:
     """Carry ``z = C y`` instead of y, the rows of C a basis of what the stages see."""
-    C, pivots = linalg.reduced(observed_rows(m))
+    C, pivots = _echelon(observed_rows(m))
     if len(C) == m.r or not C:
         return m
 
@@ -29,7 +33,7 @@ def _keep_observed(m: GLM) -> GLM:
 
 def _keep_reachable(m: GLM) -> GLM:
     """Restrict to the values ``y = X z`` that a start can make; others stay zero once they are."""
-    basis, pivots = linalg.reduced(reached_rows(m))
+    basis, pivots = _echelon(reached_rows(m))
     if len(basis) == m.r or not basis:
         return m
     X = linalg.transpose(basis)

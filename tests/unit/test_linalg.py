@@ -35,7 +35,7 @@ def test_inverse_of_a_matrix_whose_determinant_hides_its_zero() -> None:
 
 def test_a_ball_around_zero_is_never_taken_for_a_pivot_nor_for_zero() -> None:
     doubtful: tuple[tuple[Ball | Exact, ...], ...] = ((Ball.decimal("0.000", 3),),)
-    refused(ExactnessError, "nothing is decided", linalg.rank, doubtful)
+    refused(ExactnessError, "its rank is not decided", linalg.rank, doubtful)
     certain = ((parse("0.500", digits=3),),)
     assert linalg.rank(certain) == 1
     assert linalg.inverse(certain)[0][0].contains(2)
