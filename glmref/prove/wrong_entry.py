@@ -168,7 +168,8 @@ class Trial:
             c = self.c[0]
             if c is None:
                 raise DataError("a Nystrom method needs c")
-            return scheme_of(nystrom(A[0], b[0], b[1], tuple(c), *A[1:]), nystrom=True)
+            inner = A[1] if len(A) > 1 else None
+            return scheme_of(nystrom(A[0], b[0], b[1], tuple(c), inner), nystrom=True)
         if self.kind == "glm":
             return schemes.general_linear(A[0], b)
         if self.kind == "low-storage":
