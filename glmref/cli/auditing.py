@@ -177,7 +177,9 @@ def findings_of(file: str, more: Mapping[str, Any] = MappingProxyType({})) -> li
     "file and line, by default below this folder.",
 )  # fmt: skip
 @format_option(LINES, "With --lines: the format of the output; table by default.", None)
-@click.option("--since", metavar="COMMIT", help="With --lines: only of changed lines.")
+@click.option(
+    "--since", metavar="COMMIT", help="With --lines: only tables with lines changed since COMMIT."
+)
 @file_option("--sarif", "With --lines: write SARIF, too.")
 @file_option("--badge", "With --lines: write the JSON of a shields.io endpoint, too.")
 @click.option("--allow-empty", is_flag=True, help="With --lines: exit with 0 without a table.")
