@@ -616,7 +616,7 @@ def _with_steps(found: list[Table], blocks: list[Block], collector: Collector) -
         # ones alone are the weights of many methods
         weights = {key for x in made if set(key := key_of(x.b)) - {0.0, 1.0}}
         named = [x for x in found if (x.line in own and (x.named or x.unread))
-                 or (not x.unread and key_of(x.b) in weights)]  # fmt: skip
+                 or (not x.unread and x.source != STEP and key_of(x.b) in weights)]  # fmt: skip
         read = [x for x in named if not x.unread]
         for x, y in product(made, read):  # the same method: what is said of it is kept
             if key_of(x.b) == key_of(y.b) and key_of(x.b) in weights:
@@ -1420,18 +1420,22 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
-            own = role_of(y.name)[1]
-            named = own in ("embedded", "error")
+            named = role_of(y.name)[1] in ("embedded", "error")
             if y.named and len(y.value) < s and not _near(total, 1):
                 continue  # an entry has no name
             if abs(total) < LOOSE and not _EMBEDDED.search(y.name):
                 table.errors.append(row)
             elif (
                 _near(total, 1)
-                or own in ("b", "c")
+                or _beside(y, x.b)
                 or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE))
             ):
                 table.rows.append((y.name, row, lower))
+
+
+def _beside(x: Array, b: Array | None) -> bool:
+    """Return whether weights stand in one list with those of a method."""
+    return b is not None and (x.name, x.at) == (b.name, b.at)
 
 
 _DENSE = re.compile(r"^P$|_P$|dense|interp|contin", re.IGNORECASE)

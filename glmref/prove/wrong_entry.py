@@ -541,10 +541,11 @@ def embedded(method: Trial, row: Sequence[Scalar], order: int, least: int) -> li
 
 
 def one_weight(method: Trial, row: Sequence[Scalar], least: int) -> list[str]:
-    """Return the weight of an embedded row that, changed so that the sum is 1, gives its order."""
+    """Return the weight of an embedded row that with the other sign gives its order."""
     missing, found = Exact(1) - sum(row, Exact(0)), []
     for k, x in enumerate(row):
-        if method.has_order(max(2, least), [*row[:k], x + missing, *row[k + 1 :]]):
+        turned = abs(complex(x + x + missing)) <= method.coarse  # the sum is 1 then
+        if turned and method.has_order(max(2, least), [*row[:k], x + missing, *row[k + 1 :]]):
             found.append(f"with weight {k + 1} = {_short(x + missing)} in place of {_short(x)} its "
                          f"order is {max(2, least)}")  # fmt: skip
     return found if len(found) == 1 else []
