@@ -284,7 +284,7 @@ class Watch:
         self.scale = [0.0] * len(self.fits)  #: The largest truncation error of each half.
         self.best = [0] * len(self.fits)  #: Number of the degree that was the best one last.
         self.first: list[float] = []  #: The parasitic part of the first window.
-        self.hamiltonian, self.y0 = problem.hamiltonian, np.array(problem.y0, dtype=float)
+        self.hamiltonian, self.y0 = problem.conserved, np.array(problem.y0, dtype=float)
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.growing = method.parts > 1  #: Whether parasitic parts can grow at any step size.

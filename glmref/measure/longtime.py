@@ -79,17 +79,17 @@ def energy_scale(problem: Problem, y: np.ndarray) -> float:
     An energy that cancels at a state, as in a transformed time, does not where the state is a
     little larger: ``y . grad H`` stands for its terms.
     """
-    assert problem.hamiltonian is not None
+    assert problem.conserved is not None
     step = 2.0**-20
-    energy, more = along(problem.hamiltonian, np.array([y, (1 + step) * np.asarray(y)]))
+    energy, more = along(problem.conserved, np.array([y, (1 + step) * np.asarray(y)]))
     terms = abs(more - energy) / step
     return float(abs(energy) if not abs(energy) <= 1e-9 * terms else terms) or 1.0
 
 
 def energy_deviation(problem: Problem, y: np.ndarray) -> np.ndarray:
     """Return the relative deviation of the energy of each row of y, (m, d), from the first."""
-    assert problem.hamiltonian is not None
-    energy = along(problem.hamiltonian, y)
+    assert problem.conserved is not None
+    energy = along(problem.conserved, y)
     with np.errstate(all="ignore"):
         return np.abs(energy - energy[0]) / energy_scale(problem, y[0])
 
@@ -263,8 +263,8 @@ def watch(problem: Problem, solution: Solution, *, G: np.ndarray | None = None) 
     t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
     if not len(t):
         return found
-    if problem.hamiltonian is not None:
-        energies, scale = along(problem.hamiltonian, y), energy_scale(problem, y[0])
+    if problem.conserved is not None:
+        energies, scale = along(problem.conserved, y), energy_scale(problem, y[0])
         found.append(drift("energy", t, energies, kind="hamiltonian", scale=scale))
     for name, form in problem.quadratic.items():
         scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))

@@ -58,6 +58,9 @@ class Problem(Shown):
         sum where it is not given.
     hamiltonian : Any
         ``hamiltonian(y)``, conserved; in ``y[0]``...
+    energy : Any
+        ``energy(y)``, of which errors of the energy are, where it is not ``hamiltonian``: in a
+        transformed time H is, and not K = r (H + p_t), which hides its errors where r is small.
     quadratic : Mapping[str, Any]
         Name -> symmetric C with y^T C y conserved, as a :class:`.loops.QuadraticForm`.
     invariants : Mapping[str, Any]
@@ -101,6 +104,7 @@ class Problem(Shown):
     force: Any = None
     terms: Sequence[Any] = ()
     hamiltonian: Any = None
+    energy: Any = None
     quadratic: Mapping[str, Any] = field(default_factory=dict)
     invariants: Mapping[str, Any] = field(default_factory=dict)
     observables: Mapping[str, Any] = field(default_factory=dict)
@@ -144,7 +148,8 @@ class Problem(Shown):
                 if not callable(getattr(self, key)):
                     raise UsageError(f"`{key}` must be a function, got {shown(getattr(self, key))}")
                 self._set(key, self._function(key, getattr(self, key), ()))
-        self._set("hamiltonian", self._scalar("hamiltonian", self.hamiltonian))
+        for key in ("hamiltonian", "energy"):
+            self._set(key, self._scalar(key, getattr(self, key)))
         for key in ("invariants", "observables"):
             scalars = {k: self._scalar(k, v) for k, v in getattr(self, key).items()}
             self._set(key, MappingProxyType(scalars))
@@ -222,7 +227,12 @@ class Problem(Shown):
         for key, function, size in functions:
             if isinstance(function, Formula) and len(function.outputs) != size:
                 raise UsageError(f"`{key}` must have {size} entries, got {len(function.outputs)}")
-        scalars = {"hamiltonian": self.hamiltonian, **self.invariants, **self.observables}
+        scalars = {
+            "hamiltonian": self.hamiltonian,
+            "energy": self.energy,
+            **self.invariants,
+            **self.observables,
+        }
         functions += [(key, scalar, d) for key, scalar in scalars.items()]
         for key, function, size in functions:
             if not isinstance(function, Formula):
@@ -312,6 +322,11 @@ class Problem(Shown):
         return tuple(f"{x}[{k}]" for x in "qp" for k in range(half))
 
     @property
+    def conserved(self) -> Any:
+        """The function of which errors of the energy are: ``energy``, else ``hamiltonian``."""
+        return self.hamiltonian if self.energy is None else self.energy
+
+    @property
     def separable(self) -> bool:
         """Whether q' = dq(p) and p' = dp(q)."""
         return self.dq is not None and self.dp is not None
@@ -382,7 +397,7 @@ class Problem(Shown):
             raise UsageError("the problem is already in an mpmath context; use the double one")
         if not callable(getattr(context, "mpf", None)):
             raise UsageError(f"`context` must be mpmath.MPContext(), got {shown(context)}")
-        functions = ("f", "jacobian", "dq", "dp", "force", "hamiltonian", "exact")
+        functions = ("f", "jacobian", "dq", "dp", "force", "hamiltonian", "energy", "exact")
         return replace(
             self,
             **{key: on_context(getattr(self, key), context) for key in functions},

@@ -26,6 +26,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,9 @@ from .formula import Formula, substituted
 from .loops import QuadraticForm
 from .model import Problem
 
+#: Bits of a denominator beyond which a float is written in decimals.
+_WIDE = 200
+
 
 def time_transformed(problem: Problem, rate: str) -> Problem:
     """Return the problem in the time s with dt = rate ds, Hamiltonian again where it was.
@@ -44,27 +48,31 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
     Parameters
     ----------
     problem : Problem
-        Its equations, or, where it is canonical, its Hamiltonian, and its initial values given as
-        expressions or numbers.
+        Its equations, or, where it is canonical, its Hamiltonian, given as expressions, and its
+        initial value as expressions or numbers.
     rate : str
-        Positive expression in the names of the components, or in ``y[0]``, .., and the problem's
-        parameters; small where small steps are wanted.
+        Expression in the names of the components, or in ``y[0]``, .., and the problem's parameters;
+        small where small steps are wanted, and positive all along.
 
     Returns
     -------
     Problem
-        A canonical one in y = (q, t, p, w), with H as an invariant; another in (y, t).
+        A canonical one in y = (q, t, p, w), another in (y, t). Its times are s, also ``h`` and
+        ``t_end``. Functions of y that are no expressions are left out.
 
     Raises
     ------
     UsageError
         For a problem that is not given as expressions, or a rate that cannot be read.
     """
+    if not isinstance(problem, Problem):
+        raise UsageError(f"`problem` must be a glmref.Problem, got {shown(problem)}")
     canonical, given = problem.canonical, problem.hamiltonian if problem.canonical else problem.f
     if not isinstance(given, Formula) or callable(problem.initial):
-        what = "its Hamiltonian" if canonical else "its equations"
+        what = "its Hamiltonian, without t," if canonical else "its equations"
         raise UsageError(
-            f"{problem.name} must have {what} and its initial value as expressions or numbers"
+            f"{problem.name} must have {what} in expressions without sums or loops, and its "
+            "initial value in expressions or numbers"
         )
     d, begin = problem.dimension, problem.t_span[0]
     m = d // 2 if canonical else d  # where t stands
@@ -77,7 +85,7 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
 
     factor = moved(_rate(problem, rate)).outputs[0]
     names, whole = problem.labels, moved(given)
-    known = [f"({x})" if isinstance(x, str) else repr(x) for x in _listed(problem.initial)]
+    known = problem.initial.tolist() if hasattr(problem.initial, "tolist") else problem.initial
     entries: dict[str, Any] = {
         "invariants": {k: moved(x) for k, x in _formulas(problem.invariants)},
         "observables": {k: moved(x) for k, x in _formulas(problem.observables)},
@@ -88,18 +96,18 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
     if canonical:
         K = f"({factor})*({whole.outputs[0]} + y[{d + 1}])"
         start = substituted(
-            given.outputs[0], lambda _, i: known[i], {k: f"({x})" for k, x in given.common}
+            given.outputs[0], lambda _, i: _text(known[i]), {k: f"({x})" for k, x in given.common}
         )
         entries |= equations(replace(whole, outputs=(K,), variables=("t", "y")), m + 1)
-        # with a constant more, so that errors are relative to the energy
-        entries["hamiltonian"] = replace(whole, outputs=(f"{K} + ({start})",))
-        entries["invariants"] |= {"H": whole}
+        entries["hamiltonian"] = replace(whole, outputs=(K,))
+        entries["energy"] = moved(problem.conserved)
         known = [*known[:m], begin, *known[m:], f"-({start})"]
         names = (*names[:m], "t", *names[m:], "p_t")
     else:
         slopes = (*(f"({factor})*({x})" for x in whole.outputs), factor)
         entries["f"] = shared(replace(whole, outputs=slopes, shape=(d + 1,)))
-        entries["hamiltonian"] = problem.hamiltonian
+        if isinstance(problem.hamiltonian, Formula):
+            entries["hamiltonian"] = problem.hamiltonian
         known, names = [*known, begin], (*names, "t")
     return Problem(
         name=f"{problem.name}, transformed",
@@ -123,10 +131,14 @@ def _rate(problem: Problem, rate: str) -> Formula:
         )
     try:
         text = substituted(rate, lambda vector, i: places.get(f"{vector}[{i}]"), places)
-    except (SyntaxError, ValueError, RecursionError):
+    except (SyntaxError, ValueError, RecursionError, AssertionError):  # y[-1] is no component
         raise UsageError(f"`rate` cannot be read: {shown(rate)}") from None
     found = Formula((text,), variables=("y",), parameters=problem.parameters, shape=())
-    beyond = [i for i in found.indices if not 0 <= i < problem.dimension]
+    try:
+        beyond = [i for i in found.indices if not 0 <= i < problem.dimension]
+    except UsageError as error:
+        known = ", ".join((*problem.labels, *problem.parameters))
+        raise UsageError(f"`rate`: {error}".replace("known are", f"known are {known},")) from None
     if beyond:
         raise UsageError(f"`rate` uses component {beyond[0]} of {problem.dimension}")
     with np.errstate(all="ignore"), suppress(ArithmeticError):
@@ -140,8 +152,13 @@ def _formulas(given: Mapping[str, Any]) -> list[tuple[str, Formula]]:
     return [(k, x) for k, x in given.items() if isinstance(x, Formula)]
 
 
-def _listed(initial: Any) -> list[Any]:
-    return initial.tolist() if hasattr(initial, "tolist") else list(initial)
+def _text(value: Any) -> str:
+    """Return an initial value, a number at its exact value, as an expression."""
+    if isinstance(value, str):
+        return f"({value})"
+    number = Fraction(value.item() if isinstance(value, np.generic) else value)
+    wide = number.denominator.bit_length() > _WIDE
+    return f"({float(number)!r})" if wide else f"({number.numerator}/{number.denominator})"
 
 
 def _spread(form: QuadraticForm, m: int, d: int) -> QuadraticForm:

@@ -95,11 +95,11 @@ def _time(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
 def _energy(solution: Solution, components: Sequence[int | str] | None) -> _Lines:
     """Return the relative error of the Hamiltonian; absolute where the energy at the start is 0."""
     problem = None if solution.origin is None else solution.origin[0]
-    if problem is None or problem.hamiltonian is None:
+    if problem is None or problem.conserved is None:
         raise UsageError("the energy is drawn of a solution whose problem gives its Hamiltonian")
     kept = _thinned(solution)
-    energy = np.array([float(problem.hamiltonian(y)) for y in solution.y[kept]])
-    first = float(problem.hamiltonian(np.asarray(problem.y0)))
+    energy = np.array([float(problem.conserved(y)) for y in solution.y[kept]])
+    first = float(problem.conserved(np.asarray(problem.y0)))
     label = "(H - H(0)) / |H(0)|" if first else "H - H(0)"
     error = (energy - first) / (abs(first) or 1.0)
     return {"energy": (np.asarray(solution.t, dtype=float)[kept], error)}, ("t", label)
