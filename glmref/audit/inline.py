@@ -39,8 +39,8 @@ def inline_sums(tokens: Sequence[Token]) -> Iterator[int]:
 
 #: Products of the step and a quotient: ``-845 * h / 4104.``, ``17./36. * stepsize``.
 _MULTIPLE = re.compile(
-    r"(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\s*/\s*(\d+)"
-    r"|(\d+)\.?0*\s*/\s*(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\b"
+    r"(?<!\d)(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\s*/\s*(\d+)"
+    r"|(?<!\d)(\d+)\.?0*\s*/\s*(\d+)\.?0*\s*\*\s*(?:h|dt|\w*step\w*)\b"
 )
 
 

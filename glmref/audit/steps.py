@@ -200,6 +200,11 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
     counts = _loops(row)
     if any(x.text in ("for", "=>") for x in row):
         row = _elementwise(row, counts)
+    between = counts | {",", ":", ".", "end", "-", "+"}
+
+    def plain(text: str) -> bool:
+        return text.isdigit() or text in between
+
     found: list[Token] = []
     k = 0
     while k < len(row):
@@ -223,13 +228,12 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
         k += 1
         opens = ("[", "(") if language.calls_index else ("[",)
         while x.kind == "name" and k < len(row) and row[k].text in opens:
-            end = _partner(row, k)
+            # not up to the partner, which may be far away in brackets that are nested
+            end = next((j for j in range(k + 1, len(row)) if not plain(row[j].text)), len(row))
             inside = row[k + 1 : end]
-            index = [
-                y.text for y in inside if y.text not in counts | {",", ":", ".", "end", "-", "+"}
-            ]
-            if not inside or any(not y.isdigit() for y in index):
+            if not inside or end == len(row) or row[end].text not in ("]", ")"):
                 break
+            index = [y.text for y in inside if y.text.isdigit()]
             if row[k].text == "(" and not any(y.text == ":" or y.text in counts for y in inside):
                 break  # a call
             if index:
