@@ -94,8 +94,8 @@ def solve_ensemble(
         values, evaluations = _starts(runner, method, problem, y0, h, start)
         found = runner.run(values, evaluations, plan)
         # whose start has overflowed: no step is taken
-        lost = np.array([not runner.engine.in_range(x) for x in values], dtype=bool)
-        if lost.any():
+        if not runner.engine.in_range(values):
+            lost = np.array([not runner.engine.in_range(x) for x in values], dtype=bool)
             found.y[:, lost] = y0[lost]
             found.values[lost] = zero_start(runner.engine, y0[lost])
         notices = seen.afterwards(found.t[-1], found.y[-1, 0]) if seen.seen else ()
