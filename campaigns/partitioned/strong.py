@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.integrate import ode
 
 from campaigns.driver import TIMED, arguments, carried_out, complete, three_digits
 from campaigns.pages import Pages, markdown, measured
@@ -33,6 +34,7 @@ from campaigns.partitioned.nonseparable import (
     needed,
     step_of,
 )
+from campaigns.partitioned.work import crossing
 from glmref import Problem, solve
 from glmref.catalogue.lookup import load
 from glmref.derive.recipes.strong_multistep import SHIPPED
@@ -138,6 +140,28 @@ def transformed(case: Mapping[str, Any]) -> dict[str, Any]:
     return row
 
 
+def adams(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the evaluations of the Adams methods of VODE, orders to 12, by tolerance."""
+    one, evaluations = problem_of(case["problem"]), 0
+
+    def f(t: float, y: np.ndarray) -> np.ndarray:
+        nonlocal evaluations
+        evaluations += 1
+        return one.f(t, y)
+
+    end, curve = ends().get(one.name, 20.0), []
+    exact = reference_state(one, end)
+    for tolerance in 10.0 ** -np.arange(6, 14.1, 0.5):
+        evaluations = 0
+        code = ode(f).set_integrator("vode", method="adams", rtol=tolerance, atol=tolerance / 10,
+                                     nsteps=10**6, order=12)  # fmt: skip
+        code.set_initial_value(one.y0, 0.0)
+        state = code.integrate(end)
+        curve.append((evaluations, state_error(state, exact)))
+    found = {f"{x:g}": crossing(curve, x) for x in TOLERANCES}
+    return {**case, "evaluations": {k: n and round(n) for k, n in found.items()}}
+
+
 def times(case: Mapping[str, Any]) -> dict[str, Any]:
     """Time whole runs at the step sizes of 1e-9: the least of many, which take turns."""
     one = problem_of(case["problem"])
@@ -187,6 +211,8 @@ def main(path: Path) -> None:
     cases = [{"problem": x, "method": m} for x in RATES for m in SHIPPED]
     record["transformed"] = carried_out(transformed, cases, beside=path)
     semi = {x["problem"] for x in measured("nonseparable")["semi-separable"]["evaluations"]}
+    cases = [{"problem": x} for x in names if rivals(x, TOLERANCES[-1])]
+    record["adams"] = carried_out(adams, cases, beside=path)
     cases = [{"problem": x, "method": m} for x in sorted(semi - names.keys()) for m in SHIPPED]
     record["velocities"] = carried_out(_measured, cases, beside=path)
     timed = [{"problem": name, "h": h} for name, h in kept(record["runs"]).items()]

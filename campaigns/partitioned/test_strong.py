@@ -58,6 +58,18 @@ def test_the_page_gives_the_means() -> None:
     assert f"those of `-8b` {g} and {late}, {d} and {late_d}:" in PAGE
 
 
+def test_the_page_gives_the_means_over_adams_methods() -> None:
+    own = {x["problem"]: x["evaluations"]["1e-09"] for x in RUNS if x["method"] == FAST}
+    rows = measured("strong-multistep")["adams"]
+    shown = []
+    for late in (False, True):
+        found = [own[x["problem"]] / x["evaluations"]["1e-09"] for x in rows
+                 if (x["problem"] in written_down()) == late]  # fmt: skip
+        assert len(found) == (11 if late else 4)
+        shown.append(f"{np.exp(np.mean(np.log(found))):.2f}")
+    assert f"Of the Adams methods of VODE it needs {shown[0]} and {shown[1]}." in PAGE
+
+
 def test_the_page_says_what_is_lost() -> None:
     """No run of any method in the table is lost without a notice."""
     runs = [x for x in RUNS if x["method"] == "multistep-strong-8"]
