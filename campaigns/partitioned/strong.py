@@ -39,6 +39,7 @@ from glmref import Problem, solve
 from glmref.catalogue.lookup import load
 from glmref.derive.recipes.strong_multistep import SHIPPED
 from glmref.engine.outcome import StartFailed
+from glmref.measure.peers import measure_peer, runner
 from glmref.measure.timing import circumstances
 from glmref.measure.work_precision import Reference, energy_deviation, reference_state, state_error
 from glmref.method import Method
@@ -186,6 +187,33 @@ def times(case: Mapping[str, Any]) -> dict[str, Any]:
     return row
 
 
+def taylor(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Time 100,000 steps against heyoka's Taylor method at the tolerance that gives 1e-9."""
+    one, h = problem_of(case["problem"]), case["h"]
+    end, steps = ends().get(one.name, 20.0), min(TIMES)
+
+    def gives(tolerance: float) -> bool:
+        found = measure_peer("heyoka", one, tolerance=tolerance, t_end=end, repeats=1)
+        return found.get("state_error", math.inf) < TOLERANCES[-1]
+
+    tolerance = next(x for x in (1e-8, 1e-9, 1e-10, 1e-11, 1e-12) if gives(x))
+    at = np.array([h * steps])
+    rival = runner("heyoka", one, tolerance=tolerance, times=at)
+    ways = {"own": lambda: solve(one, FAST, h=h, steps=steps), "heyoka": rival}
+    least = dict.fromkeys(ways, math.inf)
+    for turn in range(TIMES[steps] + 1):  # the first one compiles
+        for way, go in ways.items():
+            begin = time.process_time()
+            go()
+            if turn:
+                least[way] = min(least[way], time.process_time() - begin)
+    return {
+        **case,
+        "tolerance": tolerance,
+        "seconds": {k: three_digits(x) for k, x in least.items()},
+    }
+
+
 def kept(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     """Return the step sizes of the long runs that are neither lost nor reported, by problem."""
     return {
@@ -218,6 +246,8 @@ def main(path: Path) -> None:
     timed = [{"problem": name, "h": h} for name, h in kept(record["runs"]).items()]
     rows = carried_out(times, timed, beside=path, limits=TIMED)
     record["times"] = {"where": circumstances(), "rows": rows}
+    rows = carried_out(taylor, timed, beside=path, limits=TIMED)
+    record["heyoka"] = {"where": circumstances(), "rows": rows}
     complete(path, record)
 
 
