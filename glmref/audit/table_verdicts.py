@@ -490,6 +490,11 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
         least = max(found.to(coarse) + 1, table.order or 0 if found.to(coarse) == 0 else 0)
         if more and order >= least and table.order and found.to(coarse) < table.order:
             said = f", declared is {declared}" if declared is not None else ""
+            pair = (declared, found.to(coarse), order) == (None, table.order - 1, table.order)
+            if pair and table.general and table.kind == "rk" and not remarks:
+                said, status = "; b has one less, and which of them propagates is not known", "found"
+                remarks.append(f"the row {label} has the declared order{said}")
+                continue
             remarks.append(f"the row {label} has order {order}{said}: the rows may be exchanged")
     return status
 
