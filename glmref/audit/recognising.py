@@ -1419,6 +1419,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 table.errors.append(row)  # embedded weights in their place
             elif _near(total, 1) and len(row) == s:
                 table.rows.append((y.name, row, None))
+            elif explicit and y.named and x.array.named and len(row) > 3:
+                table.errors.append(row)  # judged where one weight makes the sum 0
         elif y.role == "embedded" and len(row) == s:
             named = role_of(y.name)[1] in ("embedded", "error")
             if y.named and len(y.value) < s and not _near(total, 1):
