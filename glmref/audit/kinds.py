@@ -269,15 +269,18 @@ def _packed(x: Array, s: int) -> Rows | None:
 def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> Iterator[Found]:
     """Return A, C, m and gamma of the transformed form."""
     for m in vectors:
-        s = len(m.value)
-        if not (last_letter(m) in ("m", "b") and s > 1):
+        if not (last_letter(m) in ("m", "b") and len(m.value) > 1):
             continue
         pool = [x for x in (*vectors, *matrices) if _stem(x) == _stem(m) and x is not m]
+        m, pool = _without_room(m, pool)
+        s = len(m.value)
         given = {last_letter(x): x for x in pool if last_letter(x) in ("a", "c", "e", "btilde")}
         gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
             x.value for x in block.items
             if x.name in ("gamma", "γ", "g", "gam") and isinstance(x.value, Number)
         ]  # fmt: skip
+        if {"a", "c"} <= given.keys() and "e" in given and not gammas:
+            gammas = _in_its_list(block)
         if not ({"a", "c"} <= given.keys() and gammas):
             continue
         A, C = _packed(given["a"], s), _packed(given["c"], s)
@@ -299,6 +302,38 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
 
         arrays = [given["a"], given["c"], m, *([error] if error else [])]
         yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+def _without_room(m: Array, pool: Sequence[Array]) -> tuple[Array, list[Array]]:
+    """Return weights and what stands beside them without the room for further stages.
+
+    Matrices given as one list of n^2 entries, n the number of weights, are rows.
+    """
+    n = len(m.value)
+    pool = [
+        replace(x, value=[x.value[i * n : i * n + n] for i in range(n)]).with_role(x.role)
+        if x.flat and n > 1 and len(x.value) == n * n else x for x in pool
+    ]  # fmt: skip
+    s = max((k for k, x in enumerate(m.value, 1) if size(x)), default=n)
+    own = [x for x in pool if last_letter(x) in ("a", "c", "e")]
+    if any(size(y) for x in own for r in x.value[s:] for y in (r if isinstance(r, list) else [r])):
+        return m, pool
+    found = [
+        replace(x, value=[r[:s] if isinstance(r, list) else r for r in x.value[:s]])
+        .with_role(x.role) if x in own and len(x.value) == n else x for x in pool
+    ]  # fmt: skip
+    return replace(m, value=m.value[:s]).with_role(m.role), found
+
+
+def _in_its_list(block: Block) -> list[Any]:
+    """Return the only number that is not whole of the list with which a name begins.
+
+    As in ``Coefficients k{"ROS3", 3, 3, 2, 0.4358}; k.m << ..``, where it is gamma.
+    """
+    items = block.parent.items if block.parent else []
+    given = [x.value for x in items if x.name == block.name and isinstance(x.value, list)]
+    broken = [y for x in given for y in x if isinstance(y, Number) and size(y) % 1]
+    return broken if len(broken) == 1 and 0 < size(broken[0]) < 2 else []
 
 
 def _begin(A: Rows, vectors: list[Array]) -> bool:

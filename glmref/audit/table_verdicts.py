@@ -34,6 +34,7 @@ from ..prove.wrong_entry import (
     weight,
 )
 from ..system.budget import limited
+from .entries import LOOSE
 from .kinds import in_one_form
 from .nearest_method import Library
 from .table import ZERO, Table
@@ -317,7 +318,8 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
             longer = len(row) == len(method.b[0]) + 1 and method.kind == "rk"
             over = Trial(_next_slope(table)) if longer else method
             said = [_AS_WEIGHTS] if weights else estimate(over, row)
-            if total >= 0.5 and not said:  # another list under the name of an estimate
+            other = total >= 0.5 and abs(total - 1) > LOOSE  # perhaps another list of this name
+            if table.general and other and not said:
                 remarks.pop()
                 continue
             k = re.search(r"error weight (\d+) =", " ".join(said))
