@@ -272,7 +272,9 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
         if not (last_letter(m) in ("m", "b") and len(m.value) > 1):
             continue
         pool = [x for x in (*vectors, *matrices) if _stem(x) == _stem(m) and x is not m]
-        m, pool = _without_room(m, pool)
+        gamma = _in_its_list(block)
+        if gamma:
+            m, pool = _without_room(m, pool)
         s = len(m.value)
         given = {last_letter(x): x for x in pool if last_letter(x) in ("a", "c", "e", "btilde")}
         gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
@@ -280,7 +282,7 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
             if x.name in ("gamma", "γ", "g", "gam") and isinstance(x.value, Number)
         ]  # fmt: skip
         if {"a", "c"} <= given.keys() and "e" in given and not gammas:
-            gammas = _in_its_list(block)
+            gammas = gamma
         if not ({"a", "c"} <= given.keys() and gammas):
             continue
         A, C = _packed(given["a"], s), _packed(given["c"], s)
