@@ -514,6 +514,7 @@ def tables(
                 table.order, table.sure = declared[name], True
                 break
     _used_by(found, everything, collector)
+    _estimated_by(found, text)
     declare(found, collector.remarks)
     found += _in_two_tables(found)
     if about:
@@ -891,6 +892,21 @@ def _used_by(found: list[Table], blocks: list[Block], collector: Collector) -> N
                 and not x.line <= table.line <= x.last}  # fmt: skip
         if len(used) == 1:
             table.order = used.pop()
+
+
+def _estimated_by(found: list[Table], text: str) -> None:
+    """Make rows that sum to 1 those of error estimates where the size of their sum alone is taken.
+
+    So is ``abs(e1*k1 + e3*k3 + ..)``, which no state enters, of the difference of two rows.
+    """
+    lines = text.splitlines()
+    for table in (x for x in found if x.block is not None and x.named):
+        part = "\n".join(lines[table.line - 1 : table.block.last])
+        for row in [x for x in table.rows if role_of(x[0])[1] == "error" and x[2] is None]:
+            name = re.escape(row[0])
+            if re.search(rf"\b(?:f?abs|norm)\s*\(\s*{name}_?\d+\s*\*[^;\n]*{name}_?\d+\s*\*", part):
+                table.rows.remove(row)
+                table.errors.append(row[1])
 
 
 def _euler(block: Block, made: list[Array]) -> Iterator[Table]:
