@@ -507,11 +507,10 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
             beside = [x.name for x in table.block.items] if table.block else []
             own = table.block and table.block.kind == "record" and "order" in " ".join(beside)
             if pair and not own and table.general and table.kind == "rk" and not remarks:
-                said, status = (
-                    "; b has one less, and which of them propagates is not known",
-                    "found",
+                remarks.append(
+                    f"the row {label} has the declared order, b one less: which propagates?"
                 )
-                remarks.append(f"the row {label} has the declared order{said}")
+                status = "question"
                 continue
             remarks.append(f"the row {label} has order {order}{said}: the rows may be exchanged")
     return status
