@@ -11,8 +11,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,7 @@ from glmref.measure.work_precision import Reference, energy_deviation, reference
 from glmref.method import Method
 from glmref.problems import problem
 from glmref.problems.sundman import time_transformed
+from tools.measure.timing import interleaved
 
 #: What is timed against what, the first of its numbers of steps, and steps by rounds.
 FAST, _RIVAL, _COARSE = "multistep-strong-8", "gauss-4", 20
@@ -163,6 +164,11 @@ def adams(case: Mapping[str, Any]) -> dict[str, Any]:
     return {**case, "evaluations": {k: n and round(n) for k, n in found.items()}}
 
 
+def _least(ways: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float | None]:
+    """Return the least processor time of each way over rounds in which they take turns."""
+    return {way: three_digits(min(x)) for way, x in interleaved(ways, rounds).items()}
+
+
 def times(case: Mapping[str, Any]) -> dict[str, Any]:
     """Time whole runs at the step sizes of 1e-9: the least of many, which take turns."""
     one = problem_of(case["problem"])
@@ -170,20 +176,12 @@ def times(case: Mapping[str, Any]) -> dict[str, Any]:
     assert found is not None
     row: dict[str, Any] = {**case, "rival_h": found[0], "seconds": {}}
     for steps, rounds in TIMES.items():
-        ways: dict[str, dict[str, Any]] = {
-            "own": {"method": FAST, "h": case["h"], "steps": steps},
-            "rival": {
-                "method": _RIVAL, "h": found[0], "steps": round(steps * case["h"] / found[0])
-            },
-        }  # fmt: skip
-        least = dict.fromkeys(ways, math.inf)
-        for turn in range(rounds + 1):  # the first one compiles
-            for way, options in ways.items():
-                begin = time.process_time()
-                solve(one, **options)
-                if turn:
-                    least[way] = min(least[way], time.process_time() - begin)
-        row["seconds"][str(steps)] = {way: three_digits(x) for way, x in least.items()}
+        rival = {"method": _RIVAL, "h": found[0], "steps": round(steps * case["h"] / found[0])}
+        ways = {
+            "own": partial(solve, one, FAST, h=case["h"], steps=steps),
+            "rival": partial(solve, one, **rival),
+        }
+        row["seconds"][str(steps)] = _least(ways, rounds)
     return row
 
 
@@ -199,19 +197,8 @@ def taylor(case: Mapping[str, Any]) -> dict[str, Any]:
     tolerance = next(x for x in (1e-8, 1e-9, 1e-10, 1e-11, 1e-12) if gives(x))
     at = np.array([h * steps])
     rival = runner("heyoka", one, tolerance=tolerance, times=at)
-    ways = {"own": lambda: solve(one, FAST, h=h, steps=steps), "heyoka": rival}
-    least = dict.fromkeys(ways, math.inf)
-    for turn in range(TIMES[steps] + 1):  # the first one compiles
-        for way, go in ways.items():
-            begin = time.process_time()
-            go()
-            if turn:
-                least[way] = min(least[way], time.process_time() - begin)
-    return {
-        **case,
-        "tolerance": tolerance,
-        "seconds": {k: three_digits(x) for k, x in least.items()},
-    }
+    ways = {"own": partial(solve, one, FAST, h=h, steps=steps), "heyoka": rival}
+    return {**case, "tolerance": tolerance, "seconds": _least(ways, TIMES[steps])}
 
 
 def kept(runs: Sequence[Mapping[str, Any]]) -> dict[str, float]:

@@ -88,7 +88,7 @@ ADVICE: tuple[Advice, ...] = (
         "with a notice",
         "Hamiltonian",
         ("multistep-strong-8b", "multistep-general-8", "gauss-2", "gauss-3", "s5i1-w3"),
-        "The first is not symplectic; of 29 systems it lost two in ten million steps, none in a "
+        "The first is not symplectic; of 29 systems it lost two in ten million steps, kept in a "
         "transformed time ({doc}`close-encounters`), where `gauss-4` is symplectic. On the double "
         "pendulum, at 1e-9, `gauss-4` takes 0.42 to 0.80 of the time of six G-symplectic methods; "
         "the seventh, `order8-s5i1-w3`, takes 0.87 of its time ({doc}`order6-measurements`). On "

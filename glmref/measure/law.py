@@ -83,13 +83,13 @@ def samples_of(problem: Problem, method: Method, solution: Solution, quantity: s
             G, _ = float_arrays(method.G)
             values = g_form(np.asarray(solution.history), G, form.matrix)
         else:
-            known = {"energy": problem.hamiltonian, **problem.quadratic, **problem.invariants}
+            known = {"energy": problem.conserved, **problem.quadratic, **problem.invariants}
             function = known.get(quantity)
             if function is None:
                 listed = ", ".join(k for k, v in known.items() if v is not None)
                 raise UsageError(f"{problem.name} conserves no {quantity!r}; it has {listed}")
             y = np.real(np.asarray(solution.y)).astype(float)
             values = along(function, y)
-            if function is problem.hamiltonian:
+            if function is problem.conserved:
                 return (values - values[0]) / energy_scale(problem, y[0])
         return (values - values[0]) / (abs(values[0]) or 1.0)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from glmref.catalogue.lookup import load
 from glmref.conformance.taylor import series_context, taylor_states, vector, working
 from glmref.engine.solve import solve
+from glmref.measure.law import samples_of
 from glmref.problems import Problem, names, problem
 from glmref.problems.flows import eccentric_anomaly
 from glmref.problems.sundman import time_transformed
@@ -437,3 +438,6 @@ def test_a_false_capture_in_a_transformed_time_has_a_notice():
     energy = np.array([moved.conserved(y) for y in found.y])
     assert abs(energy[-1] / energy[0] - 1) > 1
     assert found.suspect is not None
+    followed = samples_of(moved, load("multistep-strong-8"), found, "energy")
+    # the same quotient, with one rounding less
+    assert followed == pytest.approx((energy - energy[0]) / abs(energy[0]), rel=1e-12, abs=1e-14)
