@@ -31,7 +31,7 @@ TESTS = ("tests/unit", "tests/laws", "tests/adversary", "tests/literature", "tes
          "tests/suite/test_judge_catalogue.py", "tests/repo/test_coq.py")  # fmt: skip
 OTHERS = (
     *("compute", "report", "cli", "campaigns", "pictures", "measure"),
-    *("convergence", "asv", "typed", "audit", "peers"),
+    *("convergence", "typed", "audit", "peers"),
 )
 #: What tells a mutant in a record.
 KEY = ("module", "line", "column", "before", "after")

@@ -74,12 +74,6 @@ def cosines(name: str) -> list[Fraction]:
     return [Fraction(float(c)).limit_denominator(10**9) for c in np.cos(angles_of(name))[::-1]]
 
 
-def gap(angles: np.ndarray) -> float:
-    """Return the least distance of two roots on the circle, in degrees."""
-    ordered = np.sort(np.degrees(angles))
-    return float(min([*np.diff(ordered), 2 * (180 - ordered[-1])]))
-
-
 @cache
 def cowell(length: int) -> tuple[Fraction, ...]:
     """Return coefficients of w / x^2 in w = 2 cosh x - 2."""

@@ -81,11 +81,6 @@ class Vectors:
         """Coefficients as decimals."""
         return self.document["coefficients"]
 
-    @property
-    def notes(self) -> Mapping[str, Mapping[str, str]]:
-        """Flag -> ``{"bug", "effect"}``."""
-        return self.document["notes"]
-
 
 def file_names() -> list[str]:
     """Return names of the methods that have a vector file."""
