@@ -35,6 +35,7 @@ from ..catalogue.claims import ORDER
 from ..exact import linalg
 from ..exact.linalg import Vector
 from ..method import Component, Method
+from ..method.lasting import lasting
 from ..method.preconsistency import output
 from ..problems.formula import Formula
 from ..problems.model import Problem
@@ -66,8 +67,6 @@ _FLOOR = 1e-9
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
 _SEPARATE = 1e-3
-#: Modulus of a root below which a parasitic part is gone in a few steps.
-_LEAST = 0.5
 #: x at which the error constant is read off: the terms dropped and rounding are below a tenth.
 _SMALL = 0.25
 #: The part of h at which growth is of first order; so much a step an eigenvalue may be off.
@@ -124,8 +123,7 @@ def _fit(roots: tuple[float, ...], most: int, order: int, constant: float) -> _F
 def _half(m: Component, times: Vector, order: int) -> tuple[tuple[float, ...], float]:
     """Return the roots and the error constant of a half, whose stages are the solution at times."""
     B, V = (np.array([[float(x) for x in row] for row in M]) for M in (m.B, m.V))
-    found = np.linalg.eigvals(V)
-    roots = tuple(sorted({float(a) for a in np.angle(found[abs(found) > _LEAST]) if a > 1e-6}))
+    roots = tuple(sorted({float(a) for a in np.angle(lasting(np.linalg.eigvals(V))) if a > 0}))
     slopes = B @ np.exp([_SMALL * float(c) for c in times])
     values = np.linalg.solve(math.exp(_SMALL) * np.eye(len(V)) - V, slopes)
     transfer = np.array([float(x) for x in output(m)]) @ values
@@ -156,8 +154,7 @@ def _formula(method: Method) -> bool:
     (m,) = method.carriers
     if not method.is_explicit or m.U != (output(m),):
         return False
-    roots = np.linalg.eigvals([[float(x) for x in row] for row in m.V])
-    return bool((np.abs(np.angle(roots)[np.abs(roots) > _LEAST]) > 1e-6).any())
+    return bool(lasting(np.linalg.eigvals([[float(x) for x in row] for row in m.V])))
 
 
 def watched(method: Method, problem: Problem) -> bool:

@@ -164,6 +164,19 @@ def equation_entries(
     }  # fmt: skip
 
 
+def scalar_in(
+    what: str, text: Any, names: tuple[str, ...], size: int, parameters: Mapping[str, Number]
+) -> Formula:
+    """Return an expression in ``size`` components of a problem, by ``names`` or as ``y[0]``, ..
+
+    Raises
+    ------
+    UsageError
+        One sentence on what does not fit.
+    """
+    return _Names(names, 0, made=size).scalar(what, text, parameters)
+
+
 # --- parts ----------------------------------------------------------------------------------------
 
 
@@ -299,11 +312,14 @@ class _Names:
     """Names of the components of y = (q, p), and how they read in a formula.
 
     There are none where components are written ``q[i]``, numbered in the lists of the layout, of
-    which q and p consist; ``half`` is the number of coordinates, 0 where f is given.
+    which q and p consist; ``half`` is the number of coordinates, 0 where f is given. ``made`` is
+    that of the components of a problem that exists, so that no name can be added, else 0.
     """
 
-    def __init__(self, of_y: tuple[str, ...], half: int, layout: Layout = FLAT) -> None:
-        self.of_y, self.half, self.layout = of_y, half, layout
+    def __init__(
+        self, of_y: tuple[str, ...], half: int, layout: Layout = FLAT, made: int = 0
+    ) -> None:
+        self.of_y, self.half, self.layout, self.made = of_y, half, layout, made
 
     @property
     def indexed(self) -> bool:
@@ -421,11 +437,12 @@ class _Names:
     def check_formula(self, formula: Formula, what: str) -> None:
         """Say in the user's names what is wrong in an expression."""
         try:
-            beyond = [k for k in formula.indices if not 0 <= k < (2 * self.half or k + 1)]
+            size = self.made or 2 * self.half
+            beyond = [k for k in formula.indices if size and not 0 <= k < size]
         except UsageError as error:
             raise UsageError(self._said(str(error), what, formula.parameters)) from None
         if beyond:
-            raise UsageError(f"`{what}` uses component {beyond[0]} of {2 * self.half}")
+            raise UsageError(f"`{what}` uses component {beyond[0]} of {size}")
 
     def _said(self, sentence: str, what: str, parameters: Iterable[str]) -> str:
         """Return a complaint of the whitelist in the user's names."""
@@ -435,7 +452,9 @@ class _Names:
         if known != sentence and "unknown name" in sentence:
             name = re.search(r"unknown name '([^']*)'", sentence)
             near = did_you_mean(name[1], {*self.of_y, *parameters}, "; ") if name else ""
-            return f"`{what}`: {known}; give it in `y0` or in `parameters`{near}"
+            others = f"known are {', '.join((*self.of_y, *parameters))}"
+            advice = others if self.made else "give it in `y0` or in `parameters`"
+            return f"`{what}`: {known}; {advice}{near}"
         return f"`{what}`: {sentence}"
 
     def start(self, y0: Start) -> tuple[Any, ...]:
@@ -479,6 +498,8 @@ class _Rename(ast.NodeTransformer):
         self.layout, self.half = names.layout, 0 if names.of_y else names.half
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        if (name := ast.unparse(node)) in self.places:
+            return _component(self.places[name])
         index, vector = node.slice, node.value.id if isinstance(node.value, ast.Name) else ""
         part = self.layout.half_of(vector) if self.half else ""
         if not part or not isinstance(index, ast.Constant) or type(index.value) is not int:
@@ -486,8 +507,7 @@ class _Rename(ast.NodeTransformer):
         each = len(self.layout.q)
         if not 0 <= index.value < self.half // each:
             raise UsageError(
-                f"`{vector}` has {self.half // each} components, from 0 on; there is no "
-                f"{ast.unparse(node)}"
+                f"`{vector}` has {self.half // each} components, from 0 on; there is no {name}"
             )
         k = (self.layout.q if part == "q" else self.layout.p).index(vector)
         return _component(each * index.value + k + (self.half if part == "p" else 0))

@@ -35,6 +35,7 @@ from ..errors import UsageError
 from ..system.arguments import shown
 from .canonical import equations, shared
 from .formula import Formula, substituted
+from .from_expressions import scalar_in
 from .loops import QuadraticForm
 from .model import Problem
 
@@ -123,24 +124,8 @@ def time_transformed(problem: Problem, rate: str) -> Problem:
 
 
 def _rate(problem: Problem, rate: str) -> Formula:
-    """Read the rate, in the names of the components or in ``y[0]``, .."""
-    places = {name: f"y[{k}]" for k, name in enumerate(problem.labels)}
-    if not isinstance(rate, str) or not rate.strip():
-        raise UsageError(
-            f"`rate` must be an expression such as 'sqrt(x**2 + y**2)', got {shown(rate)}"
-        )
-    try:
-        text = substituted(rate, lambda vector, i: places.get(f"{vector}[{i}]"), places)
-    except (SyntaxError, ValueError, RecursionError, AssertionError):  # y[-1] is no component
-        raise UsageError(f"`rate` cannot be read: {shown(rate)}") from None
-    found = Formula((text,), variables=("y",), parameters=problem.parameters, shape=())
-    try:
-        beyond = [i for i in found.indices if not 0 <= i < problem.dimension]
-    except UsageError as error:
-        known = ", ".join((*problem.labels, *problem.parameters))
-        raise UsageError(f"`rate`: {error}".replace("known are", f"known are {known},")) from None
-    if beyond:
-        raise UsageError(f"`rate` uses component {beyond[0]} of {problem.dimension}")
+    """Read the rate."""
+    found = scalar_in("rate", rate, problem.labels, problem.dimension, problem.parameters)
     with np.errstate(all="ignore"), suppress(ArithmeticError):
         if 0 < found(np.asarray(problem.y0, dtype=float)) < np.inf:
             return found

@@ -12,11 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
+
+import numpy as np
 
 from ...errors import UsageError
 from ...findings import Proof
+from ...method.lasting import lasting
 from ..strong_multistep import StrongFormula, strong_document
 from .derivation import (
     Derivation,
@@ -36,8 +38,6 @@ _PAGE = "docs/nonseparable.md"
 #: A note that says by which power of h the energy drifts, and one for runs that are watched.
 _DRIFTS = "On Hamiltonian systems the energy drifts with h^{}, see " + _PAGE + "."
 _WATCHED = "A run that is being lost has a notice."
-#: What :mod:`glmref.engine.parasites` watches: pairs of roots, or one, of a modulus above 1/2.
-_HALF = Fraction(1, 2)
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,8 @@ def _complete(name: str, numbers: Shipped, where: str) -> tuple[dict[str, Any], 
         **{key: value for key, value in CLAIMS.items() if key != "reducible"},
         "symmetric": False,
     }
-    turning = any(a * a < 4 * b and b > _HALF**2 for a, b in formula.pairs)
-    watched = turning or any(m > _HALF for m in formula.reals)
-    notes = [_DRIFTS.format(order + first), *[_WATCHED] * watched]
+    watched = lasting(np.linalg.eigvals(np.array(formula.V, dtype=float)))
+    notes = [_DRIFTS.format(order + first), *[_WATCHED] * bool(watched)]
     complete_exactly(document, claims, derived_source(where, "strong-multistep", _PAGE), notes)
     text = (
         f"{name}: order {order} on all systems with {formula.steps} steps, every parasitic root "
