@@ -2,9 +2,10 @@
 
     python -m campaigns.scene_results
     glmref run --all --quick --format json > run.json; python -m campaigns.scene_results run.json
+    glmref run van-der-pol-jump --format json > run.json; python -m campaigns.scene_results run.json
 
 The first form puts the tables into the page; the second first takes questions and answers of a run
-into data/measurements/scenes.json.
+into data/measurements/scenes.json, the third the records of one scene into stiff-cost.json.
 """
 
 from __future__ import annotations
@@ -12,31 +13,34 @@ from __future__ import annotations
 import json
 import sys
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from campaigns.pages import ROOT, Pages, markdown, measured, write
 from glmref.catalogue.lookup import data_root
 
 PAGE = ROOT / "docs" / "scene-results.md"
 FOLDER = data_root() / "measurements"
-#: Problem and end of the table of stiff problems, and its methods.
-JUMP = ("van-der-pol", 2.0)
-SHOWN = (
-    "sdirk-4", "dimsim-2-type-2", "gsymplectic-p", "g6245", "gauss-2", "radau-iia-3",
-    "scipy Radau", "scipy BDF",
-)  # fmt: skip
+#: Scene of the table of stiff problems, and its columns.
+JUMP = "van-der-pol-jump"
+COLUMNS = ("method", "h", "tolerance", "outcome", "state_error", "evaluations")
 
 
 def stiff() -> str:
     """Return the counts over the jump of Van der Pol's equation, with those of scipy."""
     rows = []
-    for one in measured("stiff-cost")["rows"]:
-        if (one["problem"], one["t_end"]) != JUMP or one["name"] not in SHOWN:
-            continue
-        step = f"h = {one['h']:.3g}" if one["h"] else f"tol {one['tolerance']:.0e}"
-        error = one["outcome"] if one["error"] is None else f"{one['error']:.1e}"
-        rows.append([one["name"], step, error, f"{one['evaluations']:,}"])
+    for name, h, tolerance, outcome, error, count in map(costs, measured("stiff-cost")["rows"]):
+        if tolerance or h == 1e-6:
+            step = f"h = {h:.3g}" if h else f"tol {tolerance:.0e}"
+            shown = outcome if error is None else f"{error:.1e}"
+            rows.append([f"`{name}`", step, shown, f"{count:,}"])
     return markdown(["method", "step", "error", "evaluations"], rows)
+
+
+def costs(row: Mapping[str, Any]) -> list[Any]:
+    """Return the columns of a row; a run at a fixed step has no tolerance."""
+    return [row.get(key) for key in COLUMNS]
 
 
 def long() -> str:
@@ -61,27 +65,31 @@ PAGES: Pages = {PAGE: {"stiff": stiff, "long": long}}
 
 
 def renew(path: Path) -> None:
-    """Take questions and answers of a run into the data."""
-    documents = json.loads(path.read_text(encoding="utf-8"))
-    circumstances = documents[0]["records"][0]["where"]
-    document = {
-        "format": "glmref-measurement-1",
-        "what": "the answer of every scene, with the step sizes of --quick",
-        "how": "glmref run --all --quick --format json > run.json; "
-        "python -m campaigns.scene_results run.json",
-        "where": circumstances,
-        "scenes": [
+    """Take questions and answers of a run, or the costs of one scene, into the data."""
+    found = json.loads(path.read_text(encoding="utf-8"))
+    one = isinstance(found, dict)
+    documents = [found] if one else sorted(found, key=lambda one: one["scene"])
+    head = {"format": "glmref-measurement-1"}
+    where = {"where": documents[0]["records"][0]["where"]}
+    how = "glmref run {} --format json > run.json; python -m campaigns.scene_results run.json"
+    if one:
+        rows = [dict(zip(COLUMNS, costs(x), strict=True)) for x in found["records"]]
+        head |= {"what": found["title"], "how": how.format(found["scene"]), **where, "rows": rows}
+    else:
+        said = "the answer of every scene, with the step sizes of --quick"
+        scenes = [
             {
                 "scene": one["scene"],
                 "question": one["question"],
                 "answer": one["answer"],
                 "outcomes": dict(sorted(Counter(x["outcome"] for x in one["records"]).items())),
             }
-            for one in sorted(documents, key=lambda one: one["scene"])
-        ],
-    }
-    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
-    (FOLDER / "scenes.json").write_text(text + "\n", encoding="utf-8")
+            for one in documents
+        ]
+        head |= {"what": said, "how": how.format("--all --quick"), **where, "scenes": scenes}
+    text = json.dumps(head, indent=1, ensure_ascii=False, allow_nan=False)
+    name = "stiff-cost" if one else "scenes"
+    (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
