@@ -31,9 +31,7 @@ import numpy as np
 
 from campaigns.pages import markdown
 from glmref.catalogue.lookup import load
-from glmref.catalogue.reader import load_document
-from glmref.derive.multistep import multistep_document
-from glmref.method import Method, PartitionedGLM
+from glmref.method import PartitionedGLM
 
 #: Published symmetric multistep methods.
 SYMMETRIC = (
@@ -53,25 +51,6 @@ def angles_of(name: str) -> np.ndarray:
     V = np.array([[float(x) for x in row] for row in method.V_hat])
     found = np.angle(np.linalg.eigvals(V))
     return np.sort(found[found > 1e-3])
-
-
-@cache
-def twin(name: str) -> Method:
-    """Return a published symmetric multistep method in the one-step form of the new ones.
-
-    The same formula for the positions, up to the rounding of the cosines of its roots: the engine
-    steps it by the same kernel, which a comparison of times has to do. Its file keeps the published
-    form. Other methods are returned as they are.
-    """
-    if name not in SYMMETRIC:
-        return load(name)
-    of_p = cosines(name)
-    return load_document(multistep_document(f"{name}-in-one-step-form", [], of_p, title=name))
-
-
-def cosines(name: str) -> list[Fraction]:
-    """Return cosines of the pairs of roots of a symmetric multistep method, to nine digits."""
-    return [Fraction(float(c)).limit_denominator(10**9) for c in np.cos(angles_of(name))[::-1]]
 
 
 @cache

@@ -1,41 +1,20 @@
 """Multistep methods against pairs and splittings on forty problems that nobody trained on.
 
 Each problem of ``held_out_problems.json`` over two horizons: the error of the last state over the
-short one, the largest error of the energy in 64 samples over the long one. Evaluations are counted
-as :mod:`.work` does. Times are taken beside them, all methods of a case in turn, round after round,
-the least of the rounds: the load of the machine meets all of them alike.
-
-    python -m campaigns.partitioned.held_out data/measurements/held-out.json
-    python -m campaigns.partitioned.held_out digits data/measurements/held-out-digits.json
-
-The second form counts evaluations down to an error of 1e-12 over the short horizon, on the
-problems of at most six components. Rows are kept as they end, so that the same command goes on
-where it was stopped.
+short one, the largest error of the energy in 64 samples over the long one. The study is closed:
+the records name the commit and the command that measured them.
 """
 
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from itertools import chain
 from typing import Any
 
-from campaigns.driver import arguments, carried_out, complete, record_of, three_digits
 from campaigns.pages import markdown
-from campaigns.partitioned.error_front import SYMMETRIC, twin
-from campaigns.partitioned.work import (
-    PROBLEMS,
-    Case,
-    case_of,
-    mean,
-    needed,
-    needs,
-    per_step,
-    task_of,
-)
-from glmref.engine.solve import solve
+from campaigns.partitioned.error_front import SYMMETRIC
+from campaigns.partitioned.work import mean, needed, quadratic
 
 TOLERANCES = ("1e-06", "1e-09")
 NYSTROM = "Runge-Kutta-Nyström"
@@ -62,116 +41,6 @@ GROUPS: Mapping[bool, Mapping[str, Sequence[str]]] = {
         "new": ("multistep-8", "multistep-10"),
     },
 }
-#: Rounds of the timing, and evaluations of each of its runs.
-ROUNDS, TIMED_EVALUATIONS = 5, 4_000
-_NEEDED = (
-    "needed: evaluations of the steps from which the error stays below the tolerance; "
-    "start_evaluations come on top. Multistep methods start from the starting method of their "
-    "file, pairs from zero values."
-)
-_TIMES = (
-    f"seconds: the steps needed times the time of one, the least of {ROUNDS} rounds over all "
-    "methods in turn; published multistep methods in the one-step form, and with the kernel, of "
-    "the new ones."
-)
-
-
-def _cases() -> tuple[Case, ...]:
-    found = []
-    for name, held in PROBLEMS.items():
-        of, parameters = (
-            (name, ()) if held.H else ("kepler", tuple((held.parameters or {}).items()))
-        )
-        case = Case(name, of, held.t_end, held.least, parameters, most=held.most)
-        least = round(held.least * held.longer / held.t_end)
-        more = max(held.most, 20 * least)
-        longer = {"t_end": held.longer, "least": least, "measure": "energy", "most": more}
-        found += [case, replace(case, name=f"{name}, long", **longer)]
-    return tuple(found)
-
-
-CASES = _cases()
-
-
-def quadratic(case: str) -> bool:
-    """Return whether T is quadratic in a case of this name."""
-    return PROBLEMS[case.removesuffix(", long")].quadratic
-
-
-#: Problems of many bodies on which :data:`LONG_STEPS` are not run: their kernels take minutes to
-#: compile there.
-LARGE = (
-    *("ring 64", "lennard-jones 7", "ions 8", "ring polymer 16", "morse chain 16", "toda ring 16"),
-    *("fput beta 32", "pendulum chain 24", "dna chain 24", "lattice 36"),
-)
-#: On the one chain with all methods, phi4, the best of these splittings needs at 1e-9 0.94 of the
-#: evaluations of the best of the others over the short horizon, 1.6 times as many over the long.
-LONG_STEPS = ("kahan-li-8", "blanes-casas-rkn-8-19", "pair-rkn-6-7b", "quinlan-8a")
-
-
-def methods_for(case: str) -> list[str]:
-    """Return what is measured in a case."""
-    left_out = LONG_STEPS if case.removesuffix(", long") in LARGE else ()
-    found = [x for group in GROUPS[quadratic(case)].values() for x in group]
-    return [x for x in found if x not in left_out]
-
-
-def _seconds(case: Case, steps: Mapping[str, int], rounds: int = ROUNDS) -> dict[str, float]:
-    """Time so many steps of each method: all in turn, round after round, the least of each."""
-    target, least = case.built(), dict.fromkeys(steps, math.inf)
-    for _ in range(rounds):
-        for name, count in steps.items():
-            few = max(50, min(count, TIMED_EVALUATIONS // per_step(name)))
-            run = solve(target, twin(name), h=case.t_end / count, steps=few, every=few)
-            if run.completed:
-                least[name] = min(least[name], run.seconds / run.steps * count)
-    rounded = {name: three_digits(x) for name, x in least.items() if math.isfinite(x)}
-    return {name: x for name, x in rounded.items() if x is not None}
-
-
-def case_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Count and time the methods of a case in JSON."""
-    case, key = case_of(task), TOLERANCES[-1]
-    rows = {x["method"]: x for x in needs(case, task["methods"])}
-    counts = {name: row["needed"].get(key) for name, row in rows.items()}
-    steps = {name: max(1, round(n / per_step(name))) for name, n in counts.items() if n}
-    for name, seconds in _seconds(case, steps).items():
-        rows[name]["seconds"] = {key: seconds}
-    return {"case": case.name, "measure": case.measure, "methods": [*rows.values()]}
-
-
-def main(path: Path, cases: Sequence[Case] = CASES) -> None:
-    """Measure all cases and write the file."""
-    tasks = (task_of(case, *methods_for(case.name)) for case in cases)
-    title = "Evaluations and time on forty problems on which no method was trained"
-    record = record_of("partitioned.held_out", "held-out", title, _NEEDED, _TIMES)
-    record["cases"] = carried_out(case_row, tasks, beside=path)
-    complete(path, record | {"not measured": [x.name for x in CASES if x not in cases]})
-
-
-#: Tolerances down to which evaluations are counted over the short horizon, and the components
-#: of the largest problem.
-DIGITS, COMPONENTS = (1e-6, 1e-9, 1e-12), 6
-
-
-def count_row(task: Mapping[str, Any]) -> dict[str, Any]:
-    """Count the evaluations of the methods of a case in JSON, at all of :data:`DIGITS`."""
-    case = case_of(task)
-    rows = needs(case, task["methods"], DIGITS)
-    return {"case": case.name, "measure": case.measure, "methods": rows}
-
-
-def digits(path: Path) -> None:
-    """Count evaluations at all of :data:`DIGITS` and write the file."""
-    short = (x for x in CASES if x.measure == "state" and x.name not in LARGE)
-    cases = [x for x in short if x.built().dimension <= COMPONENTS]
-    tasks = (task_of(case, *methods_for(case.name)) for case in cases)
-    title = "Evaluations for 6, 9 and 12 digits on small problems on which no method was trained"
-    record = record_of("partitioned.held_out digits", "held-out-digits", title, _NEEDED)
-    complete(path, record | {"cases": carried_out(count_row, tasks, beside=path)})
-
-
-# --- tables ---------------------------------------------------------------------------------------
 
 
 def best(
@@ -238,7 +107,7 @@ def singles(document: Mapping[str, Any]) -> str:
     names = {"state": "short", "energy": "long"}
     heads = [f"{names[m]}, $10^{{{int(t[2:])}}}$" for m, t in columns]
     rows = []
-    for name in methods_for(next(iter(PROBLEMS))):
+    for name in chain.from_iterable(GROUPS[True].values()):
         cells = [f"`{name}`"]
         for measure, tolerance in columns:
             shares = []
@@ -274,8 +143,3 @@ def table(document: Mapping[str, Any], measure: str) -> str:
         cells.append(fastest if math.isfinite(times[fastest]) else "-")
         rows.append(cells)
     return markdown(heads.split(", "), rows)
-
-
-if __name__ == "__main__":
-    *what, file = arguments(sys.argv[1:])
-    (digits if what == ["digits"] else main)(Path(file))

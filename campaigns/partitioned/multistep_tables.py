@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from campaigns import world
 from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned import error_front, held_out
 from campaigns.partitioned.tables import shown_error
@@ -180,6 +180,35 @@ def front_table(document: Mapping[str, Any]) -> str:
     return markdown(heads.split(", "), rows)
 
 
+def _fastest(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the row of the least time."""
+    return min(rows, key=lambda x: math.inf if x["seconds"] is None else x["seconds"])
+
+
+def winners(document: Mapping[str, Any]) -> dict[str, int]:
+    """Count in how many cases each is the fastest."""
+    return dict(Counter(_fastest(entry["methods"])["method"] for entry in document["cases"]))
+
+
+def world_table(document: Mapping[str, Any]) -> str:
+    """Tabulate milliseconds, in brackets evaluations; the fastest of a case is bold."""
+    names = list(dict.fromkeys(x["method"] for c in document["cases"] for x in c["methods"]))
+    rows = []
+    for entry in document["cases"]:
+        known, best = {x["method"]: x for x in entry["methods"]}, _fastest(entry["methods"])
+        cells = [entry["case"]]
+        for name in names:
+            row = known.get(name)
+            if row is None or row["seconds"] is None:
+                cells.append("-" if row is None else "not reached")
+                continue
+            shown = f"{1e3 * row['seconds']:.3g}"
+            count = f" ({row['evaluations']:,})" if row["evaluations"] else ""
+            cells.append((f"**{shown}**" if row is best else shown) + count)
+        rows.append(cells)
+    return markdown(["case", *names], rows)
+
+
 PAGES: Pages = {
     ROOT / "docs" / "multivalue.md": {
         "held-out-answer": long_answer,
@@ -193,7 +222,7 @@ PAGES: Pages = {
         "multistep-growth": lambda: growth_table(measured("multistep-growth")),
         "multistep-front": lambda: front_table(measured("multistep-front")),
         "error-front": lambda: error_front.table(measured("error-front")),
-        "world": lambda: world.table(measured("world")),
+        "world": lambda: world_table(measured("world")),
         "held-out-summary": lambda: held_out.summary(measured("held-out")),
         "held-out-singles": lambda: held_out.singles(measured("held-out")),
         "held-out-long": lambda: held_out.table(measured("held-out"), "energy"),
