@@ -1,7 +1,5 @@
 """Tables of docs/audit.md and docs/audit/tables.md from the records of ``data/audits``."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any

@@ -8,8 +8,6 @@ installed, it solves a problem too, by itself, with the method of that name.
 ``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``).
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.metadata
 import json

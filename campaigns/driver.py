@@ -6,8 +6,6 @@ stopped. Where a file keeps rows, each carries the fingerprint of what it depend
 changed, the row is measured again.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -8,8 +8,6 @@ The residuals are computed in the arithmetic of the proofs and stored as rounded
 that compute nothing; what the file lacks is computed anew.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Mapping

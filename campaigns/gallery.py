@@ -1,7 +1,5 @@
 """The tables of docs/results.md, from the files in data/measurements."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 

@@ -13,8 +13,6 @@ The first form takes 10^6 steps of every method, the second adds longer runs of 
 Runs are carried out where ``--on`` or ``GLMREF_EXECUTOR`` says; those that the file has are kept.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

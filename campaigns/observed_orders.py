@@ -10,8 +10,6 @@ what start and finish can reach, seen where a conjugation drops out (see
 measures what the file lacks: a method that is new, or whose coefficients or orders have changed.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

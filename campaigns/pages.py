@@ -5,8 +5,6 @@
 computes all of them anew from the files in data.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -10,8 +10,6 @@ says :func:`glmref.predict`.
 Runs are carried out where ``--on`` or ``GLMREF_EXECUTOR`` says; those that the file has are kept.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence

@@ -8,8 +8,6 @@ growth shows: the part of the values along the eigenvector of V of eigenvalue -1
 pendulum from 2.3 radians, and what :func:`glmref.predict` says of it at the start.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import sys

@@ -14,8 +14,6 @@ Hairer, McLachlan, Razakarivony, Achieving Brouwer's law with implicit Runge-Kut
 (2008) 231-243.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Mapping, Sequence

@@ -8,8 +8,6 @@ The first form puts the tables into the page; the second first takes questions a
 into data/measurements/scenes.json, the third the records of one scene into stiff-cost.json.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections import Counter

@@ -7,8 +7,6 @@ those of :func:`glmref.measure.stability.region`. For a pair the moduli of the e
 instead, on the oscillator q' = omega p, p' = -omega q.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterable, Mapping

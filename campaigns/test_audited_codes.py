@@ -1,7 +1,5 @@
 """The records of the audit hold the known defects, and the pages say how many there are."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The orders that tables of the audit show in runs, and their place in docs/audit/tables.md."""
 
-from __future__ import annotations
-
 import pytest
 
 from campaigns.audited_orders import PAGE, STEPS, errors_of, observed

@@ -1,7 +1,5 @@
 """Records of closed studies: drifts of modified energies, a hundred million steps of a pendulum."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import cache

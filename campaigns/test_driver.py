@@ -1,7 +1,5 @@
 """The driver: the same rows wherever tasks run, and nothing is measured twice."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """The gallery of results and the pictures are those of the records; other records give others."""
 
-from __future__ import annotations
-
 import copy
 import re
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """Documents of methods, and functions of users, that tests make up."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Settings that every test shares: the profile of hypothesis, and what is quick of a family."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil

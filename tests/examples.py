@@ -1,7 +1,5 @@
 """How many examples hypothesis tries: a tenth of them in runs of quick tests only, else all."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

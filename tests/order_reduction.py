@@ -12,8 +12,6 @@ Prothero, Robinson, Math. Comp. 28 (1974) 145-162.
 Hairer, Wanner, Solving Ordinary Differential Equations II (1996), section IV.15.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction

@@ -4,8 +4,6 @@ Tests are collected by every worker before the first one runs; to read the whole
 family would take longer than the quick tests of several subpackages.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Container, Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """The source of the package as syntax trees, each file parsed and walked once in a process."""
 
-from __future__ import annotations
-
 import ast
 import gc
 from functools import cache

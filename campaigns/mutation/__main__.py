@@ -1,7 +1,5 @@
 """``python -m campaigns.mutation``: draw mutants, run their tests, record what came of each."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -5,8 +5,6 @@ is written into the copy, and the tests that call what it changes are run there 
 those of the module first.
 """
 
-from __future__ import annotations
-
 import gc
 import json
 import os

@@ -1,7 +1,5 @@
 """Small changes of a module, each given by the text that it replaces."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass

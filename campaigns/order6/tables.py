@@ -1,7 +1,5 @@
 """The tables of campaigns/order6/README.md and docs/order6.md, from data/measurements."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from typing import Any
 

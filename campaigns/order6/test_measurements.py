@@ -1,7 +1,5 @@
 """Order 6 and 8: tables and sentences of the pages, long runs, notes, and the search for order 8."""
 
-from __future__ import annotations
-
 import copy
 import re
 from collections.abc import Mapping, Sequence

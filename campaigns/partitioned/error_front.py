@@ -19,8 +19,6 @@ The step is stable at (h omega)^2 = y where all zeros of w P + y S are simple an
 first order the evaluations needed for a small error are as C^{1/(2 m + 2)}.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from fractions import Fraction

@@ -5,8 +5,6 @@ short one, the largest error of the energy in 64 samples over the long one. The 
 the records name the commit and the command that measured them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import chain

@@ -1,7 +1,5 @@
 """The tables of docs/multivalue.md and campaigns/partitioned/multistep.md."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Mapping

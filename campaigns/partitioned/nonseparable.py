@@ -6,8 +6,6 @@ Semi-separable systems are measured here, too. The rest of the record is of clos
 notes name their commands and the commit that has them.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -6,8 +6,6 @@ The problems are those of ``nonseparable.json``, whose rivals are not measured a
 and systems that were written down after other methods had been fixed.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

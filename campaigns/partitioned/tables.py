@@ -3,8 +3,6 @@
 They come from data/measurements and data/methods/partitioned.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Strongly stable multistep methods: the pages say what is recorded."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

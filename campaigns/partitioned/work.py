@@ -5,8 +5,6 @@ error falls below the tolerance for good: between the last grid point above and 
 interpolated in logarithms. So a lucky zero of the error at one step size counts for nothing.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

@@ -6,8 +6,6 @@ the truth: it accepts a claim in one direction, and another rule accepts it in t
 :func:`accepted` is the one place that knows the program that judges certificates.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """Documents made to deceive, and what the verifier says of them."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Mapping, Sequence
 from fractions import Fraction

@@ -5,8 +5,6 @@ one quantifier or one negation of the judge at a time, and one hypothesis of a r
 or negated), of one mutant in SHARE, and names those that nothing notices.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.abc
 import importlib.util

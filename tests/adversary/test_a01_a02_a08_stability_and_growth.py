@@ -1,7 +1,5 @@
 """A1, A2, A8: what is undecided, what is multiple, and what is claimed but proved to be zero."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

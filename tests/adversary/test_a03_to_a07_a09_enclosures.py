@@ -1,7 +1,5 @@
 """A3 to A7, A9, A12, A14: what an enclosure and its start prove, and what they do not."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """A10, A11, A13: searches that end, stability at its edges, words that mean something else."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """No claim is accepted in both directions, and no hostile certificate at all."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

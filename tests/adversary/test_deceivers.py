@@ -6,8 +6,6 @@ right but for 1e-50. Where a verdict of these changes, a rule has changed: mutan
 (``python -m campaigns.mutation --subpackages kernel``) are noticed here.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

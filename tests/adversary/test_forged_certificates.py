@@ -1,7 +1,5 @@
 """Certificates made by hand that prove nothing: the checker refuses every one."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

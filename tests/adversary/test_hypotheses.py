@@ -1,7 +1,5 @@
 """Every hypothesis of every rule has a hostile certificate that violates it and no other."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the judge keeps of one certificate changes no later answer."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

@@ -1,7 +1,5 @@
 """A sample of the mutants of the judge's hypotheses; a mutant is drawn by its text."""
 
-from __future__ import annotations
-
 import pytest
 
 from . import judge_mutation

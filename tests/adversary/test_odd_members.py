@@ -1,7 +1,5 @@
 """A member that is missing or odd gets one sentence of the judge, never an error of the program."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Iterator

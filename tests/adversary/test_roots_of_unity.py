@@ -1,7 +1,5 @@
 """Files in roots of unity of several orders: what is zero is written so that no single field shows it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

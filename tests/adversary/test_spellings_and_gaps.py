@@ -1,7 +1,5 @@
 """Files whose numbers are spelled oddly or in decimals: verdicts, and certificates."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

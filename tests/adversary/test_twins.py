@@ -1,7 +1,5 @@
 """A small attack with twins: see :mod:`tests.attack.twins`."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.attack import twins

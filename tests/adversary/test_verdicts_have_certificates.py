@@ -3,8 +3,6 @@
 The checker shares no code with the package, so that it is a second opinion on every verdict.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import shutil

@@ -5,8 +5,6 @@ Each module but those that several use is an attack. It offers ``COUNT``, the nu
 returns a :class:`.tally.Tally`, or what :mod:`.texts` runs.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import sys

@@ -1,7 +1,5 @@
 """Mutated files of campaigns and of own problems: read and used, or refused with a sentence."""
 
-from __future__ import annotations
-
 import json
 import random
 import tempfile

@@ -4,8 +4,6 @@ What is accepted after a mutation is held against the package: it must find the 
 method of the certificate.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import tempfile

@@ -4,8 +4,6 @@ After each fault the same command is run again. The records must be those of an 
 for bit, but for timings; none may be there twice, and none be lost.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Callable

@@ -6,8 +6,6 @@ claims or of the enclosure. It must end in findings or in one sentence, within a
 claim that ``holds`` is held against the oracle (:mod:`tests.oracle`).
 """
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import csv

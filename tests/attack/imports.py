@@ -4,8 +4,6 @@ The tables are exports of shipped methods whose names, titles and sources hold h
 export must be one comment and its code, whatever these say. What is read must be a method file.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import re

@@ -1,7 +1,5 @@
 """Values that are no argument of any function, among them some that fail whatever is asked of them."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Callable

@@ -4,8 +4,6 @@ What the kernel finds, the judge's verdict and its answer to the certificates in
 the oracle (:mod:`tests.oracle`).
 """
 
-from __future__ import annotations
-
 import json
 import random
 from collections import Counter

@@ -5,8 +5,6 @@ its size from the seed. It must end within its limit, with a sentence, and with 
 gone; no exception but those that have a name may leave the adapter.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

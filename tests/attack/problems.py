@@ -4,8 +4,6 @@ Nothing but arithmetic may come of a formula: a name that is no variable, an att
 anything but a function of the list is refused, and a power or a nesting that costs minutes too.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterable
 from contextlib import suppress

@@ -5,8 +5,6 @@ readers of runs and of reports take it or refuse it with a sentence; a record th
 one of those that were written, number by number.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import tempfile

@@ -4,8 +4,6 @@ A shipped scene is mutated once to four times: bytes flipped, lines deleted, dou
 cut, keys renamed, values replaced by hostile ones. What is read is planned as well.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 import math

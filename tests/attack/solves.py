@@ -8,8 +8,6 @@ only; one that ended before keeps finite numbers too. Functions that cannot be t
 or noticed, and functions that only compute in place are stepped as their well-behaved twins are.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import random

@@ -4,8 +4,6 @@
 entry of the kept verdicts is damaged before, and never changes what is found.
 """
 
-from __future__ import annotations
-
 import contextlib
 import hashlib
 import io

@@ -5,8 +5,6 @@ tableau those of every kind of method. A source gives records, a document verdic
 what is said to hold of a tableau is held against floating point.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

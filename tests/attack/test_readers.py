@@ -1,7 +1,5 @@
 """Small attacks on the readers of records, problems and certificates; what they found."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

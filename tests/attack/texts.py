@@ -1,7 +1,5 @@
 """Mutations of JSON documents that any reader gets, and the loop over cases."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

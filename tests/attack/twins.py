@@ -7,8 +7,6 @@ same one or be open; a label ``exact`` needs exact entries. What holds or fails 
 oracle. Verdicts without a certificate that the checker accepts are counted.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import tempfile

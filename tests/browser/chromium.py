@@ -1,7 +1,5 @@
 """How a page is opened in Chromium."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

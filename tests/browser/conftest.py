@@ -1,7 +1,5 @@
 """Chromium and its driver; tests are skipped where one of them, or selenium, is absent."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from typing import Any

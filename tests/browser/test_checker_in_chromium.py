@@ -1,7 +1,5 @@
 """The page that checks a tableau in the browser: right, readable, and nothing leaves it."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The documentation in a real browser: nothing is cut, broken apart or unreadable."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -4,8 +4,6 @@ Chromium and its driver (Debian: ``apt install chromium chromium-driver``) with 
 where one of them is absent. Records are those of a short run.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -4,8 +4,6 @@ Records are compared bit for bit but for what depends on the clock: run times, t
 kernel, and the checksum, which is over them.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

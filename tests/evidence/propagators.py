@@ -1,7 +1,5 @@
 """Propagators of a parasitic part: measured by two runs, and that of mu f'."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Every command that takes ``--on`` gives the same here, in processes and on a Dask cluster."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path

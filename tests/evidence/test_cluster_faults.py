@@ -1,7 +1,5 @@
 """Faults of a Dask cluster whose workers are processes: each becomes a result or a sentence."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """A campaign on a Dask cluster whose workers are killed again and again, and whose scheduler is killed."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

@@ -5,8 +5,6 @@ part is ``values - S(F(y_1))`` at the end of the run, with the start S and the f
 what the values carried lack to the start of their own solution.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

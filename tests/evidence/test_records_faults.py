@@ -1,7 +1,5 @@
 """Runs that are killed, doubled, short of disk: the records are those of an undisturbed run."""
 
-from __future__ import annotations
-
 import os
 import random
 import re

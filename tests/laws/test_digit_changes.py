@@ -6,8 +6,6 @@ of all files. A change that the loader refuses, or that makes the enclosure's pr
 too.
 """
 
-from __future__ import annotations
-
 import copy
 import os
 from collections.abc import Iterator

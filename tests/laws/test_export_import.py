@@ -1,7 +1,5 @@
 """Export then import is the identity, for every method of the catalogue that the format holds."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Whatever the document, the loader gives a method or one sentence; and so does the parser."""
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable

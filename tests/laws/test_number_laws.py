@@ -1,7 +1,5 @@
 """Exact numbers are a field, balls contain them, texts stand for them, matrices obey algebra."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from hypothesis import assume, given

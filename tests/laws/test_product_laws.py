@@ -4,8 +4,6 @@ Every test puts balls around rationals, computes the same in exact arithmetic, a
 true number lies in the enclosure and that a number slightly beside it does not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any

@@ -4,8 +4,6 @@ Everything is exact: the right-hand sides are polynomials with whole coefficient
 steps are fractions.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 

@@ -4,8 +4,6 @@ Everything here is exact arithmetic on :mod:`glmref.exact.linalg` matrices. A po
 degree at most d in each of k variables is proved by evaluating it on a grid of (d + 1)^k points.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator, Sequence
 from fractions import Fraction

@@ -6,8 +6,6 @@ two agree only where both are right. Its tables are exact (sympy) or doubles; ex
 compared exactly.
 """
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -4,8 +4,6 @@ The corrected W, A and the order-6 methods they give exist and are G-symplectic,
 free of parasitism, and (3.22) as printed gives no real method at all.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

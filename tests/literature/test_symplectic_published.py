@@ -4,8 +4,6 @@ What is published, by family; the property is computed here from the coefficient
 claims of the files.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

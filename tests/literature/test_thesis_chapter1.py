@@ -1,7 +1,5 @@
 """Khan (2018), sections 1.0 to 1.2: differential equations and Hamiltonian systems, as printed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from math import factorial
 

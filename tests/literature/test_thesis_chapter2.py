@@ -1,7 +1,5 @@
 """Khan (2018), sections 2.1, 2.2 and 2.4: one-step and multistep methods, as printed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """The shipped files hold the tableaux of Khan (2018) that the literature tests type in."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

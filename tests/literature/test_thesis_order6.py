@@ -1,7 +1,5 @@
 """Khan (2018), section 3.4 up to (3.17): the construction of order 6, as printed."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Khan (2018), section 3.4 from (3.18) on: the printed W, A, U and claims of the order-6 method."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

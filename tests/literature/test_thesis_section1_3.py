@@ -1,7 +1,5 @@
 """Khan (2018), section 1.3: numerical methods for Hamiltonian systems, as printed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Khan (2018), section 2.3: general linear methods, their adjoint and symmetry, as printed."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Khan (2018), sections 3.0.5 to 3.2 up to (3.5): G-symplectic methods and N, as printed."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 from itertools import product

@@ -1,7 +1,5 @@
 """Khan (2018), (3.6) to (3.9): starting methods and the order-4 method, as printed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import permutations
 

@@ -1,7 +1,5 @@
 """Tableaux of Khan (2018) for the literature tests: as printed, and as corrected where noted."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 

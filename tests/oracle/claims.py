@@ -1,7 +1,5 @@
 """What the oracle says of a claim: ``True``, ``False``, or ``None`` near a boundary or out of reach."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any

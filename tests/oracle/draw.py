@@ -1,7 +1,5 @@
 """Documents near every boundary, drawn at random, and claims about them."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

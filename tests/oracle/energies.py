@@ -4,8 +4,6 @@ A step with h and one with h / 2 give the power of h of a defect: of J in the Ja
 and of the change of H.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From a document to the matrices of its components, class by class as ``data/README.md`` has them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property

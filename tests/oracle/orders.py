@@ -6,8 +6,6 @@ this is linear in eta, and in what of eta the order before left open. The tree w
 colour is ``(colour, None)``; eta of it is u.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The oracle agrees with the catalogue, and contradicts neither the kernel nor the judge."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

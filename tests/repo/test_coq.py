@@ -3,8 +3,6 @@
 The whole list is proved by `python checker/coq/check.py`.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -5,8 +5,6 @@ outside that the module does without until then, which is computed from the file
 the line says it.
 """
 
-from __future__ import annotations
-
 import ast
 import sys
 from functools import cache

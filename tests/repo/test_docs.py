@@ -5,8 +5,6 @@ of a console block each line ``$ glmref ...`` is run among these files, one afte
 output follows it must be the output; ``# exit N`` after a command is its exit code.
 """
 
-from __future__ import annotations
-
 import doctest
 import io
 import json

@@ -1,7 +1,5 @@
 """The errata file: its schema, its tests and the data files it names exist."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -4,8 +4,6 @@ A *subpackage* is a package directly inside ``glmref``. ``LAYERS`` lists them fr
 import subpackages of the rows above its own, and subpackages to its left in its own row.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import re

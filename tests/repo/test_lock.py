@@ -1,7 +1,5 @@
 """uv.lock and the conda recipe are what pyproject.toml asks for, and name public places only."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

@@ -4,8 +4,6 @@ A list item is a paragraph. Blocks of code and displayed formulas belong to no p
 in a sentence is one word. What a page includes is part of it.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

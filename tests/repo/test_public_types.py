@@ -1,7 +1,5 @@
 """Every public name of ``glmref``, with the members of its classes, has a known type and a docstring."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

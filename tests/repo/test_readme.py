@@ -1,7 +1,5 @@
 """README is true: its commands and examples run; the table of all families is computed."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

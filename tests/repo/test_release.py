@@ -1,7 +1,5 @@
 """A release: its notes, its list of components, its archive, its workflow; and the whole, slowly."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

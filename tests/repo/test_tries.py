@@ -1,7 +1,5 @@
 """The scripts of packaging/TRY.md: at most five commands each, from an empty folder."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Only the judge's answers make verdicts: checked over the source of the whole package."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The ways of docs/ways.md: scripts of at most five commands, run in a clone called glmref; a notebook."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Pages use the usual words: each pattern is followed by what to write instead."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

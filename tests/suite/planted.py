@@ -4,8 +4,6 @@
 ``words``, what the message must contain.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 

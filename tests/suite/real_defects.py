@@ -6,8 +6,6 @@ change, another order, or a table; ``caught`` has the claim that fails in the co
 words of its messages. Only numbers are taken over.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 from fractions import Fraction

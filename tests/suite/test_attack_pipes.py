@@ -1,7 +1,5 @@
 """Some hostile peers of ``python -m tests.attack pipes``; hundreds of them are its own business."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Some mutated scenes of ``python -m tests.attack scenes``, and two that were found by it."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

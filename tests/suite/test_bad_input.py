@@ -1,7 +1,5 @@
 """Bad input of every kind: one sentence, exit code 2, within two seconds, no traceback."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """``glmref conformance --board``: integrator by property, each cell with its run, and the wrong one red."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

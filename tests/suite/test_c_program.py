@@ -1,7 +1,5 @@
 """A short C program reads any vector file, runs the methods it says it runs, and takes part."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Every claim of every shipped file, recomputed; every broken file refuted for its reason."""
 
-from __future__ import annotations
-
 import pytest
 
 from glmref.catalogue.lookup import document, load, names

@@ -1,7 +1,5 @@
 """The adapters that are shipped: ours and scipy's pass; others where their library is there."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

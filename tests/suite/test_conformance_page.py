@@ -1,7 +1,5 @@
 """The pages on the suite are true: their adapters pass, the slip is named, the protocol is ours."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

@@ -1,7 +1,5 @@
 """Programs as adapters: JSON lines over a pipe, in both directions."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 import time

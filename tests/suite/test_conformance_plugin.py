@@ -1,7 +1,5 @@
 """The pytest face of the suite, and the face without pytest: the same checks, the same verdicts."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

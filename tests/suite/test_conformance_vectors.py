@@ -1,7 +1,5 @@
 """The vectors: made again byte for byte, proved again from the files, true to the contract."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

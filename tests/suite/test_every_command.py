@@ -6,8 +6,6 @@ exit code that the command documents, and never an internal error. Every file is
 (tests/unit/test_show.py, test_catalogue.py).
 """
 
-from __future__ import annotations
-
 import json
 import os
 

@@ -6,8 +6,6 @@ depends on the energy. Over n steps that is n 4 u (1 + 3 n h), here 1.4e-11; wit
 summation on both sides the difference is far smaller.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The judge accepts what is proved and refuses every change of a number in it."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

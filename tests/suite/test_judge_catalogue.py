@@ -1,7 +1,5 @@
 """The judge accepts certificates of the catalogue; enclosed ones with a changed number do not."""
 
-from __future__ import annotations
-
 import copy
 import json
 import os

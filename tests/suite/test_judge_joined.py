@@ -1,7 +1,5 @@
 """The judge as one file gives the answers of the package, in an interpreter that has nothing else."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The judge over FLINT's numbers gives the answers of the judge over Python's."""
 
-from __future__ import annotations
-
 import json
 import sys
 from typing import Any

@@ -1,7 +1,5 @@
 """``glmref audit --lines``, the GitHub Action and the pre-commit hook, on a repository with one wrong table."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

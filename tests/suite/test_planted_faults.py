@@ -1,7 +1,5 @@
 """Test the judges: every planted fault is caught, under the right claim, by name, and no other."""
 
-from __future__ import annotations
-
 import pytest
 
 from glmref.conformance.adapters.reference import Adapter as Reference

@@ -1,7 +1,5 @@
 """The probe reads coefficients out of running integrators, or says what it could not see."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 from typing import Any

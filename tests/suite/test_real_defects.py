@@ -1,7 +1,5 @@
 """Tables that are wrong in published code: each is caught under its claim, and said where."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

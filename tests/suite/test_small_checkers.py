@@ -1,7 +1,5 @@
 """The checkers without dependencies give the proved orders: in C++, JavaScript and Julia."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

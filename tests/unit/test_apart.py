@@ -1,7 +1,5 @@
 """What a user's file asks is answered in time, also where one operation never returns."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os

@@ -1,7 +1,5 @@
 """Arguments of wrong kinds: one short sentence of the package, whatever their class does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """``glmref audit``: small pieces of each syntax, a wrong entry in some, and what cannot be read."""
 
-from __future__ import annotations
-
 import ast
 import json
 from dataclasses import replace

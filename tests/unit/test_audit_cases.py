@@ -4,8 +4,6 @@ The cases are data, ``tests/sources/*.toml``: a case has its text, what is said 
 twins with a defect, of which something else is said.
 """
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

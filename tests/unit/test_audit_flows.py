@@ -1,7 +1,5 @@
 """Splittings that are written as flows one after another, and dictionaries of rows."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

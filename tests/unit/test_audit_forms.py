@@ -5,8 +5,6 @@ defect is a digit, two entries or two weights exchanged, the row of another stag
 in place of embedded ones; it must be accused, asked about, or said to be unread.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path

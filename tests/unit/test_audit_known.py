@@ -1,7 +1,5 @@
 """Numbers of known methods are found in any layout, and a slip in one of them is named."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Backward error analysis: underlying one-step methods, modified equations, conjugacy, H~."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction as F
 from itertools import pairwise

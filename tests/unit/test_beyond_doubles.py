@@ -1,7 +1,5 @@
 """Exact coefficients beyond double precision: what rounds them refuses them in one sentence."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

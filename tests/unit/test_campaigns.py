@@ -1,7 +1,5 @@
 """Campaign files: read strictly, planned, sampled reproducibly, carried out once, shown."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """The catalogue: names, paths, records of errors, BibTeX entries, and the canonical layout."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

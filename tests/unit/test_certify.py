@@ -1,7 +1,5 @@
 """Certificates: what they hold, and how the command line writes them."""
 
-from __future__ import annotations
-
 import json
 import random
 from fractions import Fraction

@@ -4,8 +4,6 @@ The checker, which shares nothing with the library, accepts every one and refuse
 verdict from the same parts.
 """
 
-from __future__ import annotations
-
 import json
 import random
 from fractions import Fraction

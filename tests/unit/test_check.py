@@ -1,7 +1,5 @@
 """``glmref.check``: any kind of number, any kind of method, and the tree that fails."""
 
-from __future__ import annotations
-
 import json
 from decimal import Decimal
 from fractions import Fraction as F

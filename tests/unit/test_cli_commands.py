@@ -1,7 +1,5 @@
 """The commands: what they print, in each format, and the exit code that says how it went."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """What goes wrong around the commands ends in a sentence and an exit code, and loses no result."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Executors: the same results everywhere, limits, faults, records under interruption."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -4,8 +4,6 @@ Coq itself checks a few files in ``tests/repo/test_coq.py``; here the terms are 
 numbers, and the identities that Coq computes are computed again.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Trees up to stage order, and the theorems on which conditions follow."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The interval test on systems with no, one and two roots, and on method files."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Partitioned multistep methods in one-step form: orders, starts, reversibility, one force a step."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any

@@ -1,7 +1,5 @@
 """Recipes reproduce shipped files, and refuse what does not exist."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Search, recipes, closed forms and the command: reproducible, resumable, honest about where they stop."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty

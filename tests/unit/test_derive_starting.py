@@ -1,7 +1,5 @@
 """Starts and finishes with parity: their form is checked, their digits are proved."""
 
-from __future__ import annotations
-
 import copy
 import re
 from fractions import Fraction

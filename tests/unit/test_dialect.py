@@ -1,7 +1,5 @@
 """One dialect: a tableau in every way it is written, through every command, with one verdict."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

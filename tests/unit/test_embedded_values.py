@@ -1,7 +1,5 @@
 """Embedded rows of methods that carry several values: weights of the stages and of the values."""
 
-from __future__ import annotations
-
 import copy
 import json
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """What the choice of a solver is computed from, and how a kernel is called: counted by hand."""
 
-from __future__ import annotations
-
 import ast
 import itertools
 import math

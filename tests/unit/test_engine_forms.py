@@ -1,7 +1,5 @@
 """Forms mean what their description says, also for methods that miss a structure by one number."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Which steps are taken and kept: the numbers, and every sentence of what cannot be."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a solution says of its run: outcome, sentence, times, counts, in two engines alike."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

@@ -3,8 +3,6 @@
 The reference engine, which solves the equations of a step as they stand, says which.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 from typing import Any

@@ -3,8 +3,6 @@
 Expected values are computed here from the documents, in a few lines of plain Python each.
 """
 
-from __future__ import annotations
-
 import copy
 from fractions import Fraction
 from typing import Any

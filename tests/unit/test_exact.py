@@ -1,7 +1,5 @@
 """Exact numbers: zero is decided, floats never enter, balls keep their radius."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Exports: what is refused, what comments say; imports: foreign tables, and what is no table."""
 
-from __future__ import annotations
-
 import ast
 import os
 from fractions import Fraction

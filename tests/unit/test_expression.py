@@ -1,7 +1,5 @@
 """expression.py: the grammar, its limits, and texts that parse back."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

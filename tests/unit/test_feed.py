@@ -1,7 +1,5 @@
 """The feed: valid, the same bytes twice, and readable by a client written from its page."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Explicit multistep methods for systems that are not separable: orders, residues, starts."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 from typing import Any

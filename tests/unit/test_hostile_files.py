@@ -1,7 +1,5 @@
 """Named pipes, devices and folders as inputs and outputs: one sentence, at once, and never a hang."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Names, titles, notes and citations of others: escaped or refused by everything that writes them."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

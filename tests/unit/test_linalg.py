@@ -1,7 +1,5 @@
 """linalg.py: exact matrices, pivots never guessed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """method.py: shapes are checked, transformations are equivalences, rounding keeps its residue."""
 
-from __future__ import annotations
-
 from dataclasses import FrozenInstanceError
 from fractions import Fraction
 from typing import Any

@@ -1,7 +1,5 @@
 """The mutants of ``campaigns.mutation``, and how they take the place of what is imported."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a file may say and open: exact JSON only, and files beside it only."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable

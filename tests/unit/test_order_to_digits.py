@@ -1,7 +1,5 @@
 """The claim of rounded coefficients: an order, and the largest residual of its conditions."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

@@ -1,7 +1,5 @@
 """An own method: given by arrays, numbers, lists; saved, shown, drawn, cited, analyzed, verified."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Parasitic parts: derivatives of steps, modes, losses and growth that can be done by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures: every drawn name is there, labels do not overlap, axes are equal, PNG and PDF are the SVG."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ElementTree
 from itertools import pairwise

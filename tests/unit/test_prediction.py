@@ -1,7 +1,5 @@
 """Parasitic parts predicted: propagators against eigenvalues, losses against runs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

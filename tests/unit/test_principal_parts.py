@@ -3,8 +3,6 @@
 Each file here is the smallest that a rule took for another one.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

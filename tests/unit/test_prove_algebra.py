@@ -1,7 +1,5 @@
 """Linear algebra of proofs: blocks of values, bounded powers."""
 
-from __future__ import annotations
-
 import random
 from contextlib import suppress
 from fractions import Fraction

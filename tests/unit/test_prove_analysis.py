@@ -1,7 +1,5 @@
 """What ``analyze`` says is what was found, and cannot be changed."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import FrozenInstanceError, is_dataclass

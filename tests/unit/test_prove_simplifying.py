@@ -1,7 +1,5 @@
 """Enclosed Runge-Kutta and Rosenbrock methods: what D(1) gives, and digits that are not those of the solution."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What follows from the equations of a file for all values of its unknowns; bounds of orders."""
 
-from __future__ import annotations
-
 import copy
 import itertools
 from fractions import Fraction

@@ -4,8 +4,6 @@ What an element means is computed here in another way: every generator is the pr
 radicand, as complex numbers with 40 digits.
 """
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

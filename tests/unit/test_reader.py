@@ -1,7 +1,5 @@
 """Each class of document becomes the method it stands for, in both formats."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

@@ -1,7 +1,5 @@
 """Rows of ``refusals.toml`` and ``values.toml``: what is refused, and what expressions are worth."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import tomllib

@@ -1,7 +1,5 @@
 """The pages: every number is the stored one, whatever is stored; nothing that is stored is markup."""
 
-from __future__ import annotations
-
 import json
 import re
 from html import unescape

@@ -1,7 +1,5 @@
 """What is stored is read and shown: measurements, errata, entries as MathML, and what cannot be read."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables and tableaux in a terminal: every format is well formed, what a stream cannot show is not sent."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

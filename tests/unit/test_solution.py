@@ -1,7 +1,5 @@
 """What a person does with a solution: stop it, ask between rows, draw, save; what others call it."""
 
-from __future__ import annotations
-
 import pickle
 from typing import Any
 

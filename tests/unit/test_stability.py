@@ -1,7 +1,5 @@
 """Linear stability decided exactly, and intervals of stability with the numbers of the literature."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from itertools import combinations_with_replacement

@@ -1,7 +1,5 @@
 """Rounded tableaux: which order holds to how many digits, and orders up to 14."""
 
-from __future__ import annotations
-
 import warnings
 from decimal import Decimal, localcontext
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Explicit multistep methods with all parasitic roots inside the unit circle."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Files that are checked by name: of a wrong one the claim that fails, for the reason it says."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
