@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from .arithmetic import Fraction
 from .claims import MODIFIED, ORDERS, SECOND
+from .families import (
+    Component,
+    composition,
+    linear_multistep,
+    nystrom,
+    nystrom_weights,
+    one_leg,
+    rosenbrock,
+    rosenbrock_weights,
+    runge_kutta,
+    splitting,
+)
 from .fields import Numbers
 from .grammar import may_be_declared
 from .linalg import (
@@ -47,20 +58,6 @@ CLASSES = {  # needed keys, optional keys
 }
 
 SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
-
-
-class Component(NamedTuple):
-    """Matrices A (stages, slopes), U, B, V; those that a series of a start has not are empty."""
-
-    A: list
-    U: list
-    B: list
-    V: list
-
-    @property
-    def r(self) -> int:
-        """Number of values."""
-        return len(self.V)
 
 
 def class_of(document: Document) -> str:
@@ -136,18 +133,13 @@ class Method:
         """Return a matrix that may be written as its diagonal."""
         return self.numbers.form(self.document[key], self.document)
 
-    @staticmethod
-    def runge_kutta(A: list, b: list) -> Component:
-        """Return the component of a Runge-Kutta method."""
-        return Component(A, [[Fraction(1)] for _ in A], [b], [[Fraction(1)]])
-
     def make_glm(self, source: Document | None = None) -> Component:
         """Return the matrices as they stand."""
         return Component(*(self.matrix(key, source) for key in "AUBV"))
 
     def make_rk(self) -> Component:
         """Return A, U = 1, B = b, V = 1."""
-        return self.runge_kutta(self.matrix("A"), self.list("b"))
+        return runge_kutta(self.matrix("A"), self.list("b"))
 
     def make_composition(self) -> Component:
         """Return the base with steps gamma_1 h, gamma_2 h, .."""
@@ -157,13 +149,8 @@ class Method:
         whole_base = Method(given, self.numbers)
         if "c" in given and not vanishes(gaps_of_rows(whole_base)):
             not_covered("a composition of a base with c apart")
-        base, gamma = whole_base.single(), self.list("gamma")
-        (b,), zero, A, left = base.B, [Fraction(0)], [], []
-        for k, g in enumerate(gamma, 1):
-            right = zero * (len(b) * (len(gamma) - k))
-            A += [left + multiples(g, row) + right for row in base.A]
-            left = left + multiples(g, b)
-        return self.runge_kutta(A, left)
+        base = whole_base.single()
+        return composition(base.A, base.B[0], self.list("gamma"))
 
     def multistep(self) -> tuple[list, list]:
         """Return alpha and beta of equal lengths."""
@@ -175,32 +162,15 @@ class Method:
     def make_lmm(self) -> Component:
         """Return the form with one stage and the values y and f that are needed."""
         alpha, beta = self.multistep()
-        k, unit = len(alpha) - 1, inverse(alpha[-1])
-        a, b = multiples(unit, alpha), multiples(unit, beta)
-        implicit = bool(b[k])
-        low = next((m for m in range(k) if a[m]), k - 1)
-        ys = list(range(k - 1, low - 1, -1))
-        first = next((m for m in range(k + 1) if b[m]), k)
-        fs = list(range(k - 1 if implicit else k - 2, first - 1, -1))
-        r, e = len(ys) + len(fs), identity(len(ys) + len(fs))
-        new = [-a[m] for m in ys] + [b[m] for m in fs]
-        V = [new, *e[: len(ys) - 1]]
-        B = [b[k] if implicit else b[k - 1]] + [Fraction(0)] * (len(ys) - 1)
-        if fs:
-            V += [[Fraction(0)] * r, *e[len(ys) : r - 1]]
-            B += [Fraction(1)] + [Fraction(0)] * (len(fs) - 1)
-        return Component([[b[k]]], [new if implicit else e[0]], [[x] for x in B], V)
+        unit = inverse(alpha[-1])
+        return linear_multistep(multiples(unit, alpha), multiples(unit, beta))
 
     def make_one_leg(self) -> Component:
         """Return the one-leg form."""
         alpha, beta = self.multistep()
         require(not apart(total(beta) - 1), "beta of a one-leg method does not sum to 1")
-        unit, k = inverse(alpha[-1]), len(alpha) - 1
-        a, back = multiples(unit, alpha), range(k - 1, -1, -1)
-        V = [[-a[m] for m in back], *identity(k)[: k - 1]]
-        U = [beta[m] - x for m, x in zip(back, multiples(beta[k], a[-2::-1]), strict=True)]
-        B = [[unit]] + [[Fraction(0)] for _ in range(k - 1)]
-        return Component([[unit * beta[k]]], [U], B, V)
+        unit = inverse(alpha[-1])
+        return one_leg(multiples(unit, alpha), beta, unit)
 
     def make_sweep(self) -> Component:
         """Return B = X D, U = X^* G V, A from S = X^* G X."""
@@ -226,7 +196,7 @@ class Method:
 
     def make_partitioned_rk(self) -> tuple[Component, Component]:
         """Return two Runge-Kutta methods."""
-        return self.make_rk(), self.runge_kutta(self.matrix("A_hat"), self.list("b_hat"))
+        return self.make_rk(), runge_kutta(self.matrix("A_hat"), self.list("b_hat"))
 
     def make_additive(self) -> dict[str, Component]:
         """Return a Runge-Kutta method for each right-hand side; the colours are digits."""
@@ -234,44 +204,35 @@ class Method:
         require(2 <= len(parts) <= 9, "there are 2 to 9 parts")
         for part in parts:
             keys(part, "A b", where="part")
-        return {str(n): self.runge_kutta(self.matrix("A", part), self.list("b", part))
+        return {str(n): runge_kutta(self.matrix("A", part), self.list("b", part))
                 for n, part in enumerate(parts, 1)}  # fmt: skip
 
     def make_rosenbrock(self) -> dict[str, Component]:
         """Return f - J with alpha and J with alpha + gamma below it, on two sets of stages."""
-        alpha, gamma, b = self.matrix("alpha"), self.matrix("gamma"), self.list("b")
+        alpha, gamma = self.matrix("alpha"), self.matrix("gamma")
         require(len(alpha) == len(gamma), "alpha and gamma have other shapes")
-        rows, none = alpha + combine(alpha, gamma), [Fraction(0)] * len(b)
-        return {"1": self.runge_kutta([x + none for x in rows], b + none),
-                "2": self.runge_kutta([none + x for x in rows], none + b)}  # fmt: skip
+        parts = rosenbrock(alpha, combine(alpha, gamma), self.list("b"))
+        return dict(zip("12", parts, strict=True))
 
     def make_nystrom(self) -> tuple[Component, ...]:
         """Return the pair q' = p, p' = k: the stages p and p + h k_l, from which Q is combined."""
-        zero, see, c, A = Fraction(0), "A_prime" in self.document, self.list("c"), self.matrix("A")
-        s = len(c)
-        require(len(A) == s and all(len(x) == s for x in A), "A has another shape")
-        below_q = [[x - total(row), *row] for x, row in zip(c, A, strict=True)]
-        below_p = [[zero] * s, *identity(s)]
-        inner = self.matrix("A_prime") if see else []
-        require(not see or [len(x) for x in inner] == [s] * s, "A_prime has another shape")
-        if see:
-            below_q = [[zero] * (2 * s + 1)] * (s + 1) + [row + [zero] * s for row in below_q]
-            below_p = [[zero] * (s + 1) + row for row in below_p + inner]
-        pairs = zip((below_q, below_p), self.weights(self.document), strict=True)
-        return tuple(self.runge_kutta(*pair) for pair in pairs)
+        c, A = self.list("c"), self.matrix("A")
+        inner = self.matrix("A_prime") if "A_prime" in self.document else None
+        fits = [len(x) for x in A] == [len(c)] * len(c)
+        require(fits, "A has another shape")
+        fits = inner is None or [len(x) for x in inner] == [len(c)] * len(c)
+        require(fits, "A_prime has another shape")
+        return nystrom(A, c, inner, self.weights(self.document))
 
     def weights(self, source: Document) -> list:
         """Return the weights of a row of the file, for each component."""
         if self.kind == "additive":
             return self.matrix("b", source)
         b = self.list("b", source)
-        none = [Fraction(0)] * len(b)
         if self.kind == "rosenbrock":
-            return [b + none, none + b]
+            return rosenbrock_weights(b)
         if self.kind == "nystrom":
-            more = none if "A_prime" in self.document else []
-            first = [1 - total(b), *b, *more]
-            return [first, more + [Fraction(0)] * bool(more) + self.list("b_prime", source)]
+            return nystrom_weights(b, self.list("b_prime", source), "A_prime" in self.document)
         return [b]
 
     def rows(self) -> dict[str, tuple[dict, dict]]:
@@ -313,7 +274,7 @@ class Method:
         """Return the method that a claim is about."""
         if self.kind == "rosenbrock" and claim in ("a-stable", "l-stable"):
             beta = combine(self.matrix("alpha"), self.matrix("gamma"))
-            return self.with_parts({"o": self.runge_kutta(beta, self.list("b"))})
+            return self.with_parts({"o": runge_kutta(beta, self.list("b"))})
         if self.kind == "rosenbrock":
             return self.with_parts(self.parts, "w" if claim == "w-order" else "rosenbrock")
         timed = claim in (*ORDERS, *SECOND) and claim not in MODIFIED
@@ -325,7 +286,7 @@ class Method:
             return self  # what is not decided is a c of its own, which A 1 is too
         require(claim in (*ORDERS, "stage-order"), "a claim with c apart")
         rest = [Fraction(0)] * (len(c) - 1)
-        time = self.runge_kutta([[x, *rest] for x in c], [Fraction(1), *rest])
+        time = runge_kutta([[x, *rest] for x in c], [Fraction(1), *rest])
         return self.with_parts({"f": m, "k": time}, "time")
 
     def with_row(self, weights: Mapping[str, list]) -> Method:
@@ -334,7 +295,7 @@ class Method:
         There the values after a step are moved along u, so that their output is the row.
         """
         if self.kind != "glm":
-            parts = {c: self.runge_kutta(m.A, weights[c]) for c, m in self.parts.items()}
+            parts = {c: runge_kutta(m.A, weights[c]) for c, m in self.parts.items()}
             return self.with_parts(parts, self.system)
         m, (b, v), u = self.single(), weights["o"], self.u("o")
         w = reading(self, "o", u)
@@ -351,14 +312,11 @@ class Method:
 
     def make_splitting(self) -> tuple[Component, Component]:
         """Return the pair of a splitting: P stages from a, Q stages from b."""
-        first, a, b, zero = self.document["first"], self.list("a"), self.list("b"), Fraction(0)
+        first, a, b = self.document["first"], self.list("a"), self.list("b")
         require(first in ("q", "p"), "first is q or p")
         more = len(a) - len(b) if first == "q" else len(b) - len(a)
         require(more in (0, 1), "the updates of q and p do not alternate")
-        early = int(first == "q")
-        A = [[x if i < j + early else zero for i, x in enumerate(a)] for j in range(len(b))]
-        A_hat = [[x if j + early <= i else zero for j, x in enumerate(b)] for i in range(len(a))]
-        return self.runge_kutta(A, a), self.runge_kutta(A_hat, b)
+        return splitting(a, b, str(first))
 
     def make_pair_sweep(self) -> tuple[Component, Component]:
         """Return the pair of a sweep through the letters of `stages`."""

@@ -1,4 +1,4 @@
-"""Families of methods as general linear methods."""
+"""Families of methods as general linear methods: their matrices are those that the judge has."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from typing import Any
 
 from ..errors import DataError
 from ..exact import Exact
-from ..exact.linalg import Matrix, Vector
+from ..exact.linalg import Vector
+from ..judge import families
 from ..system.arguments import one_of
 from .embedded import EmbeddedRow
 from .entries import Entries, Rows, as_matrix, as_vector
 from .glm import GLM, PartitionedGLM
 
-_ZERO, _ONE = Exact(0), Exact(1)
+_ZERO = Exact(0)
 
 
 def runge_kutta(A: Rows, b: Entries, name: str = "", *, embedded: Any = None) -> GLM:
@@ -39,7 +40,7 @@ def runge_kutta(A: Rows, b: Entries, name: str = "", *, embedded: Any = None) ->
     rows = {} if embedded is None else embedded
     rows = rows if isinstance(rows, Mapping) else {"embedded": rows}
     return GLM(
-        A=A, U=((_ONE,),) * len(A), B=(b,), V=((_ONE,),), name=name,
+        *families.runge_kutta(A, b), name=name,
         embedded=tuple(
             EmbeddedRow(str(k), (as_vector(row, f"embedded {k}"),)) for k, row in rows.items()
         ),
@@ -74,7 +75,8 @@ def _multistep(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
             "`alpha` and `beta` are consistent in reversed order only: alpha[1] and beta[1] belong "
             "to the oldest value, the last entries to the new one; turn both round"
         )
-    return tuple(x / lead for x in alpha), tuple(x / lead for x in beta)
+    a, b = (tuple(x if x.vanishes() else x / lead for x in row) for row in (alpha, beta))
+    return a, b
 
 
 def _is_consistent(alpha: Vector, beta: Vector) -> bool:
@@ -82,10 +84,6 @@ def _is_consistent(alpha: Vector, beta: Vector) -> bool:
     slope = sum((m * x for m, x in enumerate(alpha)), _ZERO)
     gaps = (sum(alpha, _ZERO), slope - sum(beta, _ZERO))
     return all(x.is_zero() is True for x in gaps)
-
-
-def _first_nonzero(values: Vector) -> int:
-    return next((i for i, x in enumerate(values) if x.is_zero() is not True), len(values))
 
 
 def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
@@ -110,26 +108,7 @@ def linear_multistep(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     References: Butcher (2016), section 502; Burrage and Butcher, BIT 20 (1980) 185.
     """
     a, b = _multistep(alpha, beta)
-    k = len(a) - 1
-    implicit = b[k].is_zero() is not True
-    newest = k - 1 if implicit else k - 2  # index m of the newest h f that is carried
-    ys = list(range(k - 1, min(_first_nonzero(a), k - 1) - 1, -1))
-    fs = list(range(newest, _first_nonzero(b) - 1, -1))
-    r = len(ys) + len(fs)
-
-    def unit(position: int) -> Vector:
-        return tuple(_ONE if j == position else _ZERO for j in range(r))
-
-    new_y = (*(-a[m] for m in ys), *(b[m] for m in fs))
-    newest_f = b[k] if implicit else b[k - 1]
-    # each value but the first of its kind is handed on to the next older place
-    V = (new_y, *(unit(j) for j in range(len(ys) - 1)))
-    B: Matrix = ((newest_f,), *(((_ZERO,),) * (len(ys) - 1)))
-    if fs:
-        V = (*V, (_ZERO,) * r, *(unit(len(ys) + j) for j in range(len(fs) - 1)))
-        B = (*B, (_ONE,), *(((_ZERO,),) * (len(fs) - 1)))
-    U = (new_y if implicit else unit(0),)
-    return GLM(A=((b[k],),), U=U, B=B, V=V, name=name, multistep=(a, b))
+    return GLM(*families.linear_multistep(a, b), name=name, multistep=(a, b))
 
 
 def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
@@ -148,19 +127,7 @@ def one_leg(alpha: Entries, beta: Entries, name: str = "") -> GLM:
     """
     a, _ = _multistep(alpha, beta)
     leg, lead = as_vector(beta, "beta"), as_vector(alpha, "alpha")[-1]
-    k = len(a) - 1
-    back = range(k - 1, -1, -1)
-    V = (
-        tuple(-a[m] for m in back),
-        *(tuple(_ONE if j == i else _ZERO for j in range(k)) for i in range(k - 1)),
-    )
-    return GLM(
-        A=((leg[k] / lead,),),
-        U=(tuple(leg[m] - leg[k] * a[m] for m in back),),
-        B=((1 / lead,), *(((_ZERO,),) * (k - 1))),
-        V=V,
-        name=name,
-    )
+    return GLM(*families.one_leg(a, leg, 1 / lead), name=name)
 
 
 def partitioned_runge_kutta(
@@ -181,9 +148,7 @@ def partitioned_runge_kutta(
     """
     q, p = runge_kutta(A, b), runge_kutta(A_hat, b_hat)
     _check_length("b_hat", p.B[0], q.s)
-    return PartitionedGLM(
-        A=q.A, U=q.U, B=q.B, V=q.V, A_hat=p.A, U_hat=p.U, B_hat=p.B, V_hat=p.V, name=name
-    )
+    return PartitionedGLM(q.A, q.U, q.B, q.V, p.A, p.U, p.B, p.V, name=name)
 
 
 def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> PartitionedGLM:
@@ -214,24 +179,8 @@ def splitting(a: Entries, b: Entries, first: str = "q", name: str = "") -> Parti
             f"`b` has {len(b)}; `{'a' if first == 'q' else 'b'}` needs as many as the other or one "
             f"more"
         )
-    early = 1 if first == "q" else 0  # stage Q_j has seen a_0 .. a_(j-1+early)
-    A = tuple(tuple(x if i < j + early else _ZERO for i, x in enumerate(a)) for j in range(len(b)))
-    A_hat = tuple(
-        tuple(x if j + early <= i else _ZERO for j, x in enumerate(b)) for i in range(len(a))
-    )
-    one: Matrix = ((_ONE,),)
-    return PartitionedGLM(
-        A=A,
-        U=one * len(b),
-        B=(a,),
-        V=one,
-        A_hat=A_hat,
-        U_hat=one * len(a),
-        B_hat=(b,),
-        V_hat=one,
-        separable=True,
-        name=name,
-    )
+    q, p = families.splitting(a, b, first)
+    return PartitionedGLM(*q, *p, separable=True, name=name)
 
 
 def composition(base: GLM, gamma: Entries, name: str = "") -> GLM:
@@ -254,14 +203,4 @@ def composition(base: GLM, gamma: Entries, name: str = "") -> GLM:
     gamma = as_vector(gamma, "gamma")
     if base.r != 1:
         raise DataError(f"only a one-step method can be composed, and the base has r = {base.r}")
-    blocks, s = len(gamma), base.s
-    A = [[_ZERO] * (blocks * s) for _ in range(blocks * s)]
-    for k, step in enumerate(gamma):
-        for i in range(s):
-            for j in range(s):
-                A[k * s + i][k * s + j] = step * base.A[i][j]
-            for earlier in range(k):
-                for j in range(s):
-                    A[k * s + i][earlier * s + j] = gamma[earlier] * base.B[0][j]
-    b = [step * x for step in gamma for x in base.B[0]]
-    return runge_kutta(A, b, name)
+    return GLM(*families.composition(base.A, base.B[0], gamma), name=name)

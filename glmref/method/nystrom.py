@@ -19,30 +19,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import DataError
-from ..exact import Exact, Scalar
-from ..exact.linalg import Matrix, Vector, identity
+from ..exact.linalg import Matrix, Vector
+from ..judge import families
 from .embedded import EmbeddedRow
-from .entries import check_shape
+from .entries import as_vector, check_shape
 from .glm import PartitionedGLM
-
-_ZERO, _ONE = Exact(0), Exact(1)
-
-
-def _combined(first: Scalar, second: Sequence[Scalar]) -> Vector:
-    """Return the first V_0 + sum second_l (V_l - V_0)."""
-    return (first - sum(second, _ZERO), *second)
-
-
-def nystrom_weights(b: Vector, b_prime: Vector, *, shared: bool) -> tuple[Vector, Vector]:
-    """Return weights of q on the stages P and of p on the stages Q, for b and b' on the slopes g.
-
-    They are those of ``q + h q' + h^2 sum b_i g_i`` and of ``q' + h sum b'_i g_i``; ``shared`` says
-    whether g sees q', so that Q_i and P_i are evaluated together.
-    """
-    s = len(b)
-    if not shared:
-        return _combined(_ONE, b), b_prime
-    return (*_combined(_ONE, b), *((_ZERO,) * s)), (*((_ZERO,) * (s + 1)), *b_prime)
 
 
 def nystrom(
@@ -84,19 +65,12 @@ def nystrom(
         if rows is not None:
             check_shape(name, rows, s, s, "(s, s)")
     shared = A_prime is not None
-    below_q = tuple(_combined(x, row) for x, row in zip(c, A, strict=True))
-    below_p = ((_ZERO,) * s, *identity(s))
-    if A_prime is not None:
-        nothing = (_ZERO,) * (2 * s + 1)
-        below_q = ((nothing,) * (s + 1)) + tuple((*row, *((_ZERO,) * s)) for row in below_q)
-        below_p = tuple((*((_ZERO,) * (s + 1)), *row) for row in (*below_p, *A_prime))
-    weights = nystrom_weights(b, b_prime, shared=shared)
-    one = ((_ONE,),)
+
+    def weights(b: Vector, b_prime: Vector) -> tuple[Vector, ...]:
+        return tuple(as_vector(x, "b") for x in families.nystrom_weights(b, b_prime, shared))
+
+    q, p = families.nystrom(A, c, A_prime, weights(b, b_prime))
     return PartitionedGLM(
-        below_q, one * len(below_q), (weights[0],), one,
-        below_p, one * len(below_p), (weights[1],), one,
-        separable=not shared,
-        embedded=tuple(
-            EmbeddedRow(name, nystrom_weights(x, y, shared=shared)) for name, x, y in embedded
-        ),
+        *q, *p, separable=not shared,
+        embedded=tuple(EmbeddedRow(name, weights(x, y)) for name, x, y in embedded),
     )  # fmt: skip

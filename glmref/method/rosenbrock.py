@@ -20,15 +20,13 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, ClassVar
 
 from ..errors import DataError
-from ..exact import Exact
 from ..exact.linalg import Matrix, Vector, add
+from ..judge import families
 from .additive import AdditiveGLM
 from .embedded import EmbeddedRow, quoted
-from .entries import check_shape
+from .entries import as_matrix, check_shape
 from .families import runge_kutta
 from .glm import GLM
-
-_ZERO = Exact(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,19 +65,20 @@ class RosenbrockGLM(AdditiveGLM):
         s = len(b)
         check_shape("alpha", alpha, s, s, "(s, s)")
         check_shape("gamma", gamma, s, s, "(s, s)")
-        nothing = (_ZERO,) * s
-        rows = (*alpha, *add(alpha, gamma))
         for name, row in embedded:
             if len(row) != s:
                 raise DataError(
                     f"`embedded` {quoted(name)} must have s = {s} entries, got {len(row)}"
                 )
+        parts = families.rosenbrock(alpha, add(alpha, gamma), b)
+
+        def weights(row: Vector) -> Matrix:
+            return as_matrix(families.rosenbrock_weights(row), "b")
+
         return cls(
-            A=(tuple((*x, *nothing) for x in rows), tuple((*nothing, *x) for x in rows)),
-            B=(((*b, *nothing),), ((*nothing, *b),)),
-            embedded=tuple(
-                EmbeddedRow(name, ((*x, *nothing), (*nothing, *x))) for name, x in embedded
-            ),
+            A=tuple(as_matrix(x.A, "A") for x in parts),
+            B=tuple(as_matrix(x.B, "B") for x in parts),
+            embedded=tuple(EmbeddedRow(name, weights(row)) for name, row in embedded),
             alpha=alpha, gamma=gamma, b=b, **more,
         )  # fmt: skip
 
