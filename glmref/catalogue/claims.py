@@ -2,10 +2,10 @@
 
 What the package knows of a claim apart from its proof follows from this table: the keys a file may
 have and their kinds of values (:mod:`.keys`, :mod:`.reader`), their order in a file
-(:mod:`.canonical`), which methods can make it (:mod:`glmref.prove.verifier`), the rule of the
-kernel that finds what is true (:mod:`glmref.prove.kernel`), and the JSON Schema, which ``python -m
-tools.method_schema`` writes. When a claim is true stands in ``data/README.md``. Modules that need
-one particular claim take its key from here, for example ``ZERO_STABLE.key``.
+(:mod:`.canonical`), the rule of the kernel that finds what is true (:mod:`glmref.prove.kernel`),
+and the JSON Schema, which ``python -m tools.method_schema`` writes. Which methods can make it is
+said by the judge (:mod:`glmref.judge.claims`), when it is true in ``data/README.md``. Modules that
+need one particular claim take its key from here, for example ``ZERO_STABLE.key``.
 
 Only the standard library is used.
 """
@@ -16,18 +16,12 @@ import builtins
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 #: The name of the weights of the solution among those of the rows.
 SOLUTION = "b"
 #: The size of a residual in a claim.
 SIZE = re.compile("[1-9][.][0-9]e-[1-9][0-9]{0,2}", re.ASCII)
-
-Kind = Literal["any", "single", "partitioned", "rosenbrock"]
-ANY: Kind = "any"
-SINGLE: Kind = "single"
-PARTITIONED: Kind = "partitioned"
-ROSENBROCK: Kind = "rosenbrock"
 
 
 @dataclass(frozen=True)
@@ -41,79 +35,62 @@ class ClaimSpec:
     type : type
         Of the value: ``int`` for an order, ``dict`` for orders by the names of embedded rows (or
         for what :attr:`sized` says), ``bool``, ``list`` of expressions, or ``str`` for one.
-    applies_to : {"any", "single", "partitioned", "rosenbrock"}
-        The methods for which the claim has a meaning.
-    additive : bool
-        Whether a method for a sum of right-hand sides can make it: claims about its trees, its V
-        and its stages.
-    rosenbrock : bool
-        Whether a Rosenbrock method can make it; A- and L-stability are those of its linear form.
-    nystrom : bool
-        Whether a Nystrom method can make it, which other pairs cannot.
     """
 
     key: str
     type: builtins.type
-    applies_to: Kind = ANY
-    additive: bool = False
-    rosenbrock: bool = False
-    nystrom: bool = False
 
     @property
     def sized(self) -> bool:
         """Whether the orders by name come with the size of a residual: ``[10, "2.7e-85"]``."""
         return self.key == "order-to-digits"
 
-    def has_meaning(self, *, pair: bool) -> bool:
-        """Return whether a partitioned method (``pair``) or a single one can make this claim."""
-        return self.applies_to in (ANY, PARTITIONED if pair else SINGLE)
-
 
 #: Every claim by its key, in the order of canonical files.
 CLAIMS: dict[str, ClaimSpec] = {}
 
 
-def _claim(key: str, *kind: Any, **can_make: bool) -> ClaimSpec:
+def _claim(key: str, kind: builtins.type) -> ClaimSpec:
     """Enter a claim into the table and return it."""
-    CLAIMS[key] = ClaimSpec(key, *kind, **can_make)
+    CLAIMS[key] = ClaimSpec(key, kind)
     return CLAIMS[key]
 
 
-ORDER = _claim("order", int, additive=True, rosenbrock=True)
-ORDER_IDENTITY = _claim("order-identity", int, additive=True)
-EFFECTIVE_ORDER = _claim("effective-order", int, additive=True)
-NYSTROM_ORDER = _claim("nystrom-order", int, PARTITIONED)
-STAGE_ORDER = _claim("stage-order", int, additive=True)
+ORDER = _claim("order", int)
+ORDER_IDENTITY = _claim("order-identity", int)
+EFFECTIVE_ORDER = _claim("effective-order", int)
+NYSTROM_ORDER = _claim("nystrom-order", int)
+STAGE_ORDER = _claim("stage-order", int)
 STARTING_ORDER = _claim("starting-order", int)
-NYSTROM_STARTING_ORDER = _claim("nystrom-starting-order", int, PARTITIONED)
-ERROR_CONSTANT = _claim("error-constant", str, SINGLE)
-ABSCISSAE = _claim("abscissae", list, SINGLE, additive=True)
-PRECONSISTENT = _claim("preconsistent", bool, additive=True)
-CONSISTENT = _claim("consistent", bool, additive=True)
-ZERO_STABLE = _claim("zero-stable", bool, additive=True)
-EXPLICIT = _claim("explicit", bool, additive=True)
+NYSTROM_STARTING_ORDER = _claim("nystrom-starting-order", int)
+ERROR_CONSTANT = _claim("error-constant", str)
+ABSCISSAE = _claim("abscissae", list)
+PRECONSISTENT = _claim("preconsistent", bool)
+CONSISTENT = _claim("consistent", bool)
+ZERO_STABLE = _claim("zero-stable", bool)
+EXPLICIT = _claim("explicit", bool)
 SYMPLECTIC = _claim("symplectic", bool)
 G_SYMPLECTIC = _claim("g-symplectic", bool)
-CONJUGATE_SYMPLECTIC = _claim("conjugate-symplectic", bool, SINGLE)
-CONJUGATE_SYMPLECTIC_ORDER = _claim("conjugate-symplectic-order", int, SINGLE)
-HAMILTONIAN_TO_ORDER = _claim("hamiltonian-to-order", int, SINGLE)
-ENERGY_ORDER = _claim("energy-order", int, SINGLE)
+CONJUGATE_SYMPLECTIC = _claim("conjugate-symplectic", bool)
+CONJUGATE_SYMPLECTIC_ORDER = _claim("conjugate-symplectic-order", int)
+HAMILTONIAN_TO_ORDER = _claim("hamiltonian-to-order", int)
+ENERGY_ORDER = _claim("energy-order", int)
 SYMMETRIC = _claim("symmetric", bool)
 PARASITISM_FREE = _claim("parasitism-free", bool)
-REDUCIBLE = _claim("reducible", bool, PARTITIONED)
+REDUCIBLE = _claim("reducible", bool)
 GROWTH = _claim("growth", list)
-SECOND_ORDER_GROWTH = _claim("second-order-growth", list, SINGLE)
-A_STABLE = _claim("a-stable", bool, SINGLE, rosenbrock=True)
-L_STABLE = _claim("l-stable", bool, SINGLE, rosenbrock=True)
-FINISHING_ORDER = _claim("finishing-order", int, SINGLE)
-SYMMETRIC_REDUCED = _claim("symmetric-reduced", bool, SINGLE)
-EMBEDDED_ORDER = _claim("embedded-order", dict, additive=True, rosenbrock=True)
-ORDER_TO_DIGITS = _claim("order-to-digits", dict, additive=True, rosenbrock=True)
-EMBEDDED_DIFFERENCE = _claim("embedded-difference", bool, additive=True, rosenbrock=True)
-ROW_SUMS = _claim("row-sums", bool, SINGLE, nystrom=True)
-DENSE_ORDER = _claim("dense-order", int, SINGLE)
-DENSE_END = _claim("dense-end", bool, SINGLE)
-W_ORDER = _claim("w-order", int, ROSENBROCK, rosenbrock=True)
+SECOND_ORDER_GROWTH = _claim("second-order-growth", list)
+A_STABLE = _claim("a-stable", bool)
+L_STABLE = _claim("l-stable", bool)
+FINISHING_ORDER = _claim("finishing-order", int)
+SYMMETRIC_REDUCED = _claim("symmetric-reduced", bool)
+EMBEDDED_ORDER = _claim("embedded-order", dict)
+ORDER_TO_DIGITS = _claim("order-to-digits", dict)
+EMBEDDED_DIFFERENCE = _claim("embedded-difference", bool)
+ROW_SUMS = _claim("row-sums", bool)
+DENSE_ORDER = _claim("dense-order", int)
+DENSE_END = _claim("dense-end", bool)
+W_ORDER = _claim("w-order", int)
 
 
 def meant_order(claims: Mapping[str, Any]) -> int | None:

@@ -6,61 +6,32 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from ..judge import claims as judged
+from ..judge.claims import FORMATS, PAIRS, lacks_block
+from ..judge.refusals import SIZE
 from ..system.arguments import unknown_key
-from .claims import (
-    CLAIMS,
-    DENSE_END,
-    DENSE_ORDER,
-    EMBEDDED_DIFFERENCE,
-    EMBEDDED_ORDER,
-    FINISHING_ORDER,
-    ROW_SUMS,
-    STARTING_ORDER,
-    PlainClaims,
-)
+from .claims import CLAIMS, PlainClaims
 from .strict_json import shown
 
-FORMAT = "glmref-method-1"
-#: Formats that are read: the second has the keys and classes of :data:`SECOND` besides.
-FORMATS = (FORMAT, "glmref-method-2")
-SECOND = frozenset(["embedded", "c", "dense", "nystrom", "rosenbrock"])
-MAX_SIZE = 200  # stages or values of one method
+__all__ = ["FORMATS", "PAIRS", "lacks_block"]
+
+FORMAT = FORMATS[0]
+#: What is read of the second format besides.
+SECOND = frozenset(judged.SECOND_FORMAT)
+MAX_SIZE = SIZE  # stages or values of one method
 MAX_ORDER = 19  # the largest order one can claim: paths are compared up to 20, and one must fail
 STATUS = ("as printed", "corrected", "derived", "regenerated")
 
+_ENCLOSED = frozenset(["unknowns", "enclosure"])
+#: Keys that the judge reads in certificates of a class, and no file has.
+_JUDGED = {"splitting": {"starting"}, "partitioned-rk": {"starting", "separable"}}
 #: Keys every class has.
-COMMON = frozenset(
-    {
-        *("$schema", "format", "name", "title", "class", "field", "constants", "digits"),
-        *("unknowns", "enclosure", "claims", "source", "broken", "notes"),
-    }
-)
-_START = frozenset(["starting", "finishing"])
+COMMON = frozenset(judged.COMMON.split()) | _ENCLOSED
 #: Keys of each class.
 BLOCKS: Mapping[str, frozenset[str]] = {
-    "glm": frozenset(["A", "U", "B", "V", "G", "D", "output", "embedded"]) | _START,
-    "rk": frozenset(["A", "b", "c", "embedded", "dense"]) | _START,
-    "lmm": frozenset(["alpha", "beta"]) | _START,
-    "one-leg": frozenset(["alpha", "beta", "G"]) | _START,
-    "sweep": frozenset(["D", "X", "V", "G"]) | _START,
-    "composition": frozenset(["base", "gamma"]) | _START,
-    "splitting": frozenset(["a", "b", "first"]),
-    "additive": frozenset(["parts", "embedded"]),
-    "nystrom": frozenset(["A", "A_prime", "b", "b_prime", "c", "embedded"]),
-    "rosenbrock": frozenset(["alpha", "gamma", "b", "embedded"]),
-    "partitioned-rk": frozenset(["A", "b", "A_hat", "b_hat"]),
-    "partitioned": frozenset(["q", "p", "G", "D_P", "D_Q", "separable", "starting"]),
-    "pair-sweep": frozenset(["stages", "b", "w", "c", "v", "V", "V_hat", "G", "starting"]),
+    kind: frozenset(" ".join(keys).split()) - _ENCLOSED - _JUDGED.get(kind, set())
+    for kind, keys in judged.CLASSES.items()
 }
-#: Classes that stand for a pair of methods.
-PAIRS = frozenset(["splitting", "partitioned-rk", "partitioned", "pair-sweep", "nystrom"])
-#: Keys a file may leave out; ``D`` is one for class ``glm`` only, ``c`` for class ``rk`` only.
-OPTIONAL = frozenset(
-    [
-        *("G", "D", "D_P", "D_Q", "separable", "starting", "finishing", "w", "v", "output"),
-        *("c", "embedded", "dense", "A_prime"),
-    ]
-)
 #: Keys of ``enclosure``.
 ENCLOSURE = frozenset(["equations", "radius", "xi"])
 #: Keys that are shown and not computed with, and what their values may be.
@@ -127,8 +98,7 @@ def class_of_keys(doc: Mapping[str, Any]) -> str:
 
 def needed_keys(kind: str) -> frozenset[str]:
     """Return keys of its blocks that a file of a class cannot leave out."""
-    more = {"sweep": {"D", "G"}, "nystrom": {"c"}, "pair-sweep": {"c", "G"}}
-    return BLOCKS[kind] - OPTIONAL | more.get(kind, set())
+    return frozenset(judged.CLASSES[kind][0].split())
 
 
 def of_second(doc: Mapping[str, Any]) -> str:
@@ -141,24 +111,7 @@ def of_second(doc: Mapping[str, Any]) -> str:
 
 
 #: Claims about one block of a file, which have no meaning for a class that cannot have it.
-ABOUT: Mapping[str, str] = {
-    EMBEDDED_ORDER.key: "embedded",
-    EMBEDDED_DIFFERENCE.key: "embedded",
-    ROW_SUMS.key: "c",
-    DENSE_END.key: "dense",
-    DENSE_ORDER.key: "dense",
-    STARTING_ORDER.key: "starting",
-    FINISHING_ORDER.key: "finishing",
-}
-
-
-def lacks_block(claim: str, kind: str) -> bool:
-    """Tell whether a claim is about a block that files of a class cannot have.
-
-    A pair without ``starting`` starts from (y0, 0, ..), so that its start has an order.
-    """
-    starts = claim == STARTING_ORDER.key and kind in PAIRS
-    return claim in ABOUT and not starts and ABOUT[claim] not in BLOCKS.get(kind, ())
+ABOUT: Mapping[str, str] = {claim: key for claim, (key, _) in judged.ABSENT.items()}
 
 
 def without_meaning(kind: str) -> frozenset[str]:
@@ -166,18 +119,7 @@ def without_meaning(kind: str) -> frozenset[str]:
 
     Those about one method for a pair, and the other way, and those about a block that it lacks.
     """
-    return frozenset(
-        key
-        for key, spec in CLAIMS.items()
-        if lacks_block(key, kind)
-        or not (
-            spec.additive
-            if kind == "additive"
-            else spec.rosenbrock
-            if kind == "rosenbrock"
-            else spec.has_meaning(pair=kind in PAIRS) or (kind == "nystrom" and spec.nystrom)
-        )
-    )
+    return frozenset(x for x in CLAIMS if lacks_block(x, kind) or not judged.concerns(x, kind))
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:

@@ -1,8 +1,32 @@
-"""Tables of claims: which there are, and which parts prove which statement (section 7)."""
+"""Tables of classes and claims: their keys, and which parts prove which statement (1, 7)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+
+COMMON = "$schema format name title class field broken notes digits constants claims source"
+
+CLASSES = {  # needed keys, optional keys
+    "glm": ("A U B V", "G D output starting finishing embedded"),
+    "rk": ("A b", "starting finishing c embedded dense unknowns enclosure"),
+    "lmm": ("alpha beta", "starting finishing"),
+    "one-leg": ("alpha beta", "G starting finishing"),
+    "sweep": ("D X V G", "unknowns enclosure starting finishing"),
+    "composition": ("base gamma", "starting finishing"),
+    "splitting": ("first a b", "unknowns enclosure starting"),
+    "additive": ("parts", "embedded"),
+    "nystrom": ("A b b_prime c", "A_prime embedded"),
+    "rosenbrock": ("alpha gamma b", "embedded unknowns enclosure"),
+    "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
+    "partitioned": ("q p", "G D_P D_Q separable starting"),
+    "pair-sweep": ("stages b c V V_hat G", "w v unknowns enclosure starting"),
+}
+
+PAIRS = {"splitting", "partitioned-rk", "partitioned", "pair-sweep", "nystrom"}
+
+FORMATS = ("glmref-method-1", "glmref-method-2")
+
+SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
 
 ORDERS = ("order", "order-identity", "effective-order", "nystrom-order", "w-order")
 
@@ -81,10 +105,34 @@ ADDITIVE = {  # claims of methods for a sum of right-hand sides
 OF_PAIRS = {"nystrom-order", "nystrom-starting-order", "reducible"}
 
 OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetric-reduced",
-                 "conjugate-symplectic", "second-order-growth", *MODIFIED}  # fmt: skip
+                 "conjugate-symplectic", "second-order-growth", "finishing-order", "dense-order",
+                 "dense-end", "row-sums", *MODIFIED}  # fmt: skip
 
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip
+
+
+def lacks_block(claim: str, kind: str) -> bool:
+    """Tell whether a claim is about a key that files of a class cannot have.
+
+    A pair without a start begins with (y0, 0, ..), so that its start has an order.
+    """
+    starts = claim == "starting-order" and kind in PAIRS
+    keys = " ".join(CLASSES[kind]).split()
+    return claim in ABSENT and not starts and ABSENT[claim][0] not in keys
+
+
+def concerns(claim: str, kind: str) -> bool:
+    """Tell whether a claim is about methods such as those of a class."""
+    if kind == "rosenbrock":
+        return claim in ROSENBROCK
+    if kind == "additive":
+        return claim in ADDITIVE
+    of_others = OF_ONE_METHOD if kind in PAIRS else OF_PAIRS
+    return claim != "w-order" and (
+        claim not in of_others or (claim, kind) == ("row-sums", "nystrom")
+    )
+
 
 LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at these matrices only
     "explicit": "", "absent": "", "several-values": "", "bounded": "V", "unbounded": "V",

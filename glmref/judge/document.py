@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .arithmetic import Fraction
-from .claims import MODIFIED, ORDERS, SECOND
+from .claims import CLASSES, COMMON, FORMATS, MODIFIED, ORDERS, SECOND, SECOND_FORMAT
 from .families import (
     Component,
     composition,
@@ -39,26 +39,6 @@ from .linalg import (
 from .numbers import apart, inverse, is_enclosure, total, vanishes
 from .refusals import Document, as_list, as_object, as_text, keys, not_covered, require, shown
 
-COMMON = "$schema format name title class field broken notes digits constants claims source"
-
-CLASSES = {  # needed keys, optional keys
-    "glm": ("A U B V", "G D output starting finishing embedded"),
-    "rk": ("A b", "starting finishing c embedded dense unknowns enclosure"),
-    "composition": ("base gamma", "starting finishing"),
-    "lmm": ("alpha beta", "starting finishing"),
-    "one-leg": ("alpha beta", "G starting finishing"),
-    "additive": ("parts", "embedded"),
-    "nystrom": ("A b b_prime c", "A_prime embedded"),
-    "rosenbrock": ("alpha gamma b", "embedded unknowns enclosure"),
-    "sweep": ("D X V G", "unknowns enclosure starting finishing"),
-    "splitting": ("first a b", "unknowns enclosure starting"),
-    "partitioned-rk": ("A b A_hat b_hat", "starting separable"),
-    "partitioned": ("q p", "G D_P D_Q separable starting"),
-    "pair-sweep": ("stages b w c v V V_hat G", "unknowns enclosure starting"),
-}
-
-SECOND_FORMAT = {"embedded", "c", "dense", "nystrom", "rosenbrock"}  # keys and classes
-
 
 def class_of(document: Document) -> str:
     """Return the class of a document that has the keys of its class, and no others."""
@@ -80,11 +60,10 @@ class Method:
     ) -> None:
         self.document, self.numbers = document, numbers
         kind = class_of(document)
-        formats = ("glmref-method-1", "glmref-method-2")
-        require(document.get("format", formats[0]) in formats, "another format")
+        require(document.get("format", FORMATS[0]) in FORMATS, "another format")
         later = {kind, *(() if kind == "pair-sweep" else document)} & SECOND_FORMAT
-        fine = document.get("format") != formats[0] or not later
-        require(fine, f"{', '.join(sorted(later))} belongs to {formats[1]}")
+        fine = document.get("format") != FORMATS[0] or not later
+        require(fine, f"{', '.join(sorted(later))} belongs to {FORMATS[1]}")
         require(document.get("field", "real") in ("real", "complex"), "another field")
         require((base is not None) == (kind == "composition"), "a base belongs to compositions")
         names = [x for key in ("unknowns", "constants") for x in as_object(document.get(key, {}))]
@@ -128,6 +107,10 @@ class Method:
     def matrix(self, key: str, source: Document | None = None) -> list:
         """Return a matrix of the document."""
         return self.numbers.matrix((source or self.document).get(key), self.document)
+
+    def further(self, key: str) -> list:
+        """Return the rows of X or Y beyond the first, of which there may be none."""
+        return self.matrix(key) if self.document.get(key, []) != [] else []
 
     def form(self, key: str = "G") -> list:
         """Return a matrix that may be written as its diagonal."""
@@ -324,8 +307,8 @@ class Method:
         require(set(letters) <= set("PQ"), "stages are letters P, Q")
         P, Q = ([n for n, x in enumerate(letters) if x == y] for y in "PQ")
         G, b, c, zero = self.form(), self.list("b"), self.list("c"), Fraction(0)
-        X = [ones(len(P)), *(self.matrix("w") if self.document["w"] != [] else [])]
-        Y = [ones(len(Q)), *(self.matrix("v") if self.document["v"] != [] else [])]
+        X = [ones(len(P)), *self.further("w")]
+        Y = [ones(len(Q)), *self.further("v")]
         fits = all(len(x) == len(b) for x in (P, *X)) and all(len(y) == len(c) for y in (Q, *Y))
         require(fits and len(X) == len(G) and len(Y) == len(G[0]), "shapes of the pair")
         V, V_hat, S = self.matrix("V"), self.matrix("V_hat"), times(transpose(X), G, Y)

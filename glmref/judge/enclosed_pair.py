@@ -76,8 +76,8 @@ class Pair(Enclosed):
         else:
             self.suppose({"f": "V", "k": "V_hat"})
             letters = as_text(doc["stages"], "the stages")
-            X += self.matrix("w") if doc["w"] != [] else []
-            Y += self.matrix("v") if doc["v"] != [] else []
+            X += self.matrix("w") if doc.get("w", []) != [] else []
+            Y += self.matrix("v") if doc.get("v", []) != [] else []
         self.halves = {"f": (self.b, X), "k": (self.c, Y)}
         require(set(letters) <= {"P", "Q"}, "the stages")
         require(letters.count("P") == len(self.b) and letters.count("Q") == len(self.c), "stages")

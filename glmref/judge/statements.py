@@ -5,19 +5,16 @@ from __future__ import annotations
 from threading import RLock
 
 from .claims import (
-    ABSENT,
-    ADDITIVE,
     AS_EXACT,
     MODIFIED,
-    OF_ONE_METHOD,
-    OF_PAIRS,
     ORDERS,
-    ROSENBROCK,
     SECOND,
     VALUES,
     alternatives,
+    concerns,
+    lacks_block,
 )
-from .document import CLASSES, rows_of
+from .document import rows_of
 from .proof import Proof, record_of
 from .refusals import Beyond, Malformed, Refused, as_object, require, whole
 from .rule import Bound, Bounded, RowOrder, Rule
@@ -52,14 +49,8 @@ ONE_THREAD = RLock()
 
 def has_meaning(proof: Proof) -> bool:
     """Tell whether the claim has a meaning for the class of the file."""
-    method, claim = proof.record.method, proof.claim
-    needed_or_optional = " ".join(CLASSES[method.kind]).split()
-    if claim in ABSENT and ABSENT[claim][0] not in needed_or_optional:
-        return claim == "starting-order" and method.pair  # without a start a pair has (y0, 0, ..)
-    if method.kind == "rosenbrock":
-        return claim in ROSENBROCK
-    fine = claim in ADDITIVE if method.additive else claim != "w-order"
-    return fine and claim not in (OF_ONE_METHOD if method.pair else OF_PAIRS)
+    kind = proof.record.method.kind
+    return concerns(proof.claim, kind) and not lacks_block(proof.claim, kind)
 
 
 def check_declared(proof: Proof) -> None:

@@ -28,6 +28,7 @@ from ..errors import (
 from ..exact import Ball
 from ..exact.judging import fast_judge
 from ..findings import Finding, Proof, Verdict
+from ..judge.claims import concerns
 from ..method import Method
 from ..system.arguments import listed, number, shown
 from ..system.budget import PROVING, limited
@@ -265,15 +266,14 @@ def _judged(facts: Facts, claim: str, declared: object) -> Judgement:
             f"the claim {claim!r} of {facts.method.name!r} is unknown; "
             f"known are {', '.join(sorted(CLAIMS))}"
         )
-    known, method = CLAIMS[claim], facts.method
-    if method.rosenbrock:
-        what, fits = "a Rosenbrock method", known.rosenbrock
-    elif method.additive:
-        what, fits = "an additive method", known.additive
-    else:
-        nystrom = known.nystrom and (method.document or {}).get("class") == "nystrom"
-        what, fits = "a pair", facts.is_single or known.has_meaning(pair=True) or nystrom
-    if not fits:
+    method = facts.method
+    what, kind = "a pair", "rk" if facts.is_single else "partitioned"
+    if method.additive:
+        what = "a Rosenbrock method" if method.rosenbrock else "an additive method"
+        kind = "rosenbrock" if method.rosenbrock else "additive"
+    elif (method.document or {}).get("class") == "nystrom":
+        kind = "nystrom"
+    if not concerns(claim, kind) and not facts.is_single:
         raise DataError(
             f"the claim {claim!r} of {method.name!r} has no meaning for {what}; remove it"
         )

@@ -11,8 +11,10 @@ from glmref.catalogue.lookup import document, load
 from glmref.catalogue.reader import load_document
 from glmref.errors import DataError
 from glmref.exact import exact, linalg
+from glmref.findings import Verdict
 from glmref.method import as_matrix, as_vector
 from glmref.method.sweep import build_partitioned as build
+from glmref.prove.verifier import verify
 from glmref.theory.parasitism import growth
 from glmref.theory.symmetry import symmetry
 from glmref.theory.symplectic import form_identities
@@ -111,3 +113,13 @@ def test_a_file_is_read_into_the_built_pair():
     refused(DataError, "'D' is unknown", load_document, {**doc, "D": ["1"]})
     with pytest.raises(DataError, match="no meaning for a pair"):
         load_document({**doc, "claims": {"a-stable": True}})
+
+
+def test_a_pair_that_carries_one_value_of_each_has_no_further_rows():
+    one = [["1"]]
+    given = {"stages": "PQP", "b": ["1/2", "1/2"], "c": ["1"], "V": one, "V_hat": one, "G": one}
+    shared = {"format": "glmref-method-1", "name": "leapfrog", "class": "pair-sweep"}
+    said = {"citation": "x", "where": "x", "status": "derived"}
+    document = {**shared, **given, "claims": {"order": 2, "symmetric": True}, "source": said}
+    found = verify(load_document(document))
+    assert [x.verdict for x in found] == [Verdict.HOLDS] * 2
