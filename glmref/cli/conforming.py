@@ -149,11 +149,9 @@ def _page(found: Probe, style: Style) -> str:
     elif reading is not None:
         rows.append(("is", "no method of the catalogue"))
     if reading is not None:
-        blocks = {letter: getattr(reading, letter) for letter in "AUBV"}
-        if reading.hat is not None:
-            blocks |= {f"{x}^": matrix for x, matrix in zip("AUBV", reading.hat, strict=True)}
-        elif len(reading.V) == 1:
-            blocks = {"A": reading.A, "b": reading.B}
+        blocks = {name.replace("_hat", "^"): matrix for name, matrix in reading.blocks.items()}
+        if reading.single and reading.values == 1:
+            blocks = {"A": blocks["A"], "b": blocks["B"]}
         for name, matrix in blocks.items():
             for i, row in enumerate(matrix):
                 rows.append((name if i == 0 else "", "  ".join(f"{x:.15g}" for x in row)))

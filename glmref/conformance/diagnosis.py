@@ -17,7 +17,7 @@ from .adapters.reference import Adapter
 from .faults import NOTES
 from .identify import matches
 from .probe import read
-from .readings import Reading, without_idle
+from .readings import named, without_idle
 from .subject import AdapterError, NotOffered, Subject
 from .vector_problems import TestProblem, array
 from .vectors import Case, Vectors
@@ -155,18 +155,16 @@ def coefficient_differences(subject: Subject, vectors: Vectors) -> str:
     known = [match.name for match in matches(reading)]
     if known and vectors.name not in known:
         return f"its coefficients are those of {known[0]}"
-    wanted, found = _wanted(vectors), _blocks(reading)
-    if any(found[letter].shape != matrix.shape for letter, matrix in wanted):
-        more = len(reading.A) - len(wanted[0][1])
-        said = (
-            f"the result depends on f at {len(reading.A)} points and the method has "
-            f"{len(wanted[0][1])} stages"
-        )
+    wanted, found = _wanted(vectors), reading.blocks
+    if any(found[letter].shape != matrix.shape for letter, matrix in wanted.items()):
+        points, stages = len(found["A"]), len(wanted["A"])
+        more = points - stages
+        said = f"the result depends on f at {points} points and the method has {stages} stages"
         iterated = more > 0 and bool(getattr(vectors.method, "implicit_stages", True))
         return f"{said}: its stage equations are iterated and not solved" if iterated else said
     entries = [
         (abs(a - b), f"{letter}[{i + 1}][{j + 1}] is {a:.10g} and must be {b:.10g}{_digits(a, b)}")
-        for letter, matrix in wanted
+        for letter, matrix in wanted.items()
         for i, row in enumerate(matrix)
         for j, b in enumerate(row)
         for a in [found[letter][i, j]]
@@ -187,24 +185,13 @@ def _digits(found: float, right: float) -> str:
     return ""
 
 
-def _blocks(reading: Reading) -> dict[str, np.ndarray]:
-    """Return coefficients that were read; those of p, for a pair, as ``A_hat`` and so on."""
-    found = {letter: getattr(reading, letter) for letter in "AUBV"}
-    hats = zip("AUBV", reading.hat or (), strict=False)
-    return found | {f"{letter}_hat": matrix for letter, matrix in hats}
-
-
-def _wanted(vectors: Vectors) -> list[tuple[str, np.ndarray]]:
+def _wanted(vectors: Vectors) -> dict[str, np.ndarray]:
     """Return coefficients of the method, without stages on which nothing depends."""
     given: Any = vectors.coefficients
     parts = [given["q"], given["p"]] if "q" in given else [given]
     halves = [tuple(array(part[x]) for x in "AUBV") for part in parts]
     left, _ = without_idle([(A, U, B, V) for A, U, B, V in halves])
-    return [
-        (letter + hat, matrix)
-        for half, hat in zip(left, ("", "_hat"), strict=False)
-        for letter, matrix in zip("AUBV", half, strict=True)
-    ]
+    return named(left)
 
 
 def stage_order(found: np.ndarray, expected: np.ndarray, tolerance: float) -> str:

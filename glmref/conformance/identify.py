@@ -20,7 +20,7 @@ from ..method.preconsistency import stage_times
 from ..method.rounding import float_arrays
 from ..prove.analysis import analyze
 from .probe import read
-from .readings import Reading, clean, needed, without_idle
+from .readings import Half, Reading, clean, needed, without_idle
 from .subject import Subject
 
 FORMAT = "glmref-probe-1"
@@ -71,11 +71,7 @@ class Probe:
         """Return the record as JSON-ready values."""
         row: dict[str, Any] = {"method": self.method, "read": self.reading is not None}
         if self.reading is not None:
-            for letter in "AUBV":
-                row[letter] = getattr(self.reading, letter).tolist()
-            if self.reading.hat is not None:
-                hats = zip("AUBV", self.reading.hat, strict=True)
-                row |= {f"{letter}_hat": matrix.tolist() for letter, matrix in hats}
+            row |= {name: matrix.tolist() for name, matrix in self.reading.blocks.items()}
             c = self.reading.c
             row |= {
                 "c": None if c is None else c.tolist(),
@@ -206,11 +202,9 @@ def as_method(reading: Reading, name: str = "read") -> tuple[Method, bool]:
     def matrix(values: np.ndarray) -> Any:
         return tuple(tuple(entry(x) for x in row) for row in values)
 
-    blocks = {letter: matrix(getattr(reading, letter)) for letter in "AUBV"}
-    if reading.hat is None:
+    blocks = {letter: matrix(values) for letter, values in reading.blocks.items()}
+    if reading.single:
         return GLM(**blocks, name=name), complete
-    hats = zip("AUBV", reading.hat, strict=True)
-    blocks |= {f"{letter}_hat": matrix(values) for letter, values in hats}
     return PartitionedGLM(**blocks, name=name, separable=True), complete
 
 
@@ -223,55 +217,58 @@ def matches(reading: Reading) -> list[Match]:
     A change of values ``T y`` leaves A and ``U V^k B`` alone; both are compared to :data:`SAME`.
     Stages on which nothing depends are not compared: they cannot be seen.
     """
-    found: list[Match] = []
-    for name in names("methods"):
-        other = _arrays(name)
-        if other is None or (len(other) == 8) != (reading.hat is not None):
-            continue
-        match = (
-            _match_pair(reading, name, other) if len(other) == 8 else _match(reading, name, other)
-        )
-        if match is not None:
-            found.append(match)
-    return sorted(found, key=lambda m: (not m.same_basis, m.difference, m.name))
+    found = [_match(reading, name, _arrays(name)) for name in names("methods")]
+    known = [match for match in found if match is not None]
+    return sorted(known, key=lambda m: (not m.same_basis, m.difference, m.name))
 
 
 @cache
-def _arrays(name: str) -> tuple[np.ndarray, ...] | None:
-    """Return coefficients of a method as doubles, without stages on which nothing depends."""
+def _arrays(name: str) -> tuple[Half, ...]:
+    """Return coefficients of a method as doubles, without stages on which nothing depends.
+
+    Nothing of a method that is complex, or additive: right-hand sides that are summed are not told
+    apart by a step.
+    """
     method = load(name)
-    # right-hand sides that are summed are not told apart by a step
     if method.additive or not method.is_real:
-        return None
+        return ()
     halves = [[float_arrays(x)[0] for x in c.matrices] for c in method.components]
     left, _ = without_idle([(A, U, B, V) for A, U, B, V in halves])
-    return tuple(x for half in left for x in half)
+    return tuple(left)
 
 
-def _markov(U: np.ndarray, V: np.ndarray, B: np.ndarray, count: int) -> list[np.ndarray]:
-    result, left = [], U
-    for _ in range(count):
-        result.append(left @ B)
-        left = left @ V
-    return result
+def _invariants(halves: Sequence[Half]) -> list[list[np.ndarray]]:
+    """Return of each half A and ``U V^k B``, k <= r, which a change of values leaves alone."""
+    found = []
+    for A, U, B, V in halves:
+        found.append([A])
+        for _ in range(len(V) + 1):
+            found[-1].append(U @ B)
+            U = U @ V
+    return found
 
 
-def _match(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | None:
-    A, U, B, V = other
-    if A.shape != reading.A.shape or V.shape != reading.V.shape:
+def _match(reading: Reading, name: str, other: Sequence[Half]) -> Match | None:
+    shapes = [[x.shape for half in halves for x in half] for halves in (reading.halves, other)]
+    if shapes[0] != shapes[1]:
         return None
-    r = len(V)
-    mine = [reading.A, *_markov(reading.U, reading.V, reading.B, r + 1)]
-    theirs = [A, *_markov(U, V, B, r + 1)]
-    for order in _orders(mine, theirs):
+    mine, theirs = _invariants(reading.halves), _invariants(other)
+    for orders in _orders(mine, theirs):
+        turned = tuple(zip(orders, orders[::-1], strict=True))
         gap = max(
-            np.abs(x - y[np.ix_(order, order)]).max(initial=0.0)
-            for x, y in zip(mine, theirs, strict=True)
+            np.abs(x - y[np.ix_(*rows)]).max(initial=0.0)
+            for left, right, rows in zip(mine, theirs, turned, strict=True)
+            for x, y in zip(left, right, strict=True)
         )
         if gap < SAME:
-            parts = ((reading.U, U[order]), (reading.B, B[:, order]), (reading.V, V))
-            same = all(np.abs(x - y).max(initial=0.0) < SAME for x, y in parts)
-            return Match(name, float(gap), same, _other_times(reading, name, order, same))
+            same = all(
+                np.abs(x - y).max(initial=0.0) < SAME
+                for half, (_, U, B, V), (own, others) in zip(
+                    reading.halves, other, turned, strict=True
+                )
+                for x, y in zip(half[1:], (U[own], B[:, others], V), strict=True)
+            )
+            return Match(name, float(gap), same, _other_times(reading, name, orders[0], same))
     return None
 
 
@@ -283,7 +280,7 @@ def _other_times(
     After a change of values the times are not compared: where the values carried belong to other
     times, so may the stages.
     """
-    if reading.c is None or not (same_basis or len(reading.V) == 1):
+    if reading.c is None or not (same_basis or reading.values == 1):
         return ()
     right = _abscissae(name)[list(order)]
     if np.abs(right - reading.c).max(initial=0.0) <= SAME:
@@ -300,10 +297,18 @@ def _abscissae(name: str) -> np.ndarray:
     return c[needed(*blocks)]
 
 
-def _orders(mine: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Iterator[list[int]]:
-    """Return the orders of stages to try: the one given, then that of equal row sums."""
-    yield list(range(len(mine[0])))
-    yield _nearest(_signatures(mine), _signatures(theirs))
+def _orders(
+    mine: Sequence[Sequence[np.ndarray]], theirs: Sequence[Sequence[np.ndarray]]
+) -> Iterator[list[list[int]]]:
+    """Return the orders of stages to try, of each half: as they are, then by what tells them apart.
+
+    That is what does not depend on the order of the others: sums of rows and of columns.
+    """
+    yield [list(range(len(half[0]))) for half in mine]
+    yield [
+        _nearest(left, right)
+        for left, right in zip(_signatures(mine), _signatures(theirs), strict=True)
+    ]
 
 
 def _nearest(left: np.ndarray, right: np.ndarray) -> list[int]:
@@ -315,41 +320,13 @@ def _nearest(left: np.ndarray, right: np.ndarray) -> list[int]:
     return order
 
 
-def _signatures(matrices: Sequence[np.ndarray]) -> np.ndarray:
-    """Return numbers of each stage that do not depend on the order of the others."""
-    ones = np.ones(len(matrices[0]))
-    columns = [np.diag(x) for x in matrices]
-    columns += [x @ ones for x in matrices]
-    columns += [x @ (x @ ones) for x in matrices]
-    columns += [ones @ x for x in matrices]
-    return np.stack(columns, axis=1)
-
-
-def _match_pair(reading: Reading, name: str, other: Sequence[np.ndarray]) -> Match | None:
-    assert reading.hat is not None
-    mine = (reading.A, reading.U, reading.B, reading.V, *reading.hat)
-    if any(x.shape != y.shape for x, y in zip(mine, other, strict=True)):
-        return None
-    A, U, B, V, A_hat, U_hat, B_hat, V_hat = other
-    left, right = _signatures_of_pair(mine), _signatures_of_pair(other)
-    found = [_nearest(x, y) for x, y in zip(left, right, strict=True)]
-    for q, p in ([list(range(len(x))) for x in (A, A_hat)], found):
-        theirs = (
-            *(A[np.ix_(q, p)], U[q], B[:, p], V),
-            *(A_hat[np.ix_(p, q)], U_hat[p], B_hat[:, q], V_hat),
-        )
-        gap = max(np.abs(x - y).max(initial=0.0) for x, y in zip(mine, theirs, strict=True))
-        if gap < SAME:
-            return Match(name, float(gap), True)
-    return None
-
-
-def _signatures_of_pair(blocks: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return numbers of each stage Q and each stage P that do not depend on the order of others."""
+def _signatures(halves: Sequence[Sequence[np.ndarray]]) -> list[np.ndarray]:
+    """Return numbers of each stage of a half that do not depend on the order of the others."""
     found = []
-    for A, B_hat, A_hat in ((blocks[0], blocks[6], blocks[4]), (blocks[4], blocks[2], blocks[0])):
-        sums = A @ np.ones(A.shape[1])
-        twice = A @ (A_hat @ np.ones(len(A)))
-        columns = [sums, twice, A @ (A_hat @ sums), B_hat.sum(axis=0), A_hat.sum(axis=0)]
+    for half, other in zip(halves, halves[::-1], strict=True):
+        columns = []
+        for x, y in zip(half, other, strict=True):
+            product = x @ y
+            columns += [x.sum(axis=1), y.sum(axis=0), product.sum(axis=1), np.diag(product)]
         found.append(np.stack(columns, axis=1))
     return found

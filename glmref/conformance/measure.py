@@ -108,8 +108,7 @@ class Measurement:
             return Judgement(None, f"not judged: {error}")
         if reading.notes and reading.unexplained > _READ:
             return Judgement(None, f"not judged: {reading.notes[0]}")
-        explicit = reading.hat is None and reading.explicit
-        unit = self.subject.epsilon if explicit else self.subject.unit(self.name)
+        unit = self.subject.epsilon if reading.explicit else self.subject.unit(self.name)
         defect = first_defect(reading, right, unit)
         if defect is None:
             least = min(right, HIGHEST)

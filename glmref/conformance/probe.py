@@ -14,9 +14,10 @@ prediction misses was not seen, and is said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -90,13 +91,12 @@ def _read(box: Box, watches: Sequence[Watch], r: int, slope: float) -> Reading:
     stages = [np.array(x.arguments) for x in seconds]
     ends = np.split(out, len(watches), axis=1)
     sizes = [len(x) for x in stages]
-    # the stages of the other half move a half
     halves = [
         (x[:, tag][:, :n] / slope, x[:, units], end[:, tag][:, :n] / slope, end[:, units])
         for x, end, n in zip(stages, ends, sizes[::-1], strict=True)
     ]
     left, rows = without_idle(halves)
-    blocks = [(clean(A), clean(U), clean(B), clean(V)) for A, U, B, V in left]
+    cleaned = tuple((clean(A), clean(U), clean(B), clean(V)) for A, U, B, V in left)
     notes, unexpected = [], sum(x.unexpected for x in seconds)
     if unexpected and single:
         notes.append(f"{unexpected} calls of f at points that the first reading did not show")
@@ -104,10 +104,8 @@ def _read(box: Box, watches: Sequence[Watch], r: int, slope: float) -> Reading:
         notes.append("dq or dp was called at points that the first reading did not show")
     if single and not len(rows[0]):
         notes.append("the result does not depend on f")
-    reading = Reading(
-        *blocks[0], clean(np.array(seconds[0].times)[rows[0]]) if single else None,
-        sum(x.calls for x in seconds), sum(sizes), 0.0, hat=None if single else blocks[1],
-    )  # fmt: skip
+    c = clean(np.array(seconds[0].times)[rows[0]]) if single else None
+    reading = Reading(cleaned, c, sum(x.calls for x in seconds), sum(sizes), 0.0)
     return noted(reading, largest_step(lambda h: _unexplained(box, reading, h)), notes)
 
 
@@ -165,27 +163,22 @@ def method_of(reading: Reading) -> GLM | PartitionedGLM:
     def exactly(matrix: np.ndarray) -> list[list[Fraction]]:
         return [[Fraction(float(x)) for x in row] for row in matrix]
 
-    A, U, B, V = reading.A, reading.U, reading.B, reading.V
-    r = len(V)
-    if reading.hat is None:
-        if not len(A):  # no stage matters: one that nothing reads stands for them
-            A, U, B = np.zeros((1, 1)), np.ones((1, r)), np.zeros((r, 1))
-        return GLM(exactly(A), exactly(U), exactly(B), exactly(V))
-    A_hat, U_hat, B_hat, V_hat = reading.hat
-    if not len(A):
-        A, A_hat = np.zeros((1, len(U_hat))), np.zeros((len(U_hat), 1))
-        U, B_hat = np.ones((1, r)), np.zeros((r, 1))
-    if not len(A_hat):
-        A, A_hat = np.zeros((len(U), 1)), np.zeros((1, len(U)))
-        U_hat, B = np.ones((1, r)), np.zeros((r, 1))
-    q, p = [[exactly(x) for x in half] for half in ((A, U, B, V), (A_hat, U_hat, B_hat, V_hat))]
-    return PartitionedGLM(q[0], q[1], q[2], q[3], p[0], p[1], p[2], p[3], separable=True)
+    def half(A: np.ndarray, U: np.ndarray, B: np.ndarray, V: np.ndarray) -> Iterator[Any]:
+        # where no stage matters, one that nothing reads stands for them
+        rows, columns = (max(1, n) for n in A.shape)
+        yield exactly(A if A.size else np.zeros((rows, columns)))
+        yield exactly(U if len(U) else np.ones((1, len(V))))
+        yield exactly(B if B.size else np.zeros((len(V), columns)))
+        yield exactly(V)
+
+    blocks = [x for one in reading.halves for x in half(*one)]
+    return GLM(*blocks) if reading.single else PartitionedGLM(*blocks, separable=True)
 
 
 def _unexplained(box: Box, reading: Reading, h: float) -> float:
     """Return the relative difference of a nonlinear step from what the coefficients make of it."""
-    r, t = len(reading.V), 0.25 if reading.hat is None else 0.0
-    if reading.hat is None:
+    r, t = reading.values, 0.25 if reading.single else 0.0
+    if reading.single:
         problem = Problem(
             name="probe-test", f=_test_field, jacobian=_test_jacobian, y0=[0.0] * 3,
             t_span=(t, t + h),

@@ -8,6 +8,7 @@ Wanner, theorem III.2.5). The bound of an error is the same weight of the absolu
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..catalogue.lookup import names
 from ..method.component import ROOTED, SEPARABLE
 from ..theory.trees import Tree, trees
 from .identify import _arrays
-from .readings import Reading
+from .readings import Half, Reading, named
 
 #: Most order that is looked at: 4766 trees have order 12.
 HIGHEST = 12
@@ -48,10 +49,10 @@ class _Weights:
     """Weights of trees; each is computed once, with the bound that its rounding has."""
 
     def __init__(self, reading: Reading, c: np.ndarray | None = None) -> None:
-        A_hat, _, B_hat, _ = reading.hat or (reading.A, None, reading.B, None)
+        (A, _, B, _), (A_hat, _, B_hat, _) = reading.halves[0], reading.halves[-1]
         # of a vertex f stand A_hat (to its children k) and B, of a vertex k A and B_hat
-        self.blocks = {"o": reading.A, "f": A_hat, "k": reading.A}
-        self.outputs = {"o": reading.B[0], "f": reading.B[0], "k": B_hat[0]}
+        self.blocks = {"o": A, "f": A_hat, "k": A}
+        self.outputs = {"o": B[0], "f": B[0], "k": B_hat[0]}
         self.c = c
         self._known: dict[Tree, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -83,9 +84,9 @@ def first_defect(reading: Reading, order: int, unit: float) -> Defect | None:
     in which the coefficients were read. ``None`` where all hold within what the reading explains.
     """
     kinds = [_Weights(reading)]
-    if reading.c is not None and np.any(reading.A.sum(axis=1) != reading.c):
+    if reading.c is not None and np.any(reading.halves[0][0].sum(axis=1) != reading.c):
         kinds.append(_Weights(reading, reading.c))
-    palette = ROOTED if reading.hat is None else SEPARABLE
+    palette = ROOTED if reading.single else SEPARABLE
     for p in range(1, min(order, HIGHEST) + 1):
         for number, weights in enumerate(kinds):
             gaps = []
@@ -105,15 +106,12 @@ def nearest(reading: Reading) -> str:
 
     It must agree in more than half of the entries that are not zero.
     """
-    mine = _entries(reading)
+    mine = _entries(reading.halves)
     best: tuple[int, str, list[str]] | None = None
     for name in names("methods"):
-        other = _arrays(name)
-        if other is None or (len(other) == 8) != (reading.hat is not None):
-            continue
-        theirs = dict(zip(mine, (other[i] for i in ((0, 2, 4, 6) if len(other) == 8 else (0, 2))),
-                          strict=True))  # fmt: skip
-        if any(mine[x].shape != theirs[x].shape for x in mine):
+        theirs = _entries(_arrays(name))
+        shapes = [{key: x.shape for key, x in blocks.items()} for blocks in (mine, theirs)]
+        if shapes[0] != shapes[1]:
             continue
         wrong = [
             f"{x}[{i + 1}][{j + 1}] is {mine[x][i, j]:.6g} and there {theirs[x][i, j]:.6g}"
@@ -130,8 +128,6 @@ def nearest(reading: Reading) -> str:
     return f"nearest is {name}: {', '.join(wrong[:_SHOWN])}{more}"
 
 
-def _entries(reading: Reading) -> dict[str, np.ndarray]:
-    found = {"A": reading.A, "B": reading.B}
-    if reading.hat is not None:
-        found |= {"A_hat": reading.hat[0], "B_hat": reading.hat[2]}
-    return found
+def _entries(halves: Sequence[Half]) -> dict[str, np.ndarray]:
+    """Return the blocks by which methods of one value differ."""
+    return {name: matrix for name, matrix in named(halves).items() if name[0] in "AB"}

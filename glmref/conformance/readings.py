@@ -30,18 +30,26 @@ _NEGLIGIBLE = 1e-12
 
 #: ``box(problem, t, values (r, d), h)`` -> values (r, d)
 Box = Callable[[Problem, float, np.ndarray, float], np.ndarray]
+#: A, U, B and V of a method or of one half of a pair. The stages of the other half move a half.
+Half = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def named(halves: Sequence[Half]) -> dict[str, np.ndarray]:
+    """Return the blocks of a method by letter; those of p, for a pair, as ``A_hat`` and so on."""
+    return {
+        letter + hat: matrix
+        for half, hat in zip(halves, ("", "_hat"), strict=False)
+        for letter, matrix in zip("AUBV", half, strict=True)
+    }
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
     """What was read from one integrator."""
 
-    #: The coefficients; stages in the order of their first evaluation. Of a pair, the blocks of q;
-    #: then ``hat`` holds those of p.
-    A: np.ndarray
-    U: np.ndarray
-    B: np.ndarray
-    V: np.ndarray
+    #: The coefficients, of a pair those of q and those of p; stages in the order of their first
+    #: evaluation.
+    halves: tuple[Half, ...]
     #: Abscissae ``(t_called - t) / h`` at which f was evaluated, ``None`` for a pair.
     c: np.ndarray | None
     evaluations: int  #: Calls of the right-hand side in one step of the last reading.
@@ -51,13 +59,27 @@ class Reading:
     #: Relative difference between a step on a nonlinear problem and what the coefficients make of
     #: it.
     unexplained: float
-    hat: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None = None
     notes: tuple[str, ...] = ()  #: What could not be seen.
 
     @property
+    def single(self) -> bool:
+        """Whether it is no pair."""
+        return len(self.halves) == 1
+
+    @property
+    def values(self) -> int:
+        """Number of values carried."""
+        return len(self.halves[0][3])
+
+    @property
+    def blocks(self) -> dict[str, np.ndarray]:
+        """The coefficients by name."""
+        return named(self.halves)
+
+    @property
     def explicit(self) -> bool:
-        """Whether the stages, as ordered, need earlier ones only."""
-        return bool(np.all(np.abs(np.triu(self.A)) < _NEGLIGIBLE))
+        """Whether the stages of what is no pair, as ordered, need earlier ones only."""
+        return self.single and bool(np.all(np.abs(np.triu(self.halves[0][0])) < _NEGLIGIBLE))
 
 
 @dataclass
@@ -186,10 +208,6 @@ def needed(A: np.ndarray, *outputs: np.ndarray) -> list[int]:
     return sorted(kept)
 
 
-#: A, U, B and V of a method or of one half of a pair.
-Half = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-
 def without_idle(halves: Sequence[Half]) -> tuple[list[Half], list[np.ndarray]]:
     """Leave out the stages on which no result depends; of a pair both halves are given.
 
@@ -198,7 +216,6 @@ def without_idle(halves: Sequence[Half]) -> tuple[list[Half], list[np.ndarray]]:
     sizes = [len(A) for A, _, _, _ in halves]
     places = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
     joint, results = np.zeros((sum(sizes), sum(sizes))), []
-    # the stages of the other half move a half
     for (A, _, B, _), mine, others in zip(halves, places, places[::-1], strict=True):
         joint[np.ix_(mine, others)] = A
         results.append(np.zeros((len(B), sum(sizes))))
@@ -226,8 +243,8 @@ def noted(reading: Reading, gap: float, notes: list[str]) -> Reading:
             f"a step on a nonlinear problem differs by {gap:.2g} (relative) from what these "
             f"coefficients give: the integrator does something more, or solves its stages badly"
         )
-    if reading.c is not None and len(reading.c):
-        sums = reading.A.sum(axis=1)
-        if len(reading.V) == 1 and np.abs(sums - reading.c).max() > 1e-10:
+    if reading.c is not None and len(reading.c) and reading.values == 1:
+        sums = reading.halves[0][0].sum(axis=1)
+        if np.abs(sums - reading.c).max() > 1e-10:
             notes.append("f is evaluated at times other than t + c_i h with c = A 1")
     return replace(reading, unexplained=gap, notes=tuple(notes))

@@ -84,9 +84,9 @@ def test_an_abscissa_at_which_f_is_not_called_is_said() -> None:
 def test_stages_of_a_high_stage_order_are_told_apart() -> None:
     name = "sciml-feagin12"  # eight markers of 1/k! took two pairs of its stages for one
     reading = read(Subject(published(name)), name, 1)
-    assert reading.A.shape == (25, 25) and reading.unexplained < 1e-10
+    assert reading.blocks["A"].shape == (25, 25) and reading.unexplained < 1e-10
     entries = {(i - 1, j - 1): number(x) for i, j, x in DEFECTS[name]["table"]["A"]}
     right = np.array([[entries.get((i, j), 0.0) for j in range(25)] for i in range(25)])
-    assert np.abs(reading.A - right).max() < 1e-13
+    assert np.abs(reading.blocks["A"] - right).max() < 1e-13
     defect = first_defect(reading, 12, 2.0**-53)
     assert defect is not None and defect.times and defect.order == 1
