@@ -246,13 +246,12 @@ def _note(notice: str) -> None:
 def _draw(
     scene: Scene, records: Sequence[Mapping[str, Any]], output: Path, stem: str
 ) -> tuple[list[str], list[str]]:
-    """Write SVG, and PNG and PDF where matplotlib is there; return file names and notices.
+    """Write the pictures; return file names and notices.
 
     A folder that cannot be written costs the pictures and not the answer.
     """
     from .. import scenes as scenery
     from ..views import chart, paths
-    from ..views.figures import write_figures
 
     names: list[str] = []
     notices: list[str] = []
@@ -266,18 +265,10 @@ def _draw(
         words = {"title": one.title, "x_label": one.x_label, "y_label": one.y_label}
         path = output / f"{stem}{suffix}.svg"
         try:
-            picture = Drawing(module.svg(data, **words))
-            names.append(picture.save(path).name)
-            notice = write_figures(path, picture)
+            names.append(Drawing(module.svg(data, **words)).save(path).name)
         except UsageError as error:
-            notice = f"no picture: {error}"
-            notices += [notice] if notice not in notices else []
-            continue
-        if notice is None:
-            names += [path.with_suffix(end).name for end in (".png", ".pdf")]
-        elif notice not in notices:
-            notices.append(notice)
-    return names, notices
+            notices.append(f"no picture: {error}")
+    return names, list(dict.fromkeys(notices))
 
 
 def _page(scene: Scene, document: Mapping[str, Any], output: Path) -> str:

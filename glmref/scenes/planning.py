@@ -122,8 +122,6 @@ def plan(scene: Scene) -> Plan:
                 continue
             modules.append(package)
             tasks += [_peer_task(scene, peer, tolerance) for tolerance in scene.tolerances]
-    if "picture" in scene.ask and find_spec("matplotlib") is not None:
-        modules.append("matplotlib")
     recorded = (*RECORDED, *(ASK[question] for question in scene.ask if question != "picture"))
     return Plan(
         scene,

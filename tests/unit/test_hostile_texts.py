@@ -23,7 +23,6 @@ from glmref.system.shown import DARK
 from glmref.system.terminal import escaped
 from glmref.views import chart, paths
 from glmref.views.bibtex import source_entry
-from glmref.views.figures import write_figures
 from glmref.views.tables import csv_text, findings_csv, findings_junit
 from tests.build import scene_text
 
@@ -65,16 +64,6 @@ def test_texts_in_a_chart_are_no_markup() -> None:
     series = [chart.Series(HOSTILE, ((1.0, 1.0), (2.0, 0.5)), (HOSTILE, HOSTILE))]
     drawn(chart.svg(series, title=HOSTILE, x_label=HOSTILE, y_label=HOSTILE))
     drawn(chart.svg([chart.Series(HOSTILE, ())], title=HOSTILE, x_label="x", y_label="y"))
-
-
-@pytest.mark.slow
-def test_texts_in_figures_of_matplotlib_are_no_formulas(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    text = HOSTILE + "$x^{$ costs 5$"
-    series = [chart.Series(text, ((1.0, 1.0), (2.0, 0.5)))]
-    picture = chart.svg(series, title=text, x_label=text, y_label=text)
-    assert write_figures(tmp_path / "a.svg", picture) is None
-    assert {path.name for path in tmp_path.iterdir()} == {"a.png", "a.pdf"}
 
 
 @pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), True, None])
