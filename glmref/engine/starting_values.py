@@ -10,7 +10,7 @@ k passes cost 2^k - 1 steps. Where the solution is one of the values, that row i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -165,11 +165,6 @@ def array_of(
         raise UsageError(f"{what} must be an array of numbers, got {shown(values)}") from None
 
 
-def _halves(engine: Stepper) -> list[tuple[Reader, Component]]:
-    """Return how each component of the method is read, and its coefficients."""
-    return list(zip(engine.readers, engine.method.carriers, strict=True))
-
-
 def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     """Return u y0: (y0, 0, ..., 0) where the first value is the solution and the others small.
 
@@ -177,8 +172,8 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     """
     y0 = np.asarray(y0)
     shape = (*y0.shape[:-1], *engine.shape)
-    values = engine.arithmetic.zeros(shape, engine.V)
-    for (columns, _, _), m in _halves(engine):
+    values = engine.arithmetic.zeros(shape, y0 if np.iscomplexobj(y0) else engine.V)
+    for (columns, _, _), m in zip(engine.readers, engine.method.carriers, strict=True):
         u = preconsistency_vector(m)
         factors = [1] if u is None else engine.arithmetic.array((u,))[0]
         for k, factor in enumerate(factors):
@@ -187,23 +182,42 @@ def zero_start(engine: Stepper, y0: np.ndarray) -> np.ndarray:
     return values
 
 
-def corrector(engine: Stepper) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the map from a defect (..., r, d) to the correction of what is not the solution."""
+def kernel_of(engine: Stepper, m: Component, weights: np.ndarray) -> np.ndarray:
+    """Return K = I - V + u w V, (r, r), of a component read by the weights w.
+
+    Raises
+    ------
+    UsageError
+        Where no u has V u = u and U u = 1.
+    """
+    u = preconsistency_vector(m)
+    if u is None:
+        raise UsageError(
+            "the enhanced start needs a preconsistent method (V u = u, U u = 1); give starting "
+            "values or a starting method"
+        )
+    v = engine.arithmetic.array(m.V)
+    found = np.outer(engine.arithmetic.array((u,))[0], weights.dot(v)) - v
+    for k in range(len(v)):
+        found[k, k] = found[k, k] + 1
+    return found
+
+
+def corrector(
+    engine: Stepper, readers: Sequence[Reader] | None = None
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the map from a defect (..., r, d) to the correction of what is not the solution.
+
+    The solution is read off as ``readers`` say, by default as the engine does.
+    """
     parts = []
-    for (columns, place, weights), m in _halves(engine):
-        exact_u = preconsistency_vector(m)
-        if exact_u is None:
-            raise UsageError(
-                "the enhanced start needs a preconsistent method (V u = u, U u = 1); give starting "
-                "values or a starting method"
-            )
-        v, u = engine.arithmetic.array(m.V), engine.arithmetic.array((exact_u,))[0]
+    for (columns, place, weights), m in zip(
+        readers or engine.readers, engine.method.carriers, strict=True
+    ):
+        matrix = kernel_of(engine, m, weights)
         # the rows solved for: without the solution where that is one of the values, else all
-        rows = [k for k in range(len(v)) if k != place]
-        matrix = -v[np.ix_(rows, rows)] + np.outer(u[rows], weights.dot(v)[rows])
-        for k in range(len(rows)):
-            matrix[k, k] = matrix[k, k] + 1
-        parts.append((columns, rows, matrix))
+        rows = [k for k in range(len(matrix)) if k != place]
+        parts.append((columns, rows, matrix[np.ix_(rows, rows)]))
 
     def correct(defect: np.ndarray) -> np.ndarray:
         change = 0 * defect

@@ -19,23 +19,17 @@ they can be computed; stages that nothing reads are left out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ..engine.starting_values import default_passes, renewal_of
 from ..engine.tableau import as_balls
 from ..errors import UsageError
 from ..exact import Scalar, exact, linalg
 from ..exact.linalg import Matrix, Vector
-from ..method import GLM, PartitionedGLM
-from ..method.preconsistency import outputs, preconsistency, stage_times, unit_place
+from ..method import GLM, Method, PartitionedGLM
+from ..method.component import SEPARABLE
+from ..method.preconsistency import outputs, preconsistency, unit_place
 from ..method.rounding import CLOSE
-from ..method.stage_order import dependency_blocks
-
-if TYPE_CHECKING:
-    from ..method import FinishingMethod, StartingMethod
-
 
 _ZERO, _ONE = exact(0), exact(1)
 
@@ -123,54 +117,42 @@ def _vanishes(x: Scalar) -> bool:
     return x.is_zero() is True or x.magnitude() < CLOSE
 
 
-def _stacked(first: Matrix, second: Matrix, *, crossed: bool = False) -> Matrix:
-    """Return [first 0; 0 second], or [0 first; second 0]."""
-    left, right = (len(first[0]) if first else 0), (len(second[0]) if second else 0)
-    if crossed:
-        top = tuple((_ZERO,) * right + tuple(row) for row in first)
-        return top + tuple(tuple(row) + (_ZERO,) * left for row in second)
-    top = tuple(tuple(row) + (_ZERO,) * right for row in first)
-    return top + tuple((_ZERO,) * left + tuple(row) for row in second)
+def _table(method: Method) -> Table:
+    """Return the tableau of a method, a start or a finish.
 
-
-def _table(
-    A: Matrix, U: Matrix, B: Matrix, V: Matrix, c: Vector, half: Sequence[int] = ()
-) -> Table:
-    """Drop stages that nothing reads and number the others in the order of computation."""
-    used = {j for row in B for j, x in enumerate(row) if not _vanishes(x)}
-    waiting = list(used)
-    while waiting:
-        row = A[waiting.pop()]
-        more = {j for j, x in enumerate(row) if not _vanishes(x)} - used
-        used |= more
-        waiting += more
-    keep = sorted(used) or [0]
-    found = dependency_blocks(len(keep), lambda i, j: not _vanishes(A[keep[i]][keep[j]]))
-    order = [keep[i] for block in found for i in block.stages]
+    Stages that nothing reads are left out, and the others numbered in the order of computation.
+    """
+    parts, pair = method.components, method.parts == 2
+    palette = SEPARABLE if pair else None
+    stages, values = [len(x.A) for x in parts], [len(x.V[0]) for x in parts]
+    A, U, B, V = [], [], [], []
+    for k, x in enumerate(parts):
+        # the stages of the other half move a half
+        first, size = sum(stages[: len(parts) - 1 - k]), sum(stages)
+        A += _wide(x.A, first, size)
+        B += _wide(x.B, first, size)
+        U += _wide(x.U, sum(values[:k]), sum(values))
+        V += _wide(x.V, sum(values[:k]), sum(values))
+    every, read = method.stage_blocks(palette), method.read_stages(palette)
+    blocks = [x for x in every if not read.isdisjoint(x.stages)] or every[:1]
+    order = [i for x in blocks for i in x.stages]
+    c = (_ZERO,) * sum(stages) if pair else method.times[0]
     return Table(
         A=tuple(tuple(A[i][j] for j in order) for i in order),
         U=tuple(U[i] for i in order),
         B=tuple(tuple(row[j] for j in order) for row in B),
-        V=V,
+        V=tuple(V),
         c=tuple(c[i] for i in order),
-        blocks=tuple(-len(x.stages) if x.implicit else 1 for x in found),
-        half=tuple(half[i] for i in order) if half else (0,) * len(order),
+        blocks=tuple(-len(x.stages) if x.implicit else 1 for x in blocks),
+        half=tuple(int(pair and i < stages[0]) for i in order),
     )
 
 
-def _start_of(start: StartingMethod) -> Table:
-    ones = ((_ONE,),) * len(start.A)
-    columns = tuple((x,) for x in start.u)
-    return _table(start.A, ones, start.B, columns, linalg.row_sums(start.A))
-
-
-def _finish_of(finish: FinishingMethod) -> Table:
-    ones = ((_ONE,),) * len(finish.A)
-    return _table(finish.A, ones, (finish.b,), ((_ONE,),), linalg.row_sums(finish.A))
-
-
-def _zeros(size: int) -> Matrix:
-    return ((_ZERO,) * size,) * size
+def _wide(rows: Matrix, left: int, width: int) -> Matrix:
+    """Return rows of a width with zeros around these, which begin at ``left``."""
+    return tuple(
+        (_ZERO,) * left + tuple(row) + (_ZERO,) * (width - left - len(row)) for row in rows
+    )
 
 
 def _zero_start(U: Matrix, V: Matrix) -> Vector:
@@ -215,25 +197,28 @@ def scheme_of(method: GLM | PartitionedGLM) -> Scheme:
     """
     if None in map(unit_place, outputs(method.components)):
         method = method.transform(*map(_basis, outputs(method.components)))
-    if isinstance(method, PartitionedGLM):
-        return _scheme_of_pair(method)
+    name = method.name or "the method"
     if not method.is_real:
         raise UsageError(
-            f"{method.name or 'the method'} has complex coefficients, and exported steppers "
-            f"compute with real numbers; export a real method that is equivalent to it"
+            f"{name} has complex coefficients, and exported steppers compute with real numbers; "
+            f"export a real method that is equivalent to it"
         )
-    c = stage_times(method)
-    several = method.r > 1 and method.starting is None
+    parts, (first, *_) = method.components, (len(x.V) for x in method.components)
+    places = [_place(output) for output in outputs(parts)]
+    several = method.carried > 1 and method.starting is None
+    zero = [tuple((x,) for x in _zero_start(x.U, x.V)) for x in parts]
+    correct = [
+        _corrector(x.U, x.V, name) if several else linalg.zeros(len(x.V), len(x.V)) for x in parts
+    ]
+    finishing = getattr(method, "finishing", None)
     return Scheme(
-        pair=False,
-        heads=(_place(outputs(method.components)[0]),),
-        step=_table(method.A, method.U, method.B, method.V, c),
-        start=_start_of(method.starting) if method.starting is not None else None,
-        finish=_finish_of(method.finishing) if method.finishing is not None else None,
-        zero=tuple((x,) for x in _zero_start(method.U, method.V)),
-        correct=_corrector(method.U, method.V, method.name or "the method")
-        if several
-        else _zeros(method.r),
+        pair=method.parts == 2,
+        heads=tuple(place + k * first for k, place in enumerate(places)),
+        step=_table(method),
+        start=None if method.starting is None else _table(method.starting),
+        finish=None if finishing is None else _table(finishing),
+        zero=linalg.block_diagonal(*zero),
+        correct=linalg.block_diagonal(*correct),
         passes=default_passes(method) if several else 0,
         renew=renewal_of(method),
     )
@@ -253,48 +238,3 @@ def _basis(output: Vector) -> Matrix:
 def _place(output: Vector) -> int:
     """Return which value is the solution."""
     return next(k for k, x in enumerate(output) if not _vanishes(x))
-
-
-def _scheme_of_pair(pair: PartitionedGLM) -> Scheme:
-    reads = outputs(pair.components)
-    n = pair.n_Q + pair.n_P
-    half = (1,) * pair.n_Q + (0,) * pair.n_P
-    step = _table(
-        _stacked(pair.A, pair.A_hat, crossed=True),
-        _stacked(pair.U, pair.U_hat),
-        _stacked(pair.B, pair.B_hat, crossed=True),
-        _stacked(pair.V, pair.V_hat),
-        (_ZERO,) * n,
-        half,
-    )
-    start = None
-    if pair.starting is not None:
-        s = pair.starting
-        n_q, n_p = s.stages
-        start = _table(
-            _stacked(s.A, s.A_hat, crossed=True),
-            _stacked(((_ONE,),) * n_q, ((_ONE,),) * n_p),
-            _stacked(s.B, s.B_hat, crossed=True),
-            _stacked(tuple((x,) for x in s.u), tuple((x,) for x in s.u_hat)),
-            (_ZERO,) * (n_q + n_p),
-            (1,) * n_q + (0,) * n_p,
-        )
-    several = max(pair.r, pair.r_hat) > 1 and pair.starting is None
-    correct = _zeros(pair.r + pair.r_hat)
-    if several:
-        name = pair.name or "the pair"
-        correct = _stacked(
-            _corrector(pair.U, pair.V, name), _corrector(pair.U_hat, pair.V_hat, name)
-        )
-    zero = [_zero_start(pair.U, pair.V), _zero_start(pair.U_hat, pair.V_hat)]
-    return Scheme(
-        pair=True,
-        heads=(_place(reads[0]), pair.r + _place(reads[1])),
-        step=step,
-        start=start,
-        finish=None,
-        zero=_stacked(tuple((x,) for x in zero[0]), tuple((x,) for x in zero[1])),
-        correct=correct,
-        passes=default_passes(pair) if several else 0,
-        renew=renewal_of(pair),
-    )

@@ -7,52 +7,31 @@ in h: every pass gains one. What values lack to ``S(y)`` of their own solution y
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..engine.reference import Reader, Stepper
+from ..engine.starting_values import corrector, kernel_of, zero_start
 from ..errors import UsageError
-from ..exact.linalg import identity, vecmat
+from ..exact.linalg import vecmat
 from ..method import Component
-from ..method.preconsistency import output, preconsistency_vector
+from ..method.preconsistency import output
 
 
-@dataclass(frozen=True, eq=False)
-class _Half:
-    """What is needed of one matrix V to start and to read off the solution."""
-
-    columns: slice  #: The components of a state this half carries.
-    rows: int  #: Number of values carried.
-    u: np.ndarray  #: (r,), ``V u = u``.
-    e: np.ndarray  #: (r,) with ``e u = 1``: the solution is ``e y``.
-    inverse: np.ndarray  #: (r, r), ``(I - V + u e V)^-1``.
-    #: Whether ``e V = e``, as where the first value takes from no other, or by choice.
-    steady: bool
+def _is_steady(m: Component) -> bool:
+    """Return whether ``w V = w``, as where the first value takes from no other."""
+    w = output(m)
+    return all((x - y).is_zero() is True for x, y in zip(vecmat(w, m.V), w, strict=True))
 
 
-def _half(engine: Stepper, reader: Reader, m: Component, *, conjugate: bool) -> _Half:
-    """Compute u, e and the inverse of one half in the engine's arithmetic."""
-    arithmetic, r = engine.arithmetic, len(m.V)
-    exact_u = preconsistency_vector(m)
-    if exact_u is None:
-        raise UsageError("the method is not pre-consistent: no u has V u = u and U u = 1")
-    u = arithmetic.array((exact_u,))[0]
-    one = arithmetic.array(identity(r))
-    w, v, e = output(m), arithmetic.array(m.V), reader.weights
-    steady = all((x - y).is_zero() is True for x, y in zip(vecmat(w, m.V), w, strict=True))
-    try:
-        inverse = arithmetic.solve(one - v + np.outer(u, e.dot(v)), one.copy())
-        if conjugate and not steady:
-            # l V = l and l u = 1 give l (I - V + u e V) = e V
-            e, steady = e.dot(v).dot(inverse), True
-            inverse = arithmetic.solve(one - v + np.outer(u, e), one.copy())
-    except (np.linalg.LinAlgError, ZeroDivisionError):
-        raise UsageError(
-            "1 is not a simple eigenvalue of V; the underlying method is not unique"
-        ) from None
-    return _Half(reader.columns, r, u, e, inverse, steady)
+def _conjugate(engine: Stepper, reader: Reader, m: Component) -> Reader:
+    """Return how a component is read by l with ``l V = l`` and ``l u = 1``.
+
+    Then ``l K = w V`` for ``K = I - V + u w V``.
+    """
+    K, V = kernel_of(engine, m, reader.weights), engine.arithmetic.array(m.V)
+    return Reader(reader.columns, None, engine.arithmetic.solve(K.T, reader.weights.dot(V)))
 
 
 class Underlying:
@@ -69,38 +48,31 @@ class Underlying:
     """
 
     def __init__(self, engine: Stepper, *, conjugate: bool = False) -> None:
-        self.engine = engine
-        self.halves = tuple(
-            _half(engine, reader, m, conjugate=conjugate)
-            for reader, m in zip(engine.readers, engine.method.carriers, strict=True)
-        )
-        self.evaluations = 0
-
-    @property
-    def one_step(self) -> bool:
-        """Whether a single value is carried, so that starting is trivial."""
-        return all(half.rows == 1 for half in self.halves)
+        self.engine, self.readers, self.evaluations = engine, engine.readers, 0
+        parts = engine.method.carriers
+        #: Whether a single value is carried, so that starting is trivial.
+        self.one_step = all(len(m.V) == 1 for m in parts)
+        self.steady = conjugate or all(map(_is_steady, parts))
+        try:
+            if conjugate:
+                self.readers = tuple(
+                    reader if _is_steady(m) else _conjugate(engine, reader, m)
+                    for reader, m in zip(engine.readers, parts, strict=True)
+                )
+            self._correction = corrector(engine, self.readers)
+            self._correction(self.lifted(engine.problem.y0))
+        except (np.linalg.LinAlgError, ZeroDivisionError):
+            raise UsageError(
+                "1 is not a simple eigenvalue of V; the underlying method is not unique"
+            ) from None
 
     def solution(self, values: np.ndarray) -> np.ndarray:
         """Return the solution among the values, shape (d,)."""
-        parts = [half.e.dot(values[: half.rows, half.columns]) for half in self.halves]
-        return np.concatenate(parts)
+        return np.concatenate([w.dot(values[: len(w), at]) for at, _, w in self.readers])
 
     def lifted(self, y: np.ndarray) -> np.ndarray:
         """Return ``u y``, the values that hold the solution y and nothing else."""
-        values = self.engine.arithmetic.zeros(self.engine.shape, y)
-        if y.dtype.kind == "c":
-            values = values.astype(complex)
-        for half in self.halves:
-            values[: half.rows, half.columns] = np.outer(half.u, y[half.columns])
-        return values
-
-    def _correction(self, defect: np.ndarray) -> np.ndarray:
-        out = defect * 0
-        for half in self.halves:
-            rows = slice(0, half.rows)
-            out[rows, half.columns] = half.inverse.dot(defect[rows, half.columns])
-        return out
+        return zero_start(self.engine, y)
 
     def start(self, t: Any, y0: np.ndarray, h: Any, *, order: int) -> np.ndarray:
         """Return S(y0) to within O(h^(order + 1)).
@@ -113,7 +85,7 @@ class Underlying:
         """
         if self.one_step:
             return self.lifted(np.asarray(y0))
-        passes = order if all(half.steady for half in self.halves) else 2 * order
+        passes = order if self.steady else 2 * order
         rest = [self.lifted(np.asarray(y0)) * 0 for _ in range(passes + 1)]
         for level in range(passes, 0, -1):
             current = self.lifted(np.asarray(y0)) + rest[0]

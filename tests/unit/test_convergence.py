@@ -92,11 +92,10 @@ def test_the_solution_read_by_the_left_eigenvector_is_a_conjugate_one():
     # the same values, another name for the solution: the steps are those of the same method
     engine = stepper(load("ab-3"), isochronous(), digits=30)
     underlying, context = Underlying(engine, conjugate=True), engine.arithmetic.context
-    (half,) = underlying.halves
-    assert half.steady
-    v = engine.arithmetic.array(engine.method.V)
-    assert max(abs(x) for x in half.e.dot(v) - half.e) < 1e-28
-    assert abs(half.e.dot(half.u) - 1) < 1e-28
+    ((_, _, left),) = underlying.readers
+    v, y0 = engine.arithmetic.array(engine.method.V), engine.problem.y0
+    assert max(abs(x) for x in left.dot(v) - left) < 1e-28
+    assert max(abs(x) for x in underlying.solution(underlying.lifted(y0)) - y0) < 1e-28
     h = context.mpf(1) / 100
     start = underlying.start(context.mpf(0), engine.problem.y0, h, order=6)
     assert max(abs(x) for x in underlying.solution(start) - engine.problem.y0) < 1e-28
