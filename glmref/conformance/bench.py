@@ -17,6 +17,7 @@ from ..exact import Ball, Exact
 from ..exact.linalg import Matrix
 from ..method import GLM, Method, PartitionedGLM
 from ..method.preconsistency import outputs, preconsistency_vector, stage_times, unit_place
+from ..problems.formula import to_number
 from ..prove.facts import facts_of
 from .faults import reversal
 from .numbers import decimal_text, decimals, upper_text
@@ -134,42 +135,39 @@ class Bench:
     def numbers(self, engine: Stepper, rows: Sequence[Sequence[Fraction]]) -> np.ndarray:
         """Return rows of fractions in the arithmetic of an engine."""
         context = engine.arithmetic.context
-        out = engine.arithmetic.zeros((len(rows), len(rows[0])))
-        for k, row in enumerate(rows):
-            out[k, :] = [context.mpf(x.numerator) / x.denominator for x in row]
-        return out
+        return np.array([[to_number(x, context) for x in row] for row in rows], dtype=object)
 
     def rounding(
-        self, method: Method, task: TestProblem, t: Any, values: Any, h: Any, stages: Any
+        self, method: Method, task: TestProblem, t: Fraction, rows: Any, h: Fraction, stages: Any
     ) -> str:
         """Return the largest error, in units of round-off, of rounding in stages and output."""
-        context = self.engine(task).arithmetic.context
-        field = error_field(task.expressions, context)
-        rows = error_bound(method, field, t, list(values), h, stages, context)
-        return upper_text(SAFETY * max(x.error for part in rows for row in part for x in row))
+        engine = self.engine(task)
+        context, values = engine.arithmetic.context, list(self.numbers(engine, rows))
+        field, time, size = (
+            error_field(task.expressions, context),
+            *self.numbers(engine, [[t, h]])[0],
+        )
+        found = error_bound(method, field, time, values, size, stages, context)
+        return upper_text(SAFETY * max(x.error for part in found for row in part for x in row))
 
     def begin(
         self, task: TestProblem, h: Fraction, digits: int
     ) -> tuple[Stepper, np.ndarray, list[list[str]] | None]:
         """Return engine, starting values, and these as decimals where the method has no start."""
-        engine = self.engine(task, digits)
-        context = engine.arithmetic.context
-        y0, t = np.array(engine.problem.y0), context.mpf(task.t0)
-        size = context.mpf(h.numerator) / h.denominator
+        engine, y0 = self.engine(task, digits), [[Fraction(x) for x in task.y0]]
         if self.r == 1:
-            return engine, y0[None, :], None
-        if not self.pair and self.method.starting is not None:
-            return engine, apply_start(self.method.starting, engine, t, y0, size)[0], None
-        coarse = self.engine(task, FAULT_DIGITS)
+            return engine, self.numbers(engine, y0), None
+        own = None if self.pair else self.method.starting
+        coarse = engine if own is not None else self.engine(task, FAULT_DIGITS)
+        ((t, size),) = self.numbers(coarse, [[Fraction(task.t0), h]])
+        (first,) = self.numbers(coarse, y0)
+        if own is not None:
+            return engine, apply_start(own, engine, t, first, size)[0], None
         # an error O(h^p) at the start leaves the order p of the run, as for the starts of the data
         passes = max(1, min(5, self.facts.kernel.range(ORDER.key).value - 1))
-        first = np.array(coarse.problem.y0)
-        small = coarse.arithmetic.context
-        values, _ = enhanced_start(
-            coarse, small.mpf(task.t0), first, small.mpf(h.numerator) / h.denominator, passes
-        )
-        shown = decimals(values, _START_SHOWN)
-        return engine, np.array([[context.mpf(x) for x in row] for row in shown]), shown
+        shown = decimals(enhanced_start(coarse, t, first, size, passes)[0], _START_SHOWN)
+        given = [[Fraction(x) for x in row] for row in shown]
+        return engine, self.numbers(engine, given), shown
 
     def shown_order(self) -> int:
         """Return the order that a run shows, with the start and finish of the data, if any."""

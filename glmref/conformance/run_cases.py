@@ -15,6 +15,7 @@ from ..errors import DataError
 from ..exact import ball
 from ..method import Method
 from ..problems import problem
+from ..problems.formula import to_number
 from .bench import DIGITS, FAULT_DIGITS, SAFETY, SHOWN, Bench
 from .bounded import Bounded
 from .faults import wrong_runs
@@ -64,8 +65,7 @@ class RunCases:
             "flags": [],
         }
         coarse, values, _ = self.bench.begin(task, h, FAULT_DIGITS)
-        context = coarse.arithmetic.context
-        t0, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
+        ((t0, size),) = self.bench.numbers(coarse, [[Fraction(task.t0), h]])
         if task.name != "kepler":
             found = wrong_runs(coarse, self.method, task.problem, t0, values, size, _RUN_STEPS)
             if task.name == "forced":
@@ -80,19 +80,14 @@ class RunCases:
         for steps in _ORDER_STEPS:
             h = Fraction(_ORDER_TIME, steps)
             engine, values, given = self.bench.begin(task, h, FAULT_DIGITS)
-            context = engine.arithmetic.context
-            size = context.mpf(h.numerator) / h.denominator
+            ((size, end),) = self.bench.numbers(engine, [[h, Fraction(_ORDER_TIME)]])
             for n in range(steps):
                 values = engine.step(n * size, values, size).values
-            y = self.bench.solution(engine, values, context.mpf(_ORDER_TIME), size)
-            error = max(abs(a - context.mpf(b)) for a, b in zip(y, exact_end, strict=True))
-            rows.append(
-                {
-                    "steps": steps,
-                    **({} if given is None else {"input": given}),
-                    "error": decimal_text(error, 6),
-                }
-            )
+            y = self.bench.solution(engine, values, end, size)
+            right = engine.arithmetic.context.mpf
+            error = max(abs(a - right(b)) for a, b in zip(y, exact_end, strict=True))
+            started = {} if given is None else {"input": given}
+            rows.append({"steps": steps, **started, "error": decimal_text(error, 6)})
         order = self.bench.shown_order()
         return {
             "id": f"order{order}/{self.name}/{task.name}",
@@ -123,7 +118,7 @@ class _Run:
         self.bench, self.task, self.engine, self.values, self.h = bench, task, engine, values, h
         self.sharp = sharp
         self.context = engine.arithmetic.context
-        self.size = self.context.mpf(h.numerator) / h.denominator
+        self.size = to_number(h, self.context)
         self.n = 0
         self.balls_field = ball_field(task.expressions)
         self.errors_field = error_field(task.expressions, self.context)
@@ -171,7 +166,7 @@ class _Run:
 
     def _carry(self, errors: Sequence[Any]) -> None:
         """Add what errors before a step make of its result, ``|M| e`` with M its derivative."""
-        width = self.context.mpf(_SMALL.numerator) / _SMALL.denominator
+        width = to_number(_SMALL, self.context)
         for k, error in enumerate(errors):
             shift = np.zeros_like(self.values).ravel()
             shift[k] = width

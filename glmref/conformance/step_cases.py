@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.reference import apply_finish, apply_start
+from ..engine.reference import Stepper, apply_finish, apply_start
 from ..errors import DataError
 from ..exact import ball
 from ..method import Method
@@ -42,28 +42,41 @@ class StepCases:
         h: Fraction,
     ) -> dict[str, Any]:  # fmt: skip
         engine = self.bench.engine(task)
-        values, context = self.bench.numbers(engine, given), engine.arithmetic.context
-        size, time = (context.mpf(x.numerator) / x.denominator for x in (h, t))
+        values, ((time, size),) = (self.bench.numbers(engine, x) for x in (given, [[t, h]]))
         taken = engine.step(time, values, size)
         stages = taken.stages if self.bench.pair else (taken.stages,)
-        shown = [decimals(part, SHOWN) for part in stages]
-        output = decimals(taken.values, SHOWN)
-        flat = [row for part in stages for row in part]
+        case = self._case(claim, "step", task, self.method, t, h, given, taken.values, stages)
+        case["stages"] = dict(zip("QP", case["stages"], strict=True)) if self.bench.pair else (
+            case["stages"][0]
+        )  # fmt: skip
+        return case
+
+    def _case(
+        self, claim: str, kind: str, task: TestProblem, method: Method, t: Fraction, h: Fraction,
+        given: Sequence[Sequence[Fraction]], output: np.ndarray, stages: Sequence[Any],
+    ) -> dict[str, Any]:  # fmt: skip
+        """Return the case of a step, or of a starting or finishing method, with what bounds it.
+
+        ``stages`` (.., s, d) are those of each half; only a step shows them.
+        """
+        shown, flat = decimals(output, SHOWN), [row for part in stages for row in part]
+        parts = [decimals(part, SHOWN) for part in stages]
         guesses = [[ball(fraction_of(x)) for x in row] for row in flat]
-        enclosed = enclosed_step(self.method, ball_field(task.expressions), t, given, h, guesses)
-        printed = [[row for part in shown for row in part], output]
-        rounding = self.bench.rounding(self.method, task, time, values, size, flat)
+        enclosed = enclosed_step(method, ball_field(task.expressions), t, given, h, guesses)
+        printed = [[row for part in parts for row in part], shown]
+        if kind != "step":
+            enclosed, printed = ([], enclosed[1]), [[], shown]
         return {
             "id": f"{claim}/{self.name}/{task.name}",
-            "kind": "step",
+            "kind": kind,
             "problem": task.name,
             "t": exact_decimal(t),
             "h": exact_decimal(h),
             "input": [[exact_decimal(x) for x in row] for row in given],
-            "stages": {"Q": shown[0], "P": shown[1]} if self.bench.pair else shown[0],
-            "output": output,
+            **({"stages": parts} if kind == "step" else {}),
+            "output": shown,
             "bound": bound_of(enclosed, printed, self.bench.doubt),
-            "rounding": rounding,
+            "rounding": self.bench.rounding(method, task, t, given, h, flat),
             "flags": [],
         }
 
@@ -71,8 +84,8 @@ class StepCases:
         """Add to a step what usual bugs make of it."""
         engine = self.bench.engine(task, FAULT_DIGITS)
         given = [[Fraction(x) for x in row] for row in case["input"]]
-        values, context = self.bench.numbers(engine, given), engine.arithmetic.context
-        t, h = context.mpf(case["t"]), context.mpf(case["h"])
+        times = [[Fraction(case["t"]), Fraction(case["h"])]]
+        values, ((t, h),) = (self.bench.numbers(engine, x) for x in (given, times))
         found = wrong_steps(engine, self.method, task.problem, t, values, h)
         wanted = {"abscissae": ("Abscissae",), "backward": ("StepSign",)}.get(
             case["id"].split("/")[0]
@@ -85,8 +98,8 @@ class StepCases:
             "step", task, Fraction(task.t0), self.bench.values(task), self.bench.size(task)
         )
         engine = self.bench.engine(task)
-        context = engine.arithmetic.context
-        values = np.array([[context.mpf(x) for x in row] for row in forward["output"]])
+        output = [[Fraction(x) for x in row] for row in forward["output"]]
+        values = self.bench.numbers(engine, output)
         if self.bench.L is not None:
             values = engine.arithmetic.array(self.bench.L).dot(values)
         given = [[Fraction(x) for x in row] for row in decimals(values, SHOWN)]
@@ -113,61 +126,36 @@ class StepCases:
 
     def start(self, task: TestProblem) -> dict[str, Any]:
         """Return starting values of the method's own starting method."""
-        assert self.method.starting is not None
-        engine, h = self.bench.engine(task), self.bench.size(task)
-        context = engine.arithmetic.context
-        t = context.mpf(task.t0)
-        y0 = np.array(engine.problem.y0)
-        size = context.mpf(h.numerator) / h.denominator
-        values, _ = apply_start(self.method.starting, engine, t, y0, size)
-        stages = self.bench.inner_stages(self.method.starting.A, task, t, y0, size)
-        case = self._ends("start", task, self.method.starting, h, [list(task.y0)], values, stages)
+        starting = self.method.starting
+        assert starting is not None
+        engine, t, h, ((time, size),) = self._at(task)
+        rows = [[Fraction(x) for x in task.y0]]
+        (y0,) = self.bench.numbers(engine, rows)
+        values, _ = apply_start(starting, engine, time, y0, size)
+        stages = self.bench.inner_stages(starting.A, task, time, y0, size)
+        case = self._case("start", "start", task, starting, t, h, rows, values, [stages])
         case["y0"] = list(task.y0)
         del case["input"]
-        add_wrong(case, wrong_start(self.method, engine, t, y0, size))
+        add_wrong(case, wrong_start(self.method, engine, time, y0, size))
         return case
 
     def finish(self, task: TestProblem) -> dict[str, Any]:
         """Return the solution that the method's own finishing method makes of the values."""
-        assert self.method.finishing is not None
-        engine, h = self.bench.engine(task), self.bench.size(task)
-        context = engine.arithmetic.context
-        values = self.bench.numbers(engine, self.bench.values(task))
-        size = context.mpf(h.numerator) / h.denominator
-        finishing, t = self.method.finishing, context.mpf(task.t0)
-        output = engine.solution(values)
-        solution, _ = apply_finish(finishing, engine, t, output, size)
-        stages = self.bench.inner_stages(finishing.A, task, t, output, size)
-        (first,) = self.bench.read_off(self.bench.values(task))
-        given = [[exact_decimal(x) for x in first]]
-        case = self._ends("finish", task, finishing, h, given, solution[None, :], stages)
-        case["input"] = [[exact_decimal(x) for x in row] for row in self.bench.values(task)]
+        finishing, given = self.method.finishing, self.bench.values(task)
+        assert finishing is not None
+        engine, t, h, ((time, size),) = self._at(task)
+        output = engine.solution(self.bench.numbers(engine, given))
+        solution, _ = apply_finish(finishing, engine, time, output, size)
+        stages = self.bench.inner_stages(finishing.A, task, time, output, size)
+        rows = self.bench.read_off(given)
+        case = self._case(
+            "finish", "finish", task, finishing, t, h, rows, solution[None, :], [stages]
+        )
+        case["input"] = [[exact_decimal(x) for x in row] for row in given]
         add_wrong(case, [Wrong("FinishSkipped", output[None, :])])
         return case
 
-    def _ends(
-        self, claim: str, task: TestProblem, method: Method, h: Fraction, given: list[list[str]],
-        output: np.ndarray, stages: Sequence[Sequence[Any]],
-    ) -> dict[str, Any]:  # fmt: skip
-        """Return a case of a starting or finishing method."""
-        rows = [[Fraction(x) for x in row] for row in given]
-        engine = self.bench.engine(task)
-        context, shown = engine.arithmetic.context, decimals(output, SHOWN)
-        guesses = [[ball(fraction_of(x)) for x in row] for row in stages]
-        enclosed = enclosed_step(
-            method, ball_field(task.expressions), Fraction(task.t0), rows, h, guesses
-        )
-        values = self.bench.numbers(engine, rows)
-        time, size = context.mpf(task.t0), context.mpf(h.numerator) / h.denominator
-        return {
-            "id": f"{claim}/{self.name}/{task.name}",
-            "kind": claim,
-            "problem": task.name,
-            "t": task.t0,
-            "h": exact_decimal(h),
-            "input": given,
-            "output": shown,
-            "bound": bound_of(([], enclosed[1]), [[], shown], self.bench.doubt),
-            "rounding": self.bench.rounding(method, task, time, values, size, stages),
-            "flags": [],
-        }
+    def _at(self, task: TestProblem) -> tuple[Stepper, Fraction, Fraction, np.ndarray]:
+        """Return the engine, time and step size of a problem, and these two as its numbers."""
+        engine, t, h = self.bench.engine(task), Fraction(task.t0), self.bench.size(task)
+        return engine, t, h, self.bench.numbers(engine, [[t, h]])
