@@ -1,6 +1,5 @@
 """A member that is missing or odd gets one sentence of the judge, never an error of the program."""
 
-import copy
 import json
 from collections.abc import Iterator
 from random import Random
@@ -11,6 +10,8 @@ import pytest
 from glmref import judge
 from glmref.judge.command import main
 from glmref.judge.refusals import Refused
+from tests.inside import at
+from tests.inside import changed as put_in_copy
 
 from .test_both_ways import ROWS
 from .test_hypotheses import certificate_of
@@ -35,14 +36,9 @@ def changed(certificate: dict[str, Any], draw: Random) -> Iterator[tuple[str, di
     """Yield the certificate without each member, and with two odd values in its place."""
     for path in places(certificate):
         for value in ("removed", *draw.sample(ODD, 2)):
-            other: Any = copy.deepcopy(certificate)
-            inner = other
-            for key in path[:-1]:
-                inner = inner[key]
+            other = put_in_copy(certificate, path, value)
             if value == "removed":
-                del inner[path[-1]]
-            else:
-                inner[path[-1]] = value
+                del at(other, path[:-1])[path[-1]]
             yield f"{path}: {value!r:.40}", other
 
 

@@ -6,9 +6,8 @@ The checker shares no code with the package, so that it is a second opinion on e
 import json
 import random
 import shutil
-from collections.abc import Iterator
 from fractions import Fraction
-from pathlib import Path
+from pathlib import Path as File
 from typing import Any
 
 import pytest
@@ -19,6 +18,7 @@ from glmref.cli.certifying import write_certificates
 from glmref.errors import DataError, ExactnessError, GlmrefError
 from glmref.exact import ball
 from glmref.exact.expression import parse
+from tests.inside import Path, at, put, texts
 
 from .deceive import Verdict, decimal, findings, shipped
 
@@ -36,27 +36,19 @@ NUMBERS = (
 )  # fmt: skip
 
 
-def leaves(value: Any, path: tuple[Any, ...]) -> Iterator[tuple[Any, ...]]:
-    """Places of the numbers below a value."""
-    if isinstance(value, str):
-        if path[-1] != "name":
-            yield path
-        return
-    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-        yield from leaves(inner, (*path, key))
+def numbers(d: dict[str, Any], *keys: str) -> list[Path]:
+    """Return the places of the numbers below keys of a document."""
+    found = [path for key in keys if key in d for path in texts(d[key], (key,))]
+    return [path for path in found if path[-1] != "name"]
 
 
 def deceiver(name: str, rng: random.Random) -> dict[str, Any]:
     """A file of the catalogue with one or two numbers and some claims changed."""
     d = shipped(name)
-    places = [x for key in NUMBERS if key in d for x in leaves(d[key], (key,))]
-    for path in rng.sample(places, rng.choice((1, 1, 2))):
-        inner = d
-        for key in path[:-1]:
-            inner = inner[key]
-        text = inner[path[-1]]
+    for path in rng.sample(numbers(d, *NUMBERS), rng.choice((1, 1, 2))):
+        text = at(d, path)
         changes = (f"{text}+1/1{'0' * 50}", f"{text}+1/1{'0' * 50}", "0", f"-({text})", f"{text}+1")
-        inner[path[-1]] = rng.choice(changes)
+        put(d, path, rng.choice(changes))
     for claim, value in d["claims"].items():
         if type(value) is int and rng.random() < 0.4:
             d["claims"][claim] = max(0, value - rng.choice((1, 1, 2)))
@@ -69,7 +61,7 @@ def deceiver(name: str, rng: random.Random) -> dict[str, Any]:
     return d
 
 
-def without_a_certificate(d: dict[str, Any], folder: Path) -> list[str]:
+def without_a_certificate(d: dict[str, Any], folder: File) -> list[str]:
     """The verdicts that no accepted certificate stands behind."""
     try:
         decided = {c for c, x in findings(d).items() if x.verdict is not Verdict.OPEN}
@@ -91,14 +83,14 @@ def without_a_certificate(d: dict[str, Any], folder: Path) -> list[str]:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(4))
-def test_every_verdict_about_a_changed_file_has_a_certificate(seed: int, tmp_path: Path) -> None:
+def test_every_verdict_about_a_changed_file_has_a_certificate(seed: int, tmp_path: File) -> None:
     rng = random.Random(seed)
     d = deceiver(rng.choice(NAMES), rng)
     assert without_a_certificate(d, tmp_path) == []
 
 
 @pytest.mark.slow
-def test_every_verdict_about_many_changed_files_has_a_certificate(tmp_path: Path) -> None:
+def test_every_verdict_about_many_changed_files_has_a_certificate(tmp_path: File) -> None:
     for seed in range(100, 160):
         rng = random.Random(seed)
         name = rng.choice(NAMES)
@@ -110,16 +102,13 @@ def rounded(d: dict[str, Any], digits: int) -> dict[str, Any]:
     constants: dict[str, Any] = {}
     for name, text in d.pop("constants", {}).items():
         constants[name] = parse(text, constants=constants)
-    for path in [x for key in (*NUMBERS, "a") if key in d for x in leaves(d[key], (key,))]:
-        inner = d
-        for key in path[:-1]:
-            inner = inner[key]
-        value: Any = parse(inner[path[-1]], constants=constants)
+    for path in numbers(d, *NUMBERS, "a"):
+        value: Any = parse(at(d, path), constants=constants)
         exact = value.as_fraction()
         if exact is None:
             exact = Fraction(ball(value).real.midpoint().decimal_text(60))
         near = decimal(exact, digits) if exact.denominator > 1 else str(exact)
-        inner[path[-1]] = near if near.strip("-0.") else "0"
+        put(d, path, near if near.strip("-0.") else "0")
     return {**d, "name": "deceiver", "digits": digits}
 
 
@@ -149,7 +138,7 @@ def other_claims(d: dict[str, Any]) -> list[dict[str, Any]]:
     return [d, {**d, "claims": {k: opposite(x) for k, x in own.items()}}, *single]
 
 
-def uncertified(name: str, digits: int, folder: Path) -> list[str]:
+def uncertified(name: str, digits: int, folder: File) -> list[str]:
     """The verdicts without a certificate about a table that was rounded, whatever is claimed."""
     found = []
     for k, d in enumerate(other_claims(rounded(shipped(name), digits))):
@@ -164,13 +153,13 @@ def uncertified(name: str, digits: int, folder: Path) -> list[str]:
 @pytest.mark.parametrize(
     "name", ["heun-3", "bdf-2", "gsymplectic-n", "ars-2-3-2", "yoshida-4", "stoermer-13"]
 )
-def test_every_verdict_about_decimals_has_a_certificate(name: str, tmp_path: Path) -> None:
+def test_every_verdict_about_decimals_has_a_certificate(name: str, tmp_path: File) -> None:
     assert uncertified(name, 16, tmp_path) == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("digits", [3, 33])
-def test_every_verdict_about_many_decimals_has_a_certificate(digits: int, tmp_path: Path) -> None:
+def test_every_verdict_about_many_decimals_has_a_certificate(digits: int, tmp_path: File) -> None:
     for name in ("nystrom-rkn-4-velocities", "ros3p", "milne-simpson-one-leg", "pseudo-rk-4"):
         assert uncertified(name, digits, tmp_path) == [], name
 
@@ -186,7 +175,7 @@ CUBE_ROOTS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: Path) -> None:
+def test_bounds_of_two_rows_do_not_refute_their_orders(tmp_path: File) -> None:
     """An upper bound of the order of a row is another statement than the order declared."""
     d = with_decimals(A=[["0", "0"], ["1", "0"]], b=["1/2", "1/2"])
     d["embedded"] = [{"name": x, "b": ["1", "0"]} for x in ("one", "two")]

@@ -39,6 +39,7 @@ from glmref.findings import Finding, Verdict
 from glmref.prove.analysis import analyze
 from glmref.prove.verifier import verify_file
 from glmref.system.budget import READING, limited
+from tests.inside import at, places, put
 from tests.oracle.claims import opinion
 from tests.oracle.draw import Draw, claims_of
 
@@ -147,36 +148,13 @@ DECLARED: tuple[Any, ...] = (
 Mutation = Callable[[random.Random, Any], Any]
 
 
-def _places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths to everything in a document."""
-    yield path
-    inner = value.items() if isinstance(value, dict) else ()
-    if isinstance(value, list):
-        inner = enumerate(value)
-    for key, x in inner:
-        yield from _places(x, (*path, key))
-
-
-def _at(doc: Any, path: tuple[Any, ...]) -> Any:
-    for key in path:
-        doc = doc[key]
-    return doc
-
-
-def _put(doc: Any, path: tuple[Any, ...], value: Any) -> Any:
-    if not path:
-        return value
-    _at(doc, path[:-1])[path[-1]] = value
-    return doc
-
-
 def _numbers(doc: Any) -> list[tuple[Any, ...]]:
     """Paths to the entries: strings that are computed with."""
     prose = {"name", "title", "source", "notes", "broken", "format", "class", "$schema", "base"}
     return [
         path
-        for path in _places(doc)
-        if path and path[0] not in prose and isinstance(_at(doc, path), str)
+        for path in places(doc)
+        if path and path[0] not in prose and isinstance(at(doc, path), str)
     ]
 
 
@@ -186,7 +164,7 @@ def _entry(draw: random.Random, doc: Any) -> Any:
         paths = _numbers(doc)
         if paths:
             text = draw.choice(ENTRIES).replace("{p}", str(draw.choice(PRIMES)))
-            _put(doc, draw.choice(paths), text)
+            put(doc, draw.choice(paths), text)
     return doc
 
 
@@ -196,11 +174,11 @@ def _slip(draw: random.Random, doc: Any) -> Any:
     if not paths:
         return doc
     path = draw.choice(paths)
-    text = _at(doc, path)
-    at = draw.randrange(len(text) + 1)
+    text = at(doc, path)
+    k = draw.randrange(len(text) + 1)
     new = draw.choice("0123456789+-*/()., sqrti" + "\x00é")
-    kept = draw.choice((at, at + 1))
-    return _put(doc, path, text[:at] + draw.choice((new, "")) + text[kept:])
+    kept = draw.choice((k, k + 1))
+    return put(doc, path, text[:k] + draw.choice((new, "")) + text[kept:])
 
 
 def _exchange(draw: random.Random, doc: Any) -> Any:
@@ -211,21 +189,21 @@ def _exchange(draw: random.Random, doc: Any) -> Any:
 def _exchanged(draw: random.Random, doc: Any, paths: list[tuple[Any, ...]]) -> Any:
     if len(paths) > 1:
         a, b = draw.sample(paths, 2)
-        x, y = _at(doc, a), _at(doc, b)
-        _put(_put(doc, a, y), b, x)
+        x, y = at(doc, a), at(doc, b)
+        put(put(doc, a, y), b, x)
     return doc
 
 
 def _kind(draw: random.Random, doc: Any) -> Any:
     """Something of another type."""
-    path = draw.choice(list(_places(doc)))
-    return _put(doc, path, copy.deepcopy(draw.choice(VALUES)))
+    path = draw.choice(list(places(doc)))
+    return put(doc, path, copy.deepcopy(draw.choice(VALUES)))
 
 
 def _key(draw: random.Random, doc: Any) -> Any:
     """A key that is missing, new, renamed, or another's."""
-    inner = [p for p in _places(doc) if isinstance(_at(doc, p), dict)]
-    block = _at(doc, draw.choice(inner)) if inner else {}
+    inner = [p for p in places(doc) if isinstance(at(doc, p), dict)]
+    block = at(doc, draw.choice(inner)) if inner else {}
     if block and draw.random() < 0.6:
         value = block.pop(draw.choice(list(block)))
         if draw.random() < 0.5:
@@ -237,10 +215,10 @@ def _key(draw: random.Random, doc: Any) -> Any:
 
 def _shape(draw: random.Random, doc: Any) -> Any:
     """A row more, a row less, a row longer; or hundreds of them."""
-    lists = [p for p in _places(doc) if p and isinstance(_at(doc, p), list) and _at(doc, p)]
+    lists = [p for p in places(doc) if p and isinstance(at(doc, p), list) and at(doc, p)]
     if not lists:
         return doc
-    rows = _at(doc, draw.choice(lists))
+    rows = at(doc, draw.choice(lists))
     how = draw.randrange(4)
     if how == 0:
         rows.pop(draw.randrange(len(rows)))
@@ -298,7 +276,7 @@ def _constants(draw: random.Random, doc: Any) -> Any:
     doc["constants"] = block
     paths = _numbers(doc)
     if paths:
-        _put(doc, draw.choice(paths), names[-1])
+        put(doc, draw.choice(paths), names[-1])
     return doc
 
 

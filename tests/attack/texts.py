@@ -9,16 +9,14 @@ import traceback
 from typing import Any
 
 from glmref.errors import GlmrefError
+from tests.inside import at, places, put
 
 from .files import (
     SENTENCE,
-    _at,
     _broken_text,
     _exchanged,
     _key,
     _kind,
-    _places,
-    _put,
     _ring,
     _shape,
     _TooLong,
@@ -28,21 +26,21 @@ from .tally import Tally
 
 def _digit(draw: random.Random, doc: Any) -> Any:
     """One character of a text, or a number that is another."""
-    paths = [p for p in _places(doc) if p and isinstance(_at(doc, p), str | int | float)]
+    paths = [p for p in places(doc) if p and isinstance(at(doc, p), str | int | float)]
     if not paths:
         return doc
     path = draw.choice(paths)
-    value = _at(doc, path)
+    value = at(doc, path)
     if isinstance(value, str) and value:
-        at = draw.randrange(len(value))
+        k = draw.randrange(len(value))
         new = draw.choice("0123456789+-*/().eE[]y, \x00é")
-        return _put(doc, path, value[:at] + draw.choice((new, "")) + value[at + 1 :])
-    return _put(doc, path, draw.choice((0, -1, 1, 10**9, 1e308, 0.5, True, "1")))
+        return put(doc, path, value[:k] + draw.choice((new, "")) + value[k + 1 :])
+    return put(doc, path, draw.choice((0, -1, 1, 10**9, 1e308, 0.5, True, "1")))
 
 
 def _swapped(draw: random.Random, doc: Any) -> Any:
     """Two parts exchanged."""
-    paths = [p for p in _places(doc) if p and not isinstance(_at(doc, p), dict | list)]
+    paths = [p for p in places(doc) if p and not isinstance(at(doc, p), dict | list)]
     return _exchanged(draw, doc, paths)
 
 

@@ -6,7 +6,6 @@ of all files. A change that the loader refuses, or that makes the enclosure's pr
 too.
 """
 
-import copy
 import os
 from collections.abc import Iterator
 from fractions import Fraction
@@ -22,6 +21,7 @@ from glmref.exact import Exact
 from glmref.exact.expression import parse
 from glmref.findings import Verdict
 from glmref.prove.verifier import claims_of, facts_for
+from tests.inside import at, changed, texts
 from tests.shipped import shipped
 
 pytestmark = pytest.mark.slow
@@ -66,28 +66,12 @@ def hidden(doc: dict[str, Any], path: tuple[Any, ...], new: str) -> bool:
     known: dict[str, Any] = {}
     for name, text in doc.get("constants", {}).items():
         known[name] = parse(text, constants=known)
-    old: Any = doc
-    for step in path:
-        old = old[step]
     try:
-        x, y = (parse(text, constants=known) for text in (old, new))
+        x, y = (parse(text, constants=known) for text in (at(doc, path), new))
     except (GlmrefError, ZeroDivisionError):
         return False
     scale = x if path[0] == "constants" else Exact(1)
     return bool((abs(complex((y - x) / scale)) or 0.0) < HIDES * float(max(sizes)))
-
-
-def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths of all strings below a value that hold coefficients."""
-    if isinstance(value, str):
-        yield path
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from places(item, (*path, i))
-    elif isinstance(value, dict):
-        for key, item in value.items():
-            if key not in ("kind", "name", "order"):
-                yield from places(item, (*path, key))
 
 
 def unread_velocities(doc: dict[str, Any]) -> list[tuple[Any, ...]]:
@@ -111,13 +95,10 @@ def changes(doc: dict[str, Any]) -> Iterator[tuple[tuple[Any, ...], str, str]]:
     """Every change of one digit of one coefficient: its path, the new text, and what it is."""
     coefficients = {k: v for k, v in doc.items() if k not in NOT_COEFFICIENTS}
     unseen = (*UNSEEN.get(doc["name"], ()), *unread_velocities(doc))
-    for path in places(coefficients):
-        if any(path[: len(x)] == x for x in unseen):
+    for path in texts(coefficients):
+        if any(path[: len(x)] == x for x in unseen) or {*path} & {"kind", "name", "order"}:
             continue
-        holder: Any = coefficients
-        for step in path[:-1]:
-            holder = holder[step]
-        text = holder[path[-1]]
+        text = at(coefficients, path)
         for i, character in enumerate(text):
             if not character.isdigit() or _is_part_of_a_name(text, i):
                 continue
@@ -125,16 +106,6 @@ def changes(doc: dict[str, Any]) -> Iterator[tuple[tuple[Any, ...], str, str]]:
             new = text[:i] + digit + text[i + 1 :]
             if not hidden(doc, path, new):
                 yield path, new, f"{path} {text!r} digit {i + 1} -> {digit}"
-
-
-def changed(doc: dict[str, Any], path: tuple[Any, ...], new: str) -> dict[str, Any]:
-    """Return the document with another text at a path."""
-    found = copy.deepcopy(doc)
-    holder: Any = found
-    for step in path[:-1]:
-        holder = holder[step]
-    holder[path[-1]] = new
-    return found
 
 
 def _is_part_of_a_name(text: str, i: int) -> bool:
