@@ -17,9 +17,11 @@ from . import (
     imports,
     problems,
     records,
+    scenes,
     surroundings,
     tableaux,
     texts,
+    twins,
 )  # fmt: skip
 
 
@@ -33,7 +35,9 @@ from . import (
         (tableaux, 60, ("refused", "unread", "holds")),
         (imports, 60, ("refused", "read", "exported")),
         (surroundings, 30, ("damaged entry", "the same")),
+        (scenes, 30, ("refused", "planned")),
         (certificates, 12, ("no",)),
+        pytest.param(scenes, 150, ("refused", "planned"), marks=pytest.mark.slow),
         pytest.param(certificates, 60, ("no", "yes"), marks=pytest.mark.slow),
     ],
 )
@@ -42,6 +46,14 @@ def test_what_was_mutated_is_read_or_refused_with_a_sentence(attack, count, ends
     assert not tally.violations, tally.text()
     assert sum(tally.outcomes.values()) == count
     assert all(tally.outcomes[x] for x in ends), tally.text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "seed"), [(5, 3), (20, 4)])
+def test_a_verdict_about_digits_is_true_of_every_method_in_them(count, seed):
+    tally = twins.attack(count, seed)
+    assert not tally.violations, tally.text()
+    assert tally.outcomes["fails"] and tally.outcomes["open, in digits"]
 
 
 def test_the_attack_sees_a_record_that_nobody_wrote(monkeypatch):

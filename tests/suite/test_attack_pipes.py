@@ -1,7 +1,5 @@
 """Some hostile peers of ``python -m tests.attack pipes``; hundreds of them are its own business."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -9,27 +7,17 @@ import pytest
 
 from tests.attack import pipes
 
-ROOT = Path(__file__).resolve().parents[2]
-
 pytestmark = pytest.mark.skipif(
     not Path("/proc/self/stat").exists(), reason="looks for processes in /proc"
 )
 
 
-def attack(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "tests.attack", *arguments],
-        cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-        timeout=600, check=False,
-    )  # fmt: skip
-
-
 @pytest.mark.slow
-def test_every_hostile_peer_ends_with_a_sentence() -> None:
+def test_every_hostile_peer_ends_with_a_sentence(capsys) -> None:
     count = 2 * len(pipes.DEEDS)
-    done = attack("pipes", "--count", str(count), "--seed", "11")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert f"{count} peers, seed 11" in done.stdout and "0 violations" in done.stdout
+    assert pipes.main(count, 11) == 0, capsys.readouterr()
+    said = capsys.readouterr().out
+    assert f"{count} peers, seed 11" in said and "0 violations" in said
 
 
 @pytest.mark.slow
