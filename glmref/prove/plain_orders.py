@@ -37,9 +37,7 @@ from .schemes import (
     Reach,
     Scheme,
     additive,
-    dense_output,
     further,
-    merged,
     reach,
     runge_kutta,
     scheme_of,
@@ -55,11 +53,11 @@ ORDERS = frozenset(x.key for x in (ORDER, NYSTROM_ORDER, W_ORDER, DENSE_ORDER, E
 
 @dataclass(frozen=True)
 class _Row:
-    """Something that has an order: its name, what is said, and its schemes."""
+    """Something that has an order: its name, what is said, and its scheme."""
 
     claim: str
     declared: int
-    schemes: Sequence[Scheme]
+    scheme: Scheme
     remark: str = ""
 
 
@@ -144,25 +142,26 @@ class _Orders:
             remark = "" if getattr(m, "abscissae_given", None) is None else row_apart(
                 m.A, m.abscissae_given)  # fmt: skip
             return [
-                _Row(f"order of {what}" if what else "order", said.order, [scheme], remark)
+                _Row(f"order of {what}" if what else "order", said.order, scheme, remark)
                 for what, scheme in self.schemes(main)
             ]
         if said.claim == W_ORDER.key:
-            return [_Row("W-order", said.order, [scheme_of(m.with_any_matrix())])]
+            return [_Row("W-order", said.order, scheme_of(m.with_any_matrix()))]
         if said.claim == "part":
             c = m.components[said.number - 1]
             times = None if self.times is None else self.times[said.number - 1]
             scheme = runge_kutta(c.A, c.B[0], times)
-            return [_Row(f"order of part {said.number}", said.order, [scheme])]
+            return [_Row(f"order of part {said.number}", said.order, scheme)]
         if said.claim == DENSE_ORDER.key:
-            schemes = dense_output(m.A, m.dense, m.abscissae_given, most=said.order)
-            return [_Row("order of the dense output", said.order, schemes)]
+            scheme = runge_kutta(m.A, m.B[0], m.abscissae_given)
+            scheme = replace(scheme, dense=m.dense, autonomous=None)
+            return [_Row("order of the dense output", said.order, scheme)]
         k = said.number
         row = m.embedded[k - 1]
         weights = [B[0] for B in row.solution(main)]
         if said.claim == EMBEDDED_ORDER.key:
             return [
-                _Row(f"order of {f'{what} of ' if what else ''}embedded row {k}", said.order, [x])
+                _Row(f"order of {f'{what} of ' if what else ''}embedded row {k}", said.order, x)
                 for what, x in self.schemes(weights)
             ]
         assert said.claim == EMBEDDED_DIFFERENCE.key
@@ -197,7 +196,7 @@ class _Orders:
 
 def _as_written(row: _Row) -> str:
     """Return the order of decimals taken as exact numbers, with the tree that fails."""
-    found = merged([reach(x, min(row.declared, _LITERAL), stop=0.0) for x in row.schemes])
+    found = reach(row.scheme, min(row.declared, _LITERAL), stop=0.0)
     if found.refuted is None:
         return f"the decimals as written have order {found.proved} or more"
     n = found.refuted
@@ -261,11 +260,11 @@ def _reached(scheme: Scheme, declared: int) -> Reach:
 
 def _judged(row: _Row, name: str, digits: int | None, correction: Callable[[], str]) -> Finding:
     """Return the verdict on an order that is said to be reached."""
-    found = merged([_looked(x, row.declared) for x in row.schemes])
+    found = _looked(row.scheme, row.declared)
     looked = len(found.sizes)
     parts: list[str] = []
     if found.proved >= row.declared:
-        if found.proved == LARGEST.get(len(row.schemes[0].palette), 4):
+        if found.proved == LARGEST.get(len(row.scheme.palette), 4):
             parts = [f"trees of order {found.proved} or less were looked at"]
         elif found.proved > row.declared:
             parts = [f"the order is {found.proved}"]

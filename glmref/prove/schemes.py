@@ -13,28 +13,29 @@ t_n + c_i h, so that the matrix below it has row sums c.
 (Kennedy, Carpenter 2003, section 2; Sandu, Guenther 2015). Nystrom, Rosenbrock and W-methods and
 splittings have the trees of the systems of their methods, see :attr:`.method.Method.system`.
 
-*Dense output* b(theta), a polynomial: A / theta, b(theta) / theta is a method of step theta h. A
-condition is a polynomial in theta of known degree; it vanishes if it does at enough points.
+*Dense output* b(theta), a polynomial: ``b(theta) Phi(t) = theta^|t| / gamma(t)``, power by power.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
+from itertools import count, islice
 from typing import Any
 
 from ..errors import BudgetError
 from ..exact import Exact, Scalar
-from ..exact.linalg import Matrix, Vector, row_sums
+from ..exact.judging import as_numbers, as_scalar, fast_judge
+from ..exact.linalg import Matrix, Vector, row_sums, transpose
 from ..method import Method
 from ..method.component import Palette
 from ..system.budget import limited, spend
 from ..theory.coefficients import first_nonzero, is_zero
-from ..theory.starting_series import StartingSeries, component
-from ..theory.trees import Tree, counted
+from ..theory.starting_series import StartingSeries, component, tableau
+from ..theory.trees import Tree, counted, trees
 from .digits import staircase_of
 from .kernel import HIGHEST
 
@@ -58,13 +59,14 @@ class Scheme:
     written: tuple[tuple[str, str], ...] = ()
     #: The scheme on ``y' = f(y)``, where time is a colour of its own.
     autonomous: Scheme | None = None
+    #: (s, d), ``b_i(theta) = sum_m dense[i][m] theta^(m + 1)`` in the place of b, or ``None``.
+    dense: Matrix | None = None
 
     @property
     def is_exact(self) -> bool:
         """Whether all numbers are exact."""
-        return all(
-            isinstance(x, Exact) for A, b in self.blocks.values() for row in (*A, b) for x in row
-        )
+        rows = [row for A, b in self.blocks.values() for row in (*A, b)]
+        return all(isinstance(x, Exact) for row in (*rows, *(self.dense or ())) for x in row)
 
     def in_balls(self) -> Scheme:
         """Return the same with numbers in balls, for questions about the size of a residual."""
@@ -73,8 +75,9 @@ class Scheme:
             return tuple(x.ball() if isinstance(x, Exact) else x for x in row)
 
         blocks = {k: (tuple(map(balls, A)), balls(b)) for k, (A, b) in self.blocks.items()}
-        plain = self.autonomous and self.autonomous.in_balls()
-        return replace(self, blocks=blocks, autonomous=plain)
+        plain, dense = self.autonomous and self.autonomous.in_balls(), self.dense
+        dense = None if dense is None else tuple(map(balls, dense))
+        return replace(self, blocks=blocks, autonomous=plain, dense=dense)
 
     def text(self, tree: str) -> str:
         """Write a tree in the notation of the documentation."""
@@ -148,7 +151,7 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
     Reach
         How far they hold; trees in the notation of the documentation.
     """
-    largest, one = LARGEST.get(len(scheme.palette), 4), ((_ONE,),)
+    largest = LARGEST.get(len(scheme.palette), 4)
     high = high and len(scheme.palette) == 1
 
     def counts(t: Tree) -> bool:
@@ -156,13 +159,11 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
             spend()  # tens of thousands of trees
         return scheme.counts is None or scheme.counts(t)
 
-    components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in scheme.blocks.items()}
-    series = StartingSeries(components, scheme.palette, free=False, counts=counts)
     sizes, worst, first, residuals = [], [], [], []
     proved, refuted = 0, None
-    for n in range(1, min(most, HIGHEST if high else largest) + 1):
-        level = {str(t): first_nonzero(series.residual(t)) for t in series.advance()
-                 if t.colour in scheme.roots}  # fmt: skip
+    last = min(most, HIGHEST if high else largest)
+    for n, conditions in enumerate(islice(_conditions(scheme, counts), last), 1):
+        level = {str(t): x for t, x in conditions if t.colour in scheme.roots}
         answers = {t: x.is_zero() for t, x in level.items()}
         if refuted is None and False in answers.values():
             refuted = n
@@ -178,6 +179,28 @@ def reach(scheme: Scheme, most: int, *, stop: float = float("inf"), high: bool =
             break
     return Reach(proved, tuple(sizes), tuple(worst), refuted, scheme.is_exact, tuple(first),
                  tuple(residuals))  # fmt: skip
+
+
+def _conditions(
+    scheme: Scheme, counts: Callable[[Tree], bool]
+) -> Iterator[list[tuple[Tree, Scalar]]]:
+    """Yield for one order after the other its trees with the residuals of their conditions."""
+    if scheme.dense is not None:
+        columns, gaps = as_numbers(transpose(scheme.dense)), fast_judge().rules_rows.dense_gaps
+        series = tableau({c: (A, (b,)) for c, (A, b) in scheme.blocks.items()})
+        for n in count(1):
+            level = filter(counts, trees(n, scheme.palette))
+            yield [(t, _largest(gaps(columns, series, t.judged))) for t in level]
+    one = ((_ONE,),)
+    components = {c: component(A, one * len(A), (b,), one) for c, (A, b) in scheme.blocks.items()}
+    series = StartingSeries(components, scheme.palette, free=False, counts=counts)
+    while True:
+        yield [(t, first_nonzero(series.residual(t))) for t in series.advance()]
+
+
+def _largest(values: Iterable[Any]) -> Scalar:
+    """Return the largest number of the judge, one that is certainly not zero where there is one."""
+    return max(map(as_scalar, values), key=lambda x: (x.is_zero() is False, x.magnitude()))
 
 
 def further(found: Reach, scheme: Scheme, declared: int) -> Reach:
@@ -332,45 +355,4 @@ def scheme_of(method: Method, *, roots: str = "", nystrom: bool = False) -> Sche
         roots or "".join(palette),
         (lambda t: _leaves_alike(t) and counts(t)) if system in _WRITTEN else counts,
         _WRITTEN.get(system, ()),
-    )
-
-
-def dense_output(
-    A: Matrix, weights: Sequence[Sequence[Scalar]], c: Sequence[Scalar] | None = None, *, most: int
-) -> list[Scheme]:
-    """Return schemes at the points of theta that decide the order of ``b_i(theta)``.
-
-    Parameters
-    ----------
-    A : matrix (s, s)
-    weights : (s, d)
-        ``b_i(theta) = sum_m weights[i][m] theta^(m + 1)``.
-    c : vector (s,), optional
-    most : int
-        The order asked for: the conditions are polynomials of degree max(d, most), zero at 0.
-    """
-    degree = max(len(weights[0]), most)
-    schemes = []
-    for k in range(1, degree + 1):
-        theta = Exact(Fraction(k, degree))
-        b = tuple(
-            sum((x * theta**m for m, x in enumerate(row)), _ZERO) for row in weights
-        )  # b(theta) / theta
-        scaled = tuple(tuple(x / theta for x in row) for row in A)
-        schemes.append(runge_kutta(scaled, b, None if c is None else [x / theta for x in c]))
-    return schemes
-
-
-def merged(found: Sequence[Any]) -> Reach:
-    """Return the least of several reaches: what holds for all of them."""
-    n = min(len(x.sizes) for x in found)
-    rows = [max(found, key=lambda x, k=k: x.sizes[k]) for k in range(n)]
-    refuted = [x.refuted for x in found if x.refuted is not None]
-    return Reach(
-        min(x.proved for x in found),
-        tuple(x.sizes[k] for k, x in enumerate(rows)),
-        tuple(x.trees[k] for k, x in enumerate(rows)),
-        min(refuted, default=None),
-        all(x.exact for x in found),
-        tuple(next((x.first[k] for x in found if x.first[k]), "") for k in range(n)),
     )
