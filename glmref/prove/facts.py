@@ -17,6 +17,7 @@ from ..errors import ExactnessError
 from ..exact import Scalar, linalg
 from ..exact.linalg import Vector
 from ..findings import Proof, Verdict
+from ..judge.claims import concerns
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency
@@ -129,7 +130,7 @@ class Facts:
 
         What is no claim of a Rosenbrock method is known of its linear form.
         """
-        if self.method.rosenbrock and not CLAIMS[claim].rosenbrock:
+        if self.method.rosenbrock and not concerns(claim, "rosenbrock"):
             if claim == CONSISTENT.key and self.kernel.range(ORDER.key).lower:
                 return Known(True, self.kernel.exact)  # b 1 = 1, which order 1 says
             return facts_of(self.linear).known(claim)
