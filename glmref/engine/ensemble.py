@@ -31,7 +31,7 @@ from .outcome import StartFailed
 from .plan import check_arithmetic, check_callable, notices_of, plan_of, resolved, step_size
 from .reference import Stepper
 from .runners import WIDTHS, EnsembleSolution, Lanes, Runner, Singles, rows_at, slopes_at
-from .starting_values import array_of, corrector, default_passes, zero_start
+from .starting_values import array_of, default_passes, enhanced_start, zero_start
 
 
 def solve_ensemble(
@@ -127,18 +127,8 @@ def _starts(
         return zero_start(engine, y0), 0
     if start != "enhanced":
         raise UsageError(f"`start` must be enhanced, zero or values (N, r, d), got {shown(start)}")
-    correct, passes, cost = corrector(engine), default_passes(method), 0
-
-    def enhanced(k: int, y: np.ndarray) -> np.ndarray:
-        nonlocal cost
-        if k == 0:
-            return zero_start(engine, y)
-        values = enhanced(k - 1, y)
-        after, spent = runner.one_step(values)
-        cost += spent
-        return values + correct(after - enhanced(k - 1, engine.solution(after)))
-
-    return enhanced(passes, y0), cost
+    t0, passes = float(problem.t_span[0]), default_passes(method)
+    return enhanced_start(engine, t0, y0, h, passes, runner.one_step)
 
 
 def _own_start(method: Method, engine: Stepper) -> Any:

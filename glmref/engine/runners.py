@@ -99,8 +99,8 @@ class Runner:
         """Generate and compile."""
         raise NotImplementedError
 
-    def load(self, values: np.ndarray) -> None:
-        """Make (N, r, d) the state at step 0."""
+    def load(self, values: np.ndarray, first: int = 0) -> None:
+        """Make (N, r, d) the state at a step."""
         raise NotImplementedError
 
     def advance(self, first: int, last: int) -> None:
@@ -118,10 +118,10 @@ class Runner:
 
     build_seconds = 0.0
 
-    def one_step(self, values: np.ndarray) -> tuple[np.ndarray, int]:
-        """Return one step from given values, for the enhanced start."""
-        self.load(values)
-        self.advance(0, 1)
+    def one_step(self, n: int, values: np.ndarray) -> tuple[np.ndarray, int]:
+        """Return the step after step n from given values, for the enhanced start."""
+        self.load(values, n)
+        self.advance(n, n + 1)
         after, _, _, evaluations = self.read()
         return after, evaluations
 
@@ -247,12 +247,12 @@ class Lanes(Runner):
             words.append("fused")
         return ", ".join(words)
 
-    def load(self, values: np.ndarray) -> None:
+    def load(self, values: np.ndarray, first: int = 0) -> None:
         """See :class:`Runner`."""
         n, w = len(values), self.width
         blocks = -(-n // w)
         padded = np.concatenate([values, np.repeat(values[-1:], blocks * w - n, axis=0)])
-        slopes = slopes_at(self.problem, self.t0, self.engine.solution(padded))
+        slopes = slopes_at(self.problem, self.t0 + first * self.h, self.engine.solution(padded))
         state = self.form.state(
             padded, slopes, self.h, compensated=self.options.compensated,
             moves=self.shape.parts[0].identity,
@@ -346,12 +346,14 @@ class Singles(Runner):
         """See :class:`Runner`."""
         return self.kernel.description
 
-    def load(self, values: np.ndarray) -> None:
+    def load(self, values: np.ndarray, first: int = 0) -> None:
         """See :class:`Runner`."""
-        slopes = slopes_at(self.problem, self.t0, self.engine.solution(values))
+        slopes = slopes_at(self.problem, self.t0 + first * self.h, self.engine.solution(values))
         self.states = [
             self.kernel.state(x, slope, self.h) for x, slope in zip(values, slopes, strict=True)
         ]
+        for state in self.states:
+            state.tally[4] = first
         self.codes = np.zeros(len(values), dtype=int)
 
     def advance(self, first: int, last: int) -> None:

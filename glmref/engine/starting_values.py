@@ -233,33 +233,37 @@ def corrector(
 
 
 def enhanced_start(
-    engine: Stepper, t: Any, y0: np.ndarray, h: Any, passes: int
-) -> tuple[np.ndarray, int]:
+    engine: Stepper, t: Any, y0: np.ndarray, h: Any, passes: int,
+    step: Callable[[int, np.ndarray], tuple[np.ndarray, int]] | None = None,
+) -> tuple[np.ndarray, int]:  # fmt: skip
     """Return the values of the enhanced start and the right-hand-side evaluations they cost.
 
-    That is 2^k - 1 steps for k passes.
+    That is 2^k - 1 steps for k passes: ``step(n, values)`` takes the one from time t + n h and
+    returns the values after it and its evaluations; by default the engine does.
 
     Raises
     ------
     UsageError
         When the method is not preconsistent, or a trial step fails.
     """
-    correct = corrector(engine)
-    evaluations = 0
+    correct, evaluations = corrector(engine), 0
 
-    def start(k: int, time: Any, y: np.ndarray) -> np.ndarray:
+    def by_engine(n: int, values: np.ndarray) -> tuple[np.ndarray, int]:
+        taken = engine.step(t + n * h, values, h)
+        if not taken.converged:
+            raise StartFailed("a trial step of the enhanced start failed; use a smaller h")
+        return taken.values, taken.evaluations
+
+    def start(k: int, n: int, y: np.ndarray) -> np.ndarray:
         nonlocal evaluations
         if k == 0:
             return zero_start(engine, y)
-        values = start(k - 1, time, y)
-        taken = engine.step(time, values, h)
-        evaluations += taken.evaluations
-        if not taken.converged:
-            raise StartFailed("a trial step of the enhanced start failed; use a smaller h")
-        defect = taken.values - start(k - 1, time + h, engine.solution(taken.values))
-        return values + correct(defect)
+        values = start(k - 1, n, y)
+        after, spent = (step or by_engine)(n, values)
+        evaluations += spent
+        return values + correct(after - start(k - 1, n + 1, engine.solution(after)))
 
-    return start(passes, t, y0), evaluations
+    return start(passes, 0, y0), evaluations
 
 
 def problem_start(problem: Problem, engine: Stepper) -> tuple[Any, np.ndarray]:
