@@ -19,7 +19,7 @@ from ..errors import UsageError
 from ..method import Method
 from ..method.rounding import float_arrays
 from ..problems.model import Problem
-from .longtime import along, energy_scale, exponent, g_form
+from .longtime import exponent, quantities
 
 #: Laws, and the exponents up to which they are taken: halfway to the next one.
 KINDS = {"bounded": 0.25, "random walk": 0.75, "linear": 1.5, "quadratic": 2.5}
@@ -75,21 +75,16 @@ def samples_of(problem: Problem, method: Method, solution: Solution, quantity: s
     UsageError
         For a quantity that the problem, or the method, does not have.
     """
+    G = None
+    if len(method.components) == 1 and method.G is not None and solution.history is not None:
+        G, _ = float_arrays(method.G)
+    known: list[str] = []
     with np.errstate(all="ignore"):
-        if quantity.startswith("form of "):
-            form = problem.quadratic.get(quantity.removeprefix("form of "))
-            if form is None or len(method.components) > 1 or method.G is None:
-                raise UsageError(f"{method.name} on {problem.name} has no {quantity!r}")
-            G, _ = float_arrays(method.G)
-            values = g_form(np.asarray(solution.history), G, form.matrix)
-        else:
-            known = {"energy": problem.conserved, **problem.quadratic, **problem.invariants}
-            function = known.get(quantity)
-            if function is None:
-                listed = ", ".join(k for k, v in known.items() if v is not None)
-                raise UsageError(f"{problem.name} conserves no {quantity!r}; it has {listed}")
-            y = np.real(np.asarray(solution.y)).astype(float)
-            values = along(function, y)
-            if function is problem.conserved:
-                return (values - values[0]) / energy_scale(problem, y[0])
-        return (values - values[0]) / (abs(values[0]) or 1.0)
+        for name, kind, values, scale in quantities(problem, solution, G=G):
+            known.append(f"form of {name}" if kind == "form" else name)
+            if known[-1] == quantity:
+                unit = scale if kind == "hamiltonian" else abs(values[0])
+                return (values - values[0]) / (unit or 1.0)
+    raise UsageError(
+        f"{method.name} on {problem.name} conserves no {quantity!r}; there are {', '.join(known)}"
+    )

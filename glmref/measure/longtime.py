@@ -12,7 +12,7 @@ one.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -247,8 +247,12 @@ def _g_scale(first: np.ndarray, G: np.ndarray, C: np.ndarray) -> float:
     return float(np.sum(products * np.abs(G)))
 
 
-def watch(problem: Problem, solution: Solution, *, G: np.ndarray | None = None) -> list[Drift]:
-    """Return drifts of what a problem conserves along a solution.
+def quantities(
+    problem: Problem, solution: Solution, *, G: np.ndarray | None = None
+) -> Iterator[tuple[str, str, np.ndarray, float | None]]:
+    """Yield what a problem conserves along a solution, one by one: see :class:`Drift`.
+
+    Name, kind, values (m,) and scale of each; ``None`` stands for the first value.
 
     Parameters
     ----------
@@ -259,24 +263,28 @@ def watch(problem: Problem, solution: Solution, *, G: np.ndarray | None = None) 
     G : np.ndarray or None
         (r, r) form of the method; ``None`` leaves the G-forms out.
     """
-    found: list[Drift] = []
-    t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
-    if not len(t):
-        return found
+    y = np.real(np.asarray(solution.y)).astype(float)
     if problem.conserved is not None:
-        energies, scale = along(problem.conserved, y), energy_scale(problem, y[0])
-        found.append(drift("energy", t, energies, kind="hamiltonian", scale=scale))
+        scale = energy_scale(problem, y[0])
+        yield "energy", "hamiltonian", along(problem.conserved, y), scale
     for name, form in problem.quadratic.items():
         scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
-        found.append(drift(name, t, along(form, y), kind="quadratic", scale=scale))
+        yield name, "quadratic", along(form, y), scale
     for name, function in problem.invariants.items():
-        found.append(drift(name, t, along(function, y)))
+        yield name, "invariant", along(function, y), None
     if G is not None:
         if solution.history is None:
             raise UsageError("the G-form needs all values; solve with history=True")
         history = np.asarray(solution.history)
         for name, form in problem.quadratic.items():
             values = g_form(history, G, form.matrix)
-            scale = _g_scale(history[0], G, form.matrix)
-            found.append(drift(name, t, values, kind="form", scale=scale))
-    return found
+            yield name, "form", values, _g_scale(history[0], G, form.matrix)
+
+
+def watch(problem: Problem, solution: Solution, *, G: np.ndarray | None = None) -> list[Drift]:
+    """Return drifts of what a problem conserves along a solution; see :func:`quantities`."""
+    t = np.asarray(solution.t, dtype=float)
+    if not len(t):
+        return []
+    found = quantities(problem, solution, G=G)
+    return [drift(name, t, values, kind=kind, scale=scale) for name, kind, values, scale in found]

@@ -20,7 +20,7 @@ from ..engine.outcome import Outcome, StartFailed
 from ..errors import GlmrefError
 from ..measure.law import fit_law, samples_of
 from ..measure.limits import stable_step
-from ..measure.longtime import along, energy_deviation, follow, g_form, watch
+from ..measure.longtime import energy_deviation, follow, quantities, watch
 from ..measure.orbit import orbit
 from ..measure.parasitic import loss, modes, parasitic_size, solution_direction
 from ..measure.peers import measure_peer
@@ -370,19 +370,12 @@ def _thinned(t: Any, values: Any) -> list[list[float]]:
 
 def _kept_series(subject: Any, solution: Any, G: Any) -> list[list[float]]:
     """Return the largest relative deviation of what the method should keep, over time."""
-    t, y = np.asarray(solution.t, dtype=float), np.real(np.asarray(solution.y)).astype(float)
+    kind = ("quadratic" if G is None else "form") if subject.quadratic else "hamiltonian"
+    t = np.asarray(solution.t, dtype=float)
     worst = np.zeros(len(t))
-    for form in subject.quadratic.values():
-        if G is None:
-            values = along(form, y)
-            scale = float(np.abs(y[0]) @ np.abs(form.matrix) @ np.abs(y[0]))
-        else:
-            history = np.asarray(solution.history)
-            values = g_form(history, G, form.matrix)
-            scale = abs(values[0])
-        worst = np.maximum(worst, np.abs(values - values[0]) / (scale or 1.0))
-    if not subject.quadratic and subject.hamiltonian is not None:
-        worst = energy_deviation(subject, y)
+    for _, which, values, scale in quantities(subject, solution, G=G):
+        if which == kind:
+            worst = np.maximum(worst, np.abs(values - values[0]) / (scale or 1.0))
     return _thinned(t, worst)
 
 

@@ -94,9 +94,9 @@ def test_nothing_is_bounded():
 def test_unknown_quantities_are_refused():
     kepler, method = problem("kepler"), load("rk4")
     run = solve(kepler, method, h=0.1, steps=2, every=1)
-    with pytest.raises(UsageError, match="conserves no 'heat'; it has energy, angular momentum"):
+    with pytest.raises(UsageError, match="conserves no 'heat'; there are energy, angular momentum"):
         samples_of(kepler, method, run, "heat")
-    with pytest.raises(UsageError, match="has no 'form of angular momentum'"):
+    with pytest.raises(UsageError, match="conserves no 'form of angular momentum'"):
         samples_of(kepler, method, run, "form of angular momentum")
 
 
