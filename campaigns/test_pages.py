@@ -1,11 +1,14 @@
 """The tables of all pages are those of the data, and the stored answers those of the scenes."""
 
+import itertools
 import re
+from functools import cache
+from importlib import import_module
 
 import pytest
 
 from campaigns import scene_results
-from campaigns.pages import all_pages, filled, measured
+from campaigns.pages import WRITERS, all_pages, filled, measured
 from glmref.engine.outcome import Outcome
 from glmref.scenes import load_scene, names, running
 
@@ -25,6 +28,41 @@ TABLES = [
 def test_a_table_of_a_page_is_that_of_the_data(page, name):
     text = page.read_text(encoding="utf-8")
     assert filled(text, {name: PAGES[page][name]}) == text, "run `python -m campaigns.pages`"
+
+
+#: Tables of something else than measurements, and what no number stands for: where it was looked.
+FILES = {"advice", "also", "audit-short", "audit-codes", "audit-none", "audit-findings", "growth"}
+KEPT = ("marks", "h", "steps", "curve", "tolerance", "t_end", "nudge", "argument", "renew",
+        "departure")  # fmt: skip
+
+
+def other(found, count):
+    """Return the record with larger numbers, each by its own factor, and opposite verdicts."""
+    if isinstance(found, dict):
+        found = {key: x if key in KEPT else other(x, count) for key, x in found.items()}
+        return found | {key: f"{found[key]}!" for key in ("how", "command") if key in found}
+    if isinstance(found, list):
+        return [other(x, count) for x in found]
+    if isinstance(found, bool):
+        return not found
+    if isinstance(found, int | float):
+        return type(found)((1.2 + next(count) % 7 / 10) * found)
+    return {None: 1.5, "bounded": "grows"}.get(found, found)
+
+
+@cache
+def renewed(name):
+    """Return another record."""
+    return other(measured(name), itertools.count())
+
+
+@pytest.mark.parametrize(("page", "name"), [x for x in TABLES if x.id not in FILES])
+def test_other_data_give_another_table(page, name, monkeypatch):
+    for module in {import_module(f"campaigns.{x}") for x in WRITERS}:
+        if hasattr(module, "measured"):
+            monkeypatch.setattr(module, "measured", renewed)
+    text = page.read_text(encoding="utf-8")
+    assert filled(text, {name: PAGES[page][name]}) != text
 
 
 @pytest.mark.parametrize(

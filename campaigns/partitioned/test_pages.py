@@ -6,58 +6,15 @@ import re
 import pytest
 
 from campaigns.long_survey import also
-from campaigns.pages import filled
 from campaigns.partitioned import tables
 from campaigns.partitioned.tables import PAGES, RECOMMENDED, measured, shipped_table
 from campaigns.partitioned.test_starts import started_pairs
 
 README, SHORT, *_ = PAGES
-#: Those of pairs that the records of two of them change; that of Kepler's problem, ten times as
-#: long, holds neither.
-TABLES = [
-    pytest.param(page, name, id=name)
-    for page in (README, SHORT)
-    for name in PAGES[page]
-    if name != "kepler-further"
-]
 
 
 def text(page):
     return page.read_text(encoding="utf-8")
-
-
-def changed(found, name):
-    """Return the record with every number of a method a tenth larger, its verdicts opposite."""
-    if isinstance(found, dict):
-        found = {key: changed(x, name) for key, x in found.items()}
-        return _other(found) if found.get("method") == name else found
-    return [changed(x, name) for x in found] if isinstance(found, list) else found
-
-
-def _other(found):
-    if isinstance(found, bool):
-        return not found
-    if isinstance(found, int | float):
-        return type(found)(1.1 * found)
-    if isinstance(found, dict):
-        # where a run is looked at, and the step size, are no results
-        keep = ("marks", "h", "steps", "curve")
-        return {key: x if key in keep else _other(x) for key, x in found.items()}
-    return [_other(x) for x in found] if isinstance(found, list) else found
-
-
-@pytest.mark.sampled(5)
-@pytest.mark.parametrize(("page", "name"), TABLES)
-def test_other_data_give_another_table(page, name, monkeypatch):
-    for pair in ("pair-6-8", "pair-rkn-6-8b"):
-        monkeypatch.setattr(tables, "measured", lambda x, pair=pair: changed(measured(x), pair))
-        assert filled(text(page), {name: PAGES[page][name]}) != text(page)
-
-
-def test_other_data_give_another_table_of_longer_runs(monkeypatch):
-    monkeypatch.setattr(tables, "measured", lambda x: changed(measured(x), "gauss-3"))
-    page = text(README)
-    assert filled(page, {"kepler-further": PAGES[README]["kepler-further"]}) != page
 
 
 def test_the_recommended_pairs_are_those_of_the_page_of_choice():
