@@ -2,18 +2,16 @@
 
 Each table of ``tests/suite/real_defects.json`` makes an integrator, and so does the corrected one.
 Both integrate a problem over one unit of time at halved steps; the observed order is the binary
-logarithm of the ratio of two errors, the last one above round-off. Where the package of the code is
-installed, it solves a problem too, by itself, with the method of that name.
+logarithm of the ratio of two errors, the last one above round-off. What the package of a code
+itself shows was measured once (commit 975e6561), and stays in the record.
 
 ``python -m campaigns.audited_orders FILE`` measures (``data/measurements/audit-orders.json``).
 """
 
-import importlib
-import importlib.metadata
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,54 +80,6 @@ def row(task: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-# --- the codes' own packages --------------------------------------------------------------------
-
-
-def _nodepy(n: int) -> float:
-    """Return Lambert65 of nodepy on y' = -y^2 + t, against its own steps with 4096 of RK4."""
-    loader = importlib.import_module("nodepy.runge_kutta_method").loadRKM
-    tables = {k: loader(k) for k in ("Lambert65", "RK44")}
-
-    def end(name: str, steps: int) -> float:
-        A, b, c = (np.array(getattr(tables[name], k), dtype=float) for k in "Abc")
-        y: Any = 1.0
-        h = 1 / steps
-        for k in range(steps):
-            slopes = np.zeros(len(b))
-            for i in range(len(b)):
-                Y = y + h * A[i] @ slopes
-                slopes[i] = k * h + c[i] * h - Y * Y
-            y += h * b @ slopes
-        return float(y)
-
-    return float(abs(end("Lambert65", n) - end("RK44", 4096)))
-
-
-#: Name of the table -> package, its method, and what runs it. Of the other codes in Python with a
-#: defect, release 0.2.5 of torchdiffeq has neither Tsit5 nor Gauss-Legendre 4, desolver 5.1 takes
-#: no steps of one size with an implicit method, and the defect of diffrax is as small as round-off.
-PACKAGES: Mapping[str, tuple[str, str, Callable[[int], float]]] = {
-    "nodepy-lambert65": ("nodepy", "Lambert65", _nodepy)
-}
-
-
-def packages() -> list[dict[str, Any]]:
-    """Return errors of the packages that are installed, with their versions."""
-    found = []
-    for name, (package, method, run) in PACKAGES.items():
-        try:
-            version = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            continue
-        steps = [8, 16, 32, 64]
-        errors = [run(n) for n in steps]
-        found.append(
-            {"table": name, "package": package, "version": version, "method": method,
-             "steps": steps, "errors": errors}
-        )  # fmt: skip
-    return found
-
-
 # --- the page -----------------------------------------------------------------------------------
 
 
@@ -162,12 +112,9 @@ PAGES: Pages = {PAGE: {"audit-orders": lambda: table(measured("audit-orders"))}}
 
 def main(path: Path) -> None:
     """Measure into a file."""
-    known = json.loads(path.read_text("utf-8")) if path.exists() else {}
-    here = packages()
-    # what another environment has measured of a package stays
-    others = [x for x in known.get("packages", ()) if x["table"] not in {y["table"] for y in here}]
+    known = json.loads(path.read_text("utf-8")) if path.exists() else {"packages": []}
     rows = carried_out(row, ({"table": name} for name in DEFECTS), beside=path)
-    found = {"rows": rows, "packages": others + here}
+    found = {"rows": rows, "packages": known["packages"]}
     complete(path, {**HEAD, **found, "where": circumstances()})
 
 

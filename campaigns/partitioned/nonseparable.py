@@ -1,9 +1,9 @@
-"""Explicit multistep pairs for any Hamiltonian: evaluations, a million steps, renewal.
+"""Explicit multistep pairs for any Hamiltonian: evaluations, by the scenes of docs/nonseparable.
 
     python -m campaigns.partitioned.nonseparable data/measurements/nonseparable.json
 
-Semi-separable systems are measured here, too. The rest of the record is of closed studies: its
-notes name their commands and the commit that has them.
+Semi-separable systems are measured here, too. The rest of the record, a million steps and renewal
+among it, is of closed studies: its notes name their commands and the commit that has them.
 """
 
 import json
@@ -11,7 +11,6 @@ import math
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,34 +21,20 @@ from campaigns.driver import arguments, carried_out, complete
 from campaigns.pages import ROOT, Pages, markdown, measured
 from campaigns.partitioned.work import crossing
 from glmref import solve
-from glmref.catalogue.lookup import load
-from glmref.catalogue.reader import load_document
-from glmref.derive.general_multistep import general_document, picard_start
-from glmref.derive.multistep import written
-from glmref.derive.recipes.general_multistep import SHIPPED, halves_of
 from glmref.engine.outcome import Solution
 from glmref.engine.parasites import WINDOW
 from glmref.measure.longtime import along
 from glmref.measure.work_precision import energy_error, reference_state, state_error
 from glmref.method import Method
-from glmref.problems import problem
 from glmref.problems.model import Problem
 from glmref.scenes.labels import method_of
 from glmref.scenes.reading import load_scene
 from glmref.scenes.running import run
 
-#: What is renewed, and after how many steps.
-RENEWED = ("uneven-plane", "swinging-atwood", "shear", "discrete-schroedinger")
-METHODS = ("multistep-general-8b", "multistep-general-8c", "multistep-general-8")
-#: All methods for general systems.
-GENERAL = tuple(name for name, roots in SHIPPED.items() if not roots.semi)
-RENEW = (300, 1000)
-#: Steps of a run with renewals, and its step size.
-_STEPS, _H = 40_000, 0.02
 #: An energy error that is a loss, also where it is only rounded to this.
 LOST = 1e-3
-#: Steps of a long run by the steps between renewals, 0 for none.
-LONG = {0: 10_000_000, 1000: 1_000_000}
+#: Steps of a long run.
+LONG = 10_000_000
 TOLERANCES = (1e-6, 1e-9)
 SCENES = ROOT / "docs" / "nonseparable"
 #: Steps of the first run, most steps, and the factor between two runs.
@@ -155,56 +140,8 @@ def growth(one: Problem, method: str, h: float, end: float, renew: int) -> float
     return float(f"{whole.max(initial=0.0) / max(error[: _FIRST + 1].max(), rounding):.2g}")
 
 
-def long_runs(case: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Follow a method for many steps of the tolerance, without and with renewal."""
-    one, name, found = problem(case["problem"]), case["method"], []
-    step = step_of(load(name), one)
-    for renew, steps in LONG.items():
-        x = {**case, "h": step and step[0], "steps": steps, "renew": renew}
-        if step:
-            x |= long_run(name, one, step[0], steps, renew)
-            if x["reported"] is not None:
-                x["growth"] = growth(one, name, step[0], x["reported"], renew)
-        found.append(x)
-    return found
-
-
-def better_start(name: str, order: int) -> Method:
-    """Return the start of a shipped method of an order."""
-    q, p = halves_of(SHIPPED[name])
-    source = {"citation": "-", "where": "-", "status": "derived"}
-    document = {**general_document(name, q, p, title=name), "source": source, "claims": {}}
-    document["starting"] = written({**picard_start(q, p, order=order), "order": order})
-    found = load_document(document).starting
-    assert found is not None
-    return found
-
-
-def renewed(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Run a method with renewals by a start of an order."""
-    one, name, order = problem(case["problem"]), case["method"], case["start_order"]
-    method = load(name)
-    if order != method.claims["starting-order"]:
-        method = replace(method, starting=better_start(name, order))
-    found = solve(one, method, h=_H, steps=_STEPS, every=100, renew=case["renew"])
-    reported = None if found.suspect is None else round(found.suspect, 1)
-    cost = {"start_evaluations": found.start_evaluations}
-    return {**case, **cost, "energy": _energy(one, found), "reported": reported}
-
-
-def renewal_cases() -> list[dict[str, Any]]:
-    """Return what is renewed how: by the start of the file, and by one two orders better."""
-    return [
-        {"problem": x, "method": m, "renew": n, "start_order": order}
-        for m in METHODS
-        for x in RENEWED
-        for n in RENEW
-        for order in (8, 10)
-    ]
-
-
 def main(path: Path) -> None:
-    """Measure all on the problems of the record, and write them into it."""
+    """Count evaluations on the problems of the record, and write them into it."""
     record = json.loads(path.read_text(encoding="utf-8"))
     general, semi = (
         list(dict.fromkeys(x["problem"] for x in rows))
@@ -214,15 +151,6 @@ def main(path: Path) -> None:
     rows = [x for found in counted for x in found]
     record["evaluations"] = [x for x in rows if x["problem"] in general]
     record["semi-separable"]["evaluations"] = [x for x in rows if x["problem"] in semi]
-    names = dict.fromkeys(x["problem"] for x in record["long"])
-    cases = [{"problem": x, "method": m} for x in names for m in GENERAL]
-    long = carried_out(long_runs, cases, beside=path)
-    record["long"] = [x for found in long for x in found]
-    record["semi-separable"]["long"] = [
-        x | long_run(x["method"], problem(x["problem"]), x["h"], x["steps"])
-        for x in record["semi-separable"]["long"]
-    ]
-    record["renewal"] = carried_out(renewed, renewal_cases(), beside=path)
     complete(path, record)
 
 

@@ -111,7 +111,7 @@ def _measured(case: Mapping[str, Any]) -> dict[str, Any]:
     counts, h = _counted(one, load(name), end, lambda y: state_error(y, exact))
     row = {**case, "evaluations": counts}
     if h:
-        row |= {"h": h, "steps": LONG[0], **long_run(name, one, h, LONG[0])}
+        row |= {"h": h, "steps": LONG, **long_run(name, one, h, LONG)}
         if row["reported"] is not None:
             row["growth"] = growth(one, name, h, row["reported"], 0)
     return row
@@ -132,10 +132,10 @@ def transformed(case: Mapping[str, Any]) -> dict[str, Any]:
     counts, h = _counted(one, load(case["method"]), end, error)
     row = {**case, "rate": rate, "evaluations": counts}
     if h:
-        found = solve(one, case["method"], h=h, steps=LONG[0], every=LONG[0] // 1000)
+        found = solve(one, case["method"], h=h, steps=LONG, every=LONG // 1000)
         states = np.vstack([plain.y0, found.y[:, own]])
         size = float(energy_deviation(plain, states).max()) if found.completed else None
-        row |= {"h": h, "steps": LONG[0], "energy": size and float(f"{size:.2g}")}
+        row |= {"h": h, "steps": LONG, "energy": size and float(f"{size:.2g}")}
         row["reported"] = found.suspect
     return row
 
