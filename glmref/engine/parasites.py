@@ -60,9 +60,10 @@ _OF_SOLUTION = 0.1
 #: The error of the energy that is reported whatever the parasitic part is, which may have been
 #: renewed away: where it has grown so often, or is as large over what halving the state changes.
 _OF_ENERGY, _GROWN = 0.1, 3.0
-#: Of one formula whose parasitic parts decay: the energy error below which nothing is lost, over
-#: :data:`_ENERGY`. A window need not resolve a close encounter.
-_FLOOR = 1e-9
+#: Of one formula, whose parasitic parts decay: the error of the energy below which nothing is lost,
+#: over :data:`_ENERGY`, as a window need not resolve a close encounter, and the error that is
+#: reported without a parasitic part, which has gone again, where it has grown so often.
+_FLOOR, _ALONE = 1e-9, 1e-3
 #: Numbers of coefficients of the polynomials.
 _SIZES = range(12, 32, 2)
 #: Rounding in the amplitude of a root is at most one over this; sizes that amplify it more are out.
@@ -288,6 +289,9 @@ class Watch:
         self.energy_error = 0.0  #: Of the first steps.
         self.energy_scale = self._energy_scale()
         self.alarm = 0.0  #: The error of the energy that was the last reason to look.
+        #: The step at which the energy error had grown as the energy alone asks for, whatever
+        #: floor a notice has, where it has not come back to that of the first steps since.
+        self.grown: int | None = None
 
     def parasitic(self, halves: np.ndarray) -> list[float]:
         """Return the size of the parasitic part in both halves (2, WINDOW, m) of a window."""
@@ -396,8 +400,11 @@ class Watch:
         ordered = np.sort(errors).tolist()
         middle = (ordered[(_SAMPLES - 1) // 2] + ordered[_SAMPLES // 2]) / 2
         error = math.nan if math.isnan(ordered[-1]) else middle
-        least = max(_OF_ENERGY, _GROWN * self.energy_error)
-        if error > min(least, _OF_ENERGY * self.energy_scale):
+        if not error > (first := max(self.energy_error, unit)):
+            self.grown = None
+        elif self.grown is None and error > _ENERGY * first:
+            self.grown = step
+        if error > self._lost():
             return True
         enough = [
             max(FACTOR * x, FACTOR * unit * y, _VISIBLE * z)
@@ -417,6 +424,13 @@ class Watch:
             return _above(found, whatever)
         return error > (_ENERGY_TOO if _above(found, visible) else _ENERGY) * known
 
+    def _lost(self) -> float:
+        """Return the error of the energy beyond which an orbit is lost whatever else is seen."""
+        least = max(_OF_ENERGY, _GROWN * self.energy_error)
+        if not self.growing:
+            least = min(least, max(_ALONE, _ENERGY * self.energy_error))
+        return min(least, _OF_ENERGY * self.energy_scale)
+
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
         """Return at which solutions (n, d) the energy says that the steps before be looked at.
 
@@ -426,8 +440,10 @@ class Watch:
         found: list[int] = []
         if self.hamiltonian is None or not len(solutions):
             return found
-        for k, error in enumerate(self._errors_of_energy(solutions)):
-            least = _ENERGY_TOO * max(self.energy_error, _unit(steps[k]))
+        errors = self._errors_of_energy(solutions)
+        known = max(self.energy_error, 0.0 if self.growing else _FLOOR)
+        for k in np.flatnonzero(errors > max(_ENERGY_TOO * known, 2 * self.alarm)).tolist():
+            error, least = errors[k], _ENERGY_TOO * _unit(steps[k])
             if steps[k] > EARLY and error > max(least, 2 * self.alarm):
                 self.alarm = float(error)
                 found.append(k)

@@ -85,6 +85,8 @@ class Run:
         self.suspect: float | None = None
         #: Copies of a kernel's state up to which nothing was found; ``None`` for that of ``base``.
         self.sound: tuple[np.ndarray, np.ndarray] | None = None
+        #: Rows whose energy has been asked, see :meth:`_from_rows`.
+        self.asked = 0
         #: Windows that are not looked at yet.
         self.taken: list[_Window] = []
 
@@ -307,6 +309,7 @@ class Run:
                     if self._alarming(kernel, state, t0, y[None], range(mark, mark + 1)):
                         self._locate(kernel, state, t0)
                     state, self.sound = self._renewed(kernel, state, y), None
+                self._from_rows(kernel, state, t0, out)
                 if mark in begins and self.suspect is None:
                     self.outcome = self._window(kernel, state, t0, out)
                     if self.outcome is not Outcome.COMPLETED:
@@ -373,6 +376,18 @@ class Run:
         if count:
             self.base, self.sound = (steps[count - 1], self.within.values), None
 
+    def _from_rows(self, kernel: Kernel, state: State, t0: float, out: np.ndarray) -> None:
+        """Look where the energy of rows says so, of at most one in the steps of a window."""
+        every, written = self.plan.every, int(state.tally[5])
+        if not every or self.renew:
+            return
+        apart = -(-WINDOW // every)
+        rows, self.asked = range(self.asked, written, apart), written
+        steps = range((rows.start + 1) * every, (written + 1) * every, apart * every)
+        solutions = self._solutions(out[rows.start : written : apart])
+        if self._alarming(kernel, state, t0, solutions, steps):
+            self._locate(kernel, state, t0)
+
     def _warn(self, step: int) -> None:
         """Say that the window with this last step is large."""
         assert self.watch is not None
@@ -436,9 +451,10 @@ class Run:
         return values[: state.step - first + 1], outcome
 
     def _locate(self, kernel: Kernel, state: State, t0: float, last: int | None = None) -> None:
-        """Take the steps since the last sound state again; warn of the first large window.
+        """Take the steps since the last sound state again; warn where one window is large.
 
-        Up to step ``last``, by default that of the state.
+        The warning is of the first one or, before it, of that from which the energy error had
+        grown. Up to step ``last``, by default that of the state.
 
         Each window has half of the one before. Nothing of these steps is counted or kept.
         """
@@ -447,7 +463,7 @@ class Run:
             return
         ended, trouble = (state.work.copy(), state.tally.copy()), state.trouble
         last = state.step if last is None else last
-        seconds, half = self.seconds, WINDOW // 2
+        seconds, half, self.watch.grown = self.seconds, WINDOW // 2, None
         if self.sound is None:
             begin = self._from_base(kernel, t0)
             self.sound = begin.work, begin.tally
@@ -462,7 +478,7 @@ class Run:
             windows = [solutions[n + 1 - WINDOW - begin :][:WINDOW] for n in whole]
             k = self.watch.first_large(windows, whole)
             if k is not None or len(whole) < len(group):
-                self._warn(state.step if k is None else whole[k])
+                self._warn(self.watch.grown or (state.step if k is None else whole[k]))
                 break
             solutions = solutions[-half:]
         state.take_back(*ended)

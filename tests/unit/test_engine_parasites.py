@@ -247,6 +247,31 @@ def test_an_energy_that_is_wrong_by_a_tenth_is(first: float, later: float, seen:
     assert watch.large(steps_of(later, 0.0, 1.0, 0), 2000) is seen
 
 
+@given(st.lists(st.sampled_from([1e-10, 1e-8, 1e-7]), min_size=1, max_size=8))
+def test_growth_begins_where_the_energy_last_left_the_error_of_the_first_steps(errors) -> None:
+    """At 20 times the error; twice is no growth, but no return either."""
+    watch = Watch(method_of("multistep-strong-8"), replace(PARTICLE, hamiltonian=oscillator))
+    for step in (WINDOW, 2 * WINDOW, 3 * WINDOW):
+        watch.large(steps_of(4e-9, 0.0, 1.0, 0), step)
+    for number, error in enumerate(errors):
+        watch.large(steps_of(error, 0.0, 1.0, 0), 1000 + number)
+    returned = max((k for k, x in enumerate(errors) if x == 1e-10), default=-1)
+    after = [1000 + k for k, x in enumerate(errors) if k > returned and x == 1e-7]
+    assert watch.grown == (after[0] if after else None)
+
+
+def test_a_notice_is_of_the_time_at_which_a_formula_began_to_lose_its_orbit() -> None:
+    """Its parasitic part is seen when the energy error has grown 1,700-fold."""
+    given, h = problem("magnetic-bottle"), 0.0121
+    found = solve(given, "multistep-strong-8b", h=h, steps=100_000, every=1)
+    energy = given.hamiltonian(found.y[:88_000].T)
+    error = np.abs(energy / energy[0] - 1)
+    assert found.suspect is not None
+    medians = np.median(error[: len(error) // WINDOW * WINDOW].reshape(-1, WINDOW), axis=1)
+    first = error[: 3 * WINDOW + 1].max()
+    assert medians[: round(found.suspect / h) // WINDOW].max() < 100 * first < medians.max() / 10
+
+
 def test_windows_of_long_runs_leave_gaps_in_which_nothing_is_seen() -> None:
     assert max(np.diff(windows(100_000, 0))) > 20_000
 
