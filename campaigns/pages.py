@@ -15,11 +15,18 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 #: Page -> name of a table -> what writes it.
 Pages = Mapping[Path, Mapping[str, Callable[[], str]]]
-#: Modules of this package with :data:`Pages` of their own, called ``PAGES``.
+#: Modules with :data:`Pages` of their own, called ``PAGES``, of this package and others.
 WRITERS = (
-    *("audited_codes", "audited_orders", "gallery", "long_survey", "parasitic_losses"),
-    *("scene_results", "order6.tables", "partitioned.tables", "partitioned.multistep_tables"),
-    *("partitioned.nonseparable", "partitioned.strong"),
+    *(
+        "tools.measure.engine_tables",
+        ".audited_codes",
+        ".audited_orders",
+        ".gallery",
+        ".long_survey",
+    ),
+    *(".parasitic_losses", ".scene_results", ".order6.tables"),
+    *(".partitioned.tables", ".partitioned.multistep_tables", ".partitioned.nonseparable"),
+    ".partitioned.strong",
 )
 
 
@@ -68,7 +75,7 @@ def all_pages() -> dict[Path, dict[str, Callable[[], str]]]:
     """Return the tables of all pages, from all :data:`WRITERS`."""
     found: dict[Path, dict[str, Callable[[], str]]] = {}
     for module in WRITERS:
-        pages: Pages = import_module(f"campaigns.{module}").PAGES
+        pages: Pages = import_module(module, "campaigns").PAGES
         for page, tables in pages.items():
             found[page] = {**found.get(page, {}), **tables}
     return found

@@ -1,6 +1,5 @@
-"""What is stored of the engine's speed: complete, and the tables of the page are computed from it."""
+"""What is stored of the engine's speed: complete, and what the page says of it."""
 
-import importlib.util
 import json
 import shutil
 from pathlib import Path
@@ -10,20 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
-NOTES = ROOT / "tools" / "measure" / "README.md"
 PAGE = ROOT / "docs" / "engine.md"
-PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
-
-
-def tables():
-    """The module that writes the tables, read from its file: it needs nothing but Python."""
-    spec = importlib.util.spec_from_file_location(
-        "engine_tables", ROOT / "tools" / "measure" / "engine_tables.py"
-    )
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture(scope="module")
@@ -35,40 +21,16 @@ def against_c(rows):
     return [row for row in rows if row["comparison"] in ("c", "sweep")]
 
 
-def test_the_notes_show_what_is_stored(rows):
-    page = NOTES.read_text(encoding="utf-8")
-    assert tables().filled(page, rows) == page, "run python -m tools.measure.engine --write"
-    for comparison, key in (("lanes", "gain"), ("sweep", "evaluations"), ("c", "evaluations")):
-        other = [dict(x, **{key: 99.0}) if x["comparison"] == comparison else x for x in rows]
-        assert tables().filled(page, other) != page, comparison
-
-
-def test_the_short_page_shows_what_is_stored(rows):
-    page, short = PAGE.read_text(encoding="utf-8"), tables().SHORT_TABLES
-    assert tables().filled(page, rows, short) == page
-    other = [dict(x, milliseconds=[9.0] * 3) if x.get("name") == "gauss-4" else x for x in rows]
-    assert tables().filled(page, other, short) != page
+def test_the_sentences_about_others_are_those_of_the_data(rows):
     times = {(x["name"], x["goal"]): x["milliseconds"] for x in rows if "goal" in x}
     ratio = [times["g6245", 1e-12][1] / times[x, 1e-12][1] for x in ("heyoka", "gauss-4")]
     assert [round(x) for x in ratio] == [11, 7]  # eleven times heyoka, seven times Gauss
     assert all(times[x, y][1] < times["heyoka", y][1] for x in ("gauss-6", "gauss-8")
                for y in (1e-9, 1e-12))  # fmt: skip
     gains = [x["gain"] for x in rows if x["comparison"] == "lanes"]
-    assert f"{min(gains):.1f} to {max(gains):.1f} times" in " ".join(page.split())
-
-
-def test_the_page_of_the_pairs_shows_what_is_stored(rows):
-    page, short = PAIR_PAGE.read_text(encoding="utf-8"), tables().PAIR_TABLES
-    assert tables().filled(page, rows, short) == page
-    other = [
-        dict(x, c_over_engine=[0.5, 0.5, 0.5]) if x.get("method") == "pair-6-8" else x for x in rows
-    ]
-    assert tables().filled(page, other, short) != page
-
-
-def test_a_page_without_a_place_for_a_table_is_refused(rows):
-    with pytest.raises(ValueError, match="0 places for the table steps"):
-        tables().filled("", rows)
+    assert f"{min(gains):.1f} to {max(gains):.1f} times" in " ".join(
+        PAGE.read_text("utf-8").split()
+    )
 
 
 def test_c_and_engine_did_the_same_arithmetic(rows):

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns import pages
 from glmref import load, problem
 from glmref.engine.kernel import Kernel, State, prepare
 from glmref.engine.reference import stepper
@@ -29,7 +30,6 @@ from glmref.exact import Scalar
 from glmref.method import GLM, PartitionedGLM
 from glmref.method.component import SEPARABLE
 from tools.measure.compare_c import CONTRACTED, PROBLEMS, Loop, built
-from tools.measure.engine_tables import filled
 from tools.measure.timing import interleaved
 
 #: Method -> macro of its C source.
@@ -239,9 +239,7 @@ def main(wanted: Sequence[str] = (), *, write: bool = False) -> None:
                 sys.stdout.write(lines[-1] + "\n")
                 sys.stdout.flush()
     if write:
-        page = PAGE.read_text(encoding="utf-8")
-        tables = {"textbook": lambda _: "\n".join(lines)}
-        PAGE.write_text(filled(page, [], tables), encoding="utf-8")
+        pages.write({PAGE: {"textbook": lambda: "\n".join(lines)}})
 
 
 if __name__ == "__main__":

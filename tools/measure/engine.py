@@ -20,16 +20,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from campaigns import pages
 from glmref.measure.timing import circumstances
 from tools.measure import compare_c, compare_kepler, compare_lanes, compare_textbook
-from tools.measure.engine_tables import PAIR_TABLES, SHORT_TABLES, TABLES, filled
+from tools.measure.engine_tables import PAGES, TABLES
 from tools.measured_json import write_json
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = ROOT / "data" / "measurements" / "engine.json"
-NOTES = Path(__file__).with_name("README.md")
-PAGE = ROOT / "docs" / "engine.md"
-PAIR_PAGE = ROOT / "campaigns" / "partitioned" / "README.md"
 
 MEASURED = (
     "Processor time of one thread; competitors take turns within one run; quartiles and medians "
@@ -119,9 +117,7 @@ def main() -> None:
         sys.stdout.write(write(document["rows"]) + "\n\n")
     if "--write" in sys.argv[1:]:
         write_json(RECORD, document)
-        for page, tables in ((NOTES, TABLES), (PAGE, SHORT_TABLES), (PAIR_PAGE, PAIR_TABLES)):
-            text = filled(page.read_text(encoding="utf-8"), document["rows"], tables)
-            page.write_text(text, encoding="utf-8")
+        pages.write(PAGES)
         if len(wanted) == len(COMPARISONS):
             compare_textbook.main(write=True)
 

@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from campaigns import pages
-from campaigns.pages import markdown
+from campaigns.pages import ROOT, Pages, markdown, measured
 
 Row = Mapping[str, Any]
-Tables = Mapping[str, Callable[[list[Row]], str]]
 
 
 def against_c(rows: list[Row], comparison: str) -> str:
@@ -118,16 +116,21 @@ SHORT = (
     "gauss-4", "gauss-5", "gauss-6", "gauss-8", "kahan-li-8", "blanes-moan-rkn-6-14",
     "pair-rkn-6-9", "g6245", "order8-s5-w3", "s4-symmetric", "heyoka", "scipy DOP853",
 )  # fmt: skip
-#: Name in the page -> what writes it: tools/measure/README.md, then docs/engine.md, then
-#: campaigns/partitioned/README.md.
-TABLES: Tables = {"steps": steps, "sweeps": sweeps, "lanes": lanes, "kepler": kepler}
-SHORT_TABLES: Tables = {"kepler-short": kepler_in_short}
-PAIR_TABLES: Tables = {"against-c": against_c_in_short}
+NOTES, PAGE, PAIR_PAGE = (
+    ROOT / x
+    for x in ("tools/measure/README.md", "docs/engine.md", "campaigns/partitioned/README.md")
+)
 
 
-def filled(page: str, rows: list[Row], tables: Tables = TABLES) -> str:
-    """Return the page with its tables computed anew.
+def _stored(write: Callable[[list[Row]], str]) -> str:
+    return write(measured("engine")["rows"])
 
-    Each stands between two comments with its name.
-    """
-    return pages.filled(page, {name: partial(write, rows) for name, write in tables.items()})
+
+#: What is printed, by its name in tools/measure/README.md.
+TABLES = {"steps": steps, "sweeps": sweeps, "lanes": lanes, "kepler": kepler}
+#: Page -> name of a table -> what writes it.
+PAGES: Pages = {
+    NOTES: {name: partial(_stored, write) for name, write in TABLES.items()},
+    PAGE: {"kepler-short": partial(_stored, kepler_in_short)},
+    PAIR_PAGE: {"against-c": partial(_stored, against_c_in_short)},
+}
