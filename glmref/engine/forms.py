@@ -115,6 +115,19 @@ class StepForm:
         return sum(1 for stage in single if stage < len(self.U)) - reused
 
     @property
+    def solved(self) -> list[int]:
+        """Forces evaluated in a round of the solver, for each block of stages that needs one."""
+        blocks = [block.stages for block in self.blocks if block.implicit]
+        return [sum(1 for stage in stages if stage < len(self.U)) for stages in blocks]
+
+    def evaluations(self, steps: int, rounds: int) -> int:
+        """Return evaluations of so many steps whose solvers took so many rounds in all.
+
+        A round is taken to be that of the largest block.
+        """
+        return steps * self.forces + rounds * max(self.solved, default=0)
+
+    @property
     def reuses_force(self) -> bool:
         """Whether the first stage Q of a step is the last one of the step before.
 

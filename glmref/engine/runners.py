@@ -290,15 +290,9 @@ class Lanes(Runner):
         state = found[:, :-3].reshape(self.count, -1, self.shape.dimension)
         values = self.form.values(state, self.h, compensated=self.options.compensated)
         status, rounds, steps = found[:, -3:].T
-        explicit, per_round = self._costs()
         begun = steps.sum() + np.count_nonzero(status)  # one more where a step failed
-        spent = int(explicit * begun + per_round * float(rounds.sum()))
+        spent = self.form.evaluations(int(begun), int(rounds.sum()))
         return values, status.astype(int), steps.astype(int), self.initial_evaluations + spent
-
-    def _costs(self) -> tuple[int, int]:
-        """Return the evaluations of the explicit stages of a step, and of a solver round."""
-        sizes = {len(b.stages) for b in self.form.blocks if b.implicit}
-        return self.form.forces, max(sizes, default=0)
 
 
 def prepare_options(runner: Lanes, arithmetic: str, solver: str) -> Any:

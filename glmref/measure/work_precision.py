@@ -8,7 +8,7 @@ Only what is asked is computed: no energy and no samples for it, no reference fo
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from time import perf_counter
@@ -122,7 +122,8 @@ def measure(
         For a question the problem cannot answer, or arguments that do not fit.
     """
     _check_questions(problem, ask)
-    begin = _started(solved_form(problem, method), method, h, start)
+    solved = solved_form(problem, method)
+    begin = _started(solved, method, h, start)
     options: dict[str, Any] = {"h": h, "engine": engine, "start": lambda *_: begin.values}
     if renew:  # each renewal needs the start itself
         options |= {"start": start, "renew": renew}
@@ -131,7 +132,9 @@ def measure(
         end = float(problem.t_span[1] if t_end is None else t_end)
         whole = steps if steps is not None else round((end - float(problem.t_span[0])) / h)
         options["every"] = max(1, abs(whole) // SAMPLES)
-    solution, timing = _timed(solved_form(problem, method), method, options, repeats, budget)
+    solution, timing = timed_runs(
+        lambda deadline: solve(solved, method, cancel=deadline, **options), repeats, budget
+    )
     solution = without_clocks(solution, problem)
     found = of_run(method, problem, h, solution)
     found |= {"seconds": timing, "start_seconds": begin.seconds}
@@ -230,10 +233,13 @@ def _started(problem: Problem, method: Any, h: float, start: Any) -> _Started:
     return _Started(found.values, found.evaluations, perf_counter() - begun)
 
 
-def _timed(
-    problem: Problem, method: Any, options: dict[str, Any], repeats: int, budget: float
+def timed_runs(
+    run: Callable[[Deadline], Solution], repeats: int, budget: float
 ) -> tuple[Solution, Timing]:
-    """Run up to ``repeats`` times, while the budget lasts; the steps alone are timed."""
+    """Run up to ``repeats`` times, while the budget lasts: the first solution, and the times.
+
+    The steps alone are timed. A run that does not complete is not repeated.
+    """
     begun = perf_counter()
     seconds: list[float] = []
     first: Solution | None = None
@@ -241,7 +247,7 @@ def _timed(
         first.completed and len(seconds) < repeats and perf_counter() - begun < budget
     ):
         deadline = Deadline(budget)
-        solution = solve(problem, method, cancel=deadline, **options)
+        solution = run(deadline)
         check_interruption(solution, deadline)
         if first is None or solution.completed:
             seconds.append(solution.seconds)

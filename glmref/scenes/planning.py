@@ -19,7 +19,6 @@ from ..errors import GlmrefError
 from ..measure.peers import package_of
 from ..measure.prediction import Prediction, predict
 from ..method import Method
-from ..method.component import GENERAL, SEPARABLE
 from ..problems.model import Problem
 from .model import ASK, TIMED, Scene
 
@@ -37,28 +36,6 @@ RECORDED = ("outcome", "steps", "seconds with quartiles", "evaluations", "iterat
 
 
 @dataclass(frozen=True)
-class Cost:
-    """Right-hand-side evaluations of one step, as far as they are known before."""
-
-    explicit: int  #: Of the explicit stages together.
-    #: Of one round of the solver on one block of implicit stages; 0 where there is none, ``None``
-    #: where blocks differ in size.
-    each_round: int | None
-    stages: int  #: Implicit stages in all.
-
-    @property
-    def about(self) -> int:
-        """Evaluations of a step, with a usual number of rounds."""
-        return self.explicit + self.stages * ROUNDS
-
-    def evaluations(self, steps: int, iterations: int) -> int | None:
-        """Return evaluations of so many steps whose solvers took so many rounds in all: exactly."""
-        if self.each_round is None:
-            return None
-        return steps * self.explicit + iterations * self.each_round
-
-
-@dataclass(frozen=True)
 class Plan:
     """What running a scene means."""
 
@@ -69,7 +46,6 @@ class Plan:
     recorded: tuple[str, ...]  #: What each record holds.
     evaluations: int  #: Right-hand-side evaluations in all: exactly, where no stage is implicit.
     absent: tuple[str, ...]  #: Packages of peers that are not installed; their tasks are left out.
-    costs: tuple[Cost | None, ...] = ()  #: Of each task, ``None`` for a peer's.
     reference: str = ""  #: Where the right last state comes from, ``""`` where it is not asked for.
 
     def as_json(self) -> dict[str, Any]:
@@ -97,16 +73,14 @@ def plan(scene: Scene) -> Plan:
     """
     subject = scene.subject
     tasks: list[Mapping[str, Any]] = []
-    costs: list[Cost | None] = []
     evaluations = 0
     for name in scene.methods:
-        cost = _cost(load(name), subject)
+        each = _evaluations(load(name), subject)
         doc = document(name)
         fingerprint = key_of({"document": doc})
         for h, steps in scene.grid:
             tasks.append(task_of(scene, name, doc["name"], fingerprint, h, steps))
-            costs.append(cost)
-            evaluations += steps * cost.about * (_runs(scene) + ("orbit" in scene.ask))
+            evaluations += steps * each * (_runs(scene) + ("orbit" in scene.ask))
     modules: list[str] = list(ALWAYS)
     absent: list[str] = []
     if "state" in scene.ask and subject.exact is not None:
@@ -130,7 +104,6 @@ def plan(scene: Scene) -> Plan:
         recorded,
         evaluations,
         tuple(dict.fromkeys(absent)),
-        (*costs, *[None] * (len(tasks) - len(costs))),
         _reference(scene, subject),
     )
 
@@ -205,26 +178,10 @@ def _runs(scene: Scene) -> int:
     return scene.repeats if scene.answer.kind in TIMED else 1
 
 
-def _cost(method: Method, subject: Problem) -> Cost:
-    """Count the evaluations of a step: one for an explicit stage, unless the last step had it."""
-    form, palette = None, method.palette
-    if method.parts == 2:  # of a separable problem those of p' = k(q) count, at the stages Q
-        solved = solved_form(subject, method)
-        palette = SEPARABLE if solved.separable else GENERAL
-        try:
-            form, _ = choose_form(method, solved, "auto")
-        except GlmrefError:  # the pair does not apply: its tasks will say so, and cost nothing
-            return Cost(0, 0, 0)
-    counted = len(method.components[0].A)
-    inside = [
-        (block.implicit, sum(1 for i in block.stages if i < counted))
-        for block in (form.blocks if form and form.together else method.stage_blocks(palette))
-    ]
-    explicit = sum(count for implicit, count in inside if not implicit)
-    solved = [count for implicit, count in inside if implicit]
-    return _cost_of(getattr(form, "forces", explicit), solved)
-
-
-def _cost_of(explicit: int, solved: list[int]) -> Cost:
-    sizes = set(solved)
-    return Cost(explicit, None if len(sizes) > 1 else max(sizes, default=0), sum(solved))
+def _evaluations(method: Method, subject: Problem) -> int:
+    """Return the evaluations of a step: exactly, where no stage is implicit."""
+    try:
+        form, _ = choose_form(method, solved_form(subject, method), "auto")
+    except GlmrefError:  # the method does not apply: its tasks will say so, and cost nothing
+        return 0
+    return form.forces + ROUNDS * sum(form.solved)

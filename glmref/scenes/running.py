@@ -26,13 +26,12 @@ from ..measure.parasitic import loss, modes, parasitic_size, solution_direction
 from ..measure.peers import measure_peer
 from ..measure.prediction import LOST as EXPECTED_LOSS
 from ..measure.prediction import SATURATES, predict
-from ..measure.timing import Timing, circumstances, machine
+from ..measure.timing import circumstances, machine
 from ..measure.work_precision import (
-    Deadline,
-    check_interruption,
     judged_state,
     measure,
     of_run,
+    timed_runs,
 )
 from ..problems.model import Problem
 from ..problems.user_functions import FunctionFailed
@@ -290,21 +289,17 @@ def _long(task: Mapping[str, Any], method: Any, subject: Any) -> dict[str, Any]:
 def _sampled(
     task: Mapping[str, Any], method: Any, subject: Any, u: Any
 ) -> tuple[Any, dict[str, Any]]:
-    """Run as often as asked: the last solution, with samples, and what every record has."""
+    """Run as often as asked: a solution, with samples, and what every record has."""
     parasitic = "parasitic" in task["ask"]
     stop = (lambda part: loss(subject, part, u).time is not None) if parasitic else None
-    seconds: list[float] = []
-    while True:
-        deadline = Deadline(task["budget"])
-        solution = follow(
-            subject, method, h=task["h"], steps=task["steps"], start=task["start"],
-            renew=task.get("renew", 0), cancel=deadline, lost=stop,
-        )  # fmt: skip
-        check_interruption(solution, deadline)
-        seconds.append(solution.seconds)
-        if len(seconds) >= task["repeats"] or sum(seconds) > task["budget"]:
-            break
-    record = of_run(method, subject, task["h"], solution) | {"seconds": Timing.of(seconds)}
+    solution, timing = timed_runs(
+        lambda deadline: follow(
+            subject, method, steps=task["steps"], **_taken(task), cancel=deadline, lost=stop
+        ),
+        task["repeats"],
+        task["budget"],
+    )
+    record = of_run(method, subject, task["h"], solution) | {"seconds": timing}
     return solution, in_json(record)
 
 

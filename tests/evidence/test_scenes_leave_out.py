@@ -21,6 +21,9 @@ STEPS = 40
 
 SCRIPT = """
 import dataclasses, json, sys
+from glmref.catalogue.lookup import load
+from glmref.engine.clocks import solved_form
+from glmref.engine.kernel import choose_form
 from glmref.scenes import load_scene, plan, run
 
 def short(scene, steps):
@@ -38,11 +41,14 @@ for name in json.loads(sys.argv[1]):
     records = run(todo)
     after = {m.partition(".")[0] for m in sys.modules} & set(json.loads(sys.argv[2]))
     rows = []
-    for cost, record in zip(todo.costs, records):
-        planned = None
+    for record in records:
+        planned, method = None, record["task"]["method"]
         if record["outcome"] == "completed":
-            planned = cost.evaluations(record["steps"], record["iterations"])
-        rows.append([record["task"]["method"], record["outcome"], planned,
+            chosen = load(record["task"]["file"] or method)
+            form, _ = choose_form(chosen, solved_form(todo.scene.subject, chosen), "auto")
+            if len(set(form.solved)) < 2:
+                planned = form.evaluations(record["steps"], record["iterations"])
+        rows.append([method, record["outcome"], planned,
                      record.get("evaluations"), record.get("message", "")])
     told.append({"name": name, "plan": list(todo.modules), "before": sorted(before),
                  "after": sorted(after), "rows": rows})
