@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from xml.sax.saxutils import escape
 
-from .axes import document, text
+from .axes import Axes, Ticks, document, text
 
 #: Colours from small to large, told apart by lightness alone (after the scale "cividis").
 _SCALE = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
@@ -35,31 +35,23 @@ def heat_map(
     """
     width, height = 560, 360
     xs, ys = (sorted({pair[k] for pair in cells}, key=_place) for k in (0, 1))
-    left, top, right, bottom = 74.0, 40.0, width - 110.0, height - 56.0
+    axes = Axes(74, 40, width - 184, height - 96, (0, len(xs)), (0, len(ys)))
     if not cells:
-        return document(title, width, height, [text(left, top + 20, "nothing to draw")])
+        return document(title, width, height, [text(axes.left, axes.top + 20, "nothing to draw")])
     finite = [x for x in cells.values() if math.isfinite(x)] or [0.0]
     scale = Scale(limits or (min(finite), max(finite)))
-    wide, high = (right - left) / len(xs), (bottom - top) / len(ys)
-    frame = f'x="{left}" y="{top}" width="{right - left}" height="{bottom - top}"'
-    parts = [f'<rect {frame} fill="{_MISSING}" stroke="#555"/>']
+    frame = f'x="{axes.left}" y="{axes.top}" width="{axes.width}" height="{axes.height}"'
+    parts = [f'<rect {frame} fill="{_MISSING}"/>']
+    size = f'width="{axes.width / len(xs) + 0.3:.1f}" height="{axes.height / len(ys) + 0.3:.1f}"'
     columns, rows = ({x: k for k, x in enumerate(values)} for values in (xs, ys))
     for (x, y), value in cells.items():
-        u, v = left + columns[x] * wide, bottom - (rows[y] + 1) * high
-        place = f'x="{u:.1f}" y="{v:.1f}" width="{wide + 0.3:.1f}" height="{high + 0.3:.1f}"'
+        u, v = axes.at(columns[x], rows[y] + 1)
         words = f"{value:.4g}" if math.isfinite(value) else _INCOMPLETE
         said = f"<title>{escape(f'{_shown(x)}, {_shown(y)}: {words}')}</title>"
+        place = f'x="{u:.1f}" y="{v:.1f}" {size}'
         parts.append(f'<rect {place} fill="{scale.color(value)}">{said}</rect>')
-    for k in _thinned(len(xs)):
-        parts.append(text(left + (k + 0.5) * wide, bottom + 16, _shown(xs[k]), "middle"))
-    for k in _thinned(len(ys)):
-        parts.append(text(left - 6, bottom - (k + 0.5) * high + 4, _shown(ys[k]), "end"))
-    parts.append(text((left + right) / 2, bottom + 38, x_label, "middle"))
-    parts.append(
-        f'<text transform="translate(20 {(top + bottom) / 2:.0f}) rotate(-90)" '
-        f'text-anchor="middle" fill="#111">{escape(y_label)}</text>'
-    )
-    parts += _legend(scale, right + 16, top, value_label, lost=len(finite) < len(cells))
+    parts += axes.frame(_ticks(xs), _ticks(ys), (x_label, y_label), grid=False, aside=54)
+    parts += _legend(scale, axes.right + 16, axes.top, value_label, lost=len(finite) < len(cells))
     return document(title, width, height, parts)
 
 
@@ -114,6 +106,7 @@ def _shown(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
-def _thinned(count: int) -> Sequence[int]:
-    """Return indices of about eight of so many values."""
-    return range(0, count, max(1, math.ceil(count / _MOST_TEXTS)))
+def _ticks(values: Sequence[float | str]) -> Ticks:
+    """Return the middles of about eight of the rows or columns, with their values."""
+    shown = range(0, len(values), max(1, math.ceil(len(values) / _MOST_TEXTS)))
+    return Ticks(tuple(k + 0.5 for k in shown), tuple(_shown(values[k]) for k in shown))
