@@ -207,7 +207,7 @@ PAGES: Pages = {
     _DOCS / "velocities.md": {
         "semi-separable": lambda: count_table(_semi("evaluations"), _KINETIC),
         "semi-separable-long": lambda: long_table(_semi("long"), [(m, 0) for m in _KINETIC], LOST),
-    },
+    }
 }
 
 

@@ -11,16 +11,7 @@ from typing import Any
 from glmref.errors import GlmrefError
 from tests.inside import at, places, put
 
-from .files import (
-    SENTENCE,
-    _broken_text,
-    _exchanged,
-    _key,
-    _kind,
-    _ring,
-    _shape,
-    _TooLong,
-)
+from .files import SENTENCE, _broken_text, _exchanged, _key, _kind, _ring, _shape, _TooLong
 from .tally import Tally
 
 

@@ -44,9 +44,7 @@ CHEAP_FIRST = (
 HIDES = 1e8
 #: Numbers that no claim sees: the method with another one there has all that is claimed. a42 is a
 #: parameter that the conditions leave free, which Ascher, Ruuth and Spiteri choose by stability.
-UNSEEN: dict[str, tuple[tuple[Any, ...], ...]] = {
-    "ars-3-4-3-printed": (("constants", "a42"),),
-}
+UNSEEN: dict[str, tuple[tuple[Any, ...], ...]] = {"ars-3-4-3-printed": (("constants", "a42"),)}
 #: A start that is wrong at a tree with branches is refuted, and the judge has no rule for such trees
 #: of systems that are not separable: the claim is open, and never holds.
 OPEN_STARTS = (

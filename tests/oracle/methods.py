@@ -147,8 +147,7 @@ class File:
         steps, (A, b) = self.get("gamma"), map(Reader(self.base), (self.base["A"], self.base["b"]))
         before = np.tril(np.outer(zeros(len(steps)) + 1, steps), -1)
         return runge_kutta(
-            np.kron(np.diag(steps), A) + np.kron(before, np.tile(b, (len(b), 1))),
-            np.kron(steps, b),
+            np.kron(np.diag(steps), A) + np.kron(before, np.tile(b, (len(b), 1))), np.kron(steps, b)
         )
 
     def lmm(self) -> Part:

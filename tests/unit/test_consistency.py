@@ -10,11 +10,7 @@ from glmref.method import GLM
 from glmref.method.families import linear_multistep, runge_kutta
 from glmref.method.preconsistency import preconsistency_of
 from glmref.prove.facts import facts_of
-from glmref.theory.consistency import (
-    consistency,
-    consistency_residual,
-    preconsistency_residual,
-)
+from glmref.theory.consistency import consistency, consistency_residual, preconsistency_residual
 from tests.shipped import multistep
 
 

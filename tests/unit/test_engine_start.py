@@ -8,12 +8,7 @@ import pytest
 from glmref import GLM, Problem, StartingMethod, UsageError, load, problem, solve
 from glmref.engine.outcome import StartFailed
 from glmref.engine.reference import stepper
-from glmref.engine.starting_values import (
-    RENEWAL,
-    enhanced_start,
-    renewal_of,
-    starting_values,
-)
+from glmref.engine.starting_values import RENEWAL, enhanced_start, renewal_of, starting_values
 
 
 def started(name, start, h=0.1, of="pendulum"):

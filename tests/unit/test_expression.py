@@ -8,11 +8,7 @@ from hypothesis import strategies as st
 
 from glmref.errors import DataError
 from glmref.exact import Ball, Exact, exact
-from glmref.exact.expression import (
-    parse,
-    syntax_tree,
-    weigh,
-)
+from glmref.exact.expression import parse, syntax_tree, weigh
 from glmref.exact.relations import box
 from tests.build import refused
 

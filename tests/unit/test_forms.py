@@ -3,13 +3,7 @@
 from glmref.exact import exact
 from glmref.exact.linalg import conjugate_transpose, matmul, sub
 from glmref.method import as_matrix
-from glmref.theory.forms import (
-    Form,
-    FormSpace,
-    choose_form,
-    solved,
-    unit_matrices,
-)
+from glmref.theory.forms import Form, FormSpace, choose_form, solved, unit_matrices
 
 
 def invariant(V, *, hermitian):

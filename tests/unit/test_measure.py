@@ -16,11 +16,7 @@ from glmref.measure.law import fit_law, samples_of
 from glmref.measure.longtime import along, energy_scale, exponent, follow, g_form, watch
 from glmref.measure.orbit import POINTS, marks, orbit
 from glmref.measure.timing import circumstances, repeat
-from glmref.measure.work_precision import (
-    Deadline,
-    check_interruption,
-    measure,
-)
+from glmref.measure.work_precision import Deadline, check_interruption, measure
 from glmref.problems import Problem, problem
 from tests.build import refused, scene_text
 

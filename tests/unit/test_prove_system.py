@@ -15,12 +15,7 @@ from glmref.exact.expression import parse
 from glmref.exact.judging import fast_judge
 from glmref.judge.trees import read_tree, show, size
 from glmref.prove import implications, starting
-from glmref.prove.enclosure import (
-    conditions_of,
-    equations_of,
-    members_of,
-    radius_of,
-)
+from glmref.prove.enclosure import conditions_of, equations_of, members_of, radius_of
 from glmref.theory.starting_series import NotPreconsistent, component
 from tests.adversary.deceive import shipped
 from tests.build import refused

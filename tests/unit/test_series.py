@@ -10,13 +10,7 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.method.component import GENERAL, ROOTED
 from glmref.theory.coefficients import combination, is_zero, plus, times
-from glmref.theory.series import (
-    Series,
-    compose,
-    flow,
-    modified_equation,
-    substitute,
-)
+from glmref.theory.series import Series, compose, flow, modified_equation, substitute
 from glmref.theory.trees import Tree, single, trees, trees_up_to
 from tests.bseries import derivative, elementary_weights
 from tests.build import refused

@@ -10,12 +10,7 @@ from glmref.errors import UsageError
 from glmref.exact import Ball, exact
 from glmref.exact.linalg import identity
 from glmref.method import GLM, PartitionedGLM
-from glmref.method.families import (
-    linear_multistep,
-    partitioned_runge_kutta,
-    runge_kutta,
-    splitting,
-)
+from glmref.method.families import linear_multistep, partitioned_runge_kutta, runge_kutta, splitting
 from glmref.theory.symplectic import (
     GSymplecticity,
     check_g_symplectic,

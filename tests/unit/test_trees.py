@@ -6,15 +6,7 @@ import pytest
 
 from glmref.errors import UsageError
 from glmref.method.component import GENERAL, ROOTED, SEPARABLE
-from glmref.theory.trees import (
-    Tree,
-    parse_tree,
-    pruned,
-    single,
-    tree,
-    trees,
-    trees_up_to,
-)
+from glmref.theory.trees import Tree, parse_tree, pruned, single, tree, trees, trees_up_to
 from tests.build import refused
 
 PALETTES = [ROOTED, GENERAL, SEPARABLE]
