@@ -79,9 +79,7 @@ def test_starting_series_of_n_is_the_printed_one():
         "[o[o]]": "sqrt(3)/36", "[[oo]]": "1/12-sqrt(3)/36", "[[[o]]]": "1/24-sqrt(3)/72",
     }  # fmt: skip
     for text, value in expected.items():
-        first, second = eta[parse_tree(text)]
-        assert first == 0
-        assert second == parse(value)
+        assert eta[parse_tree(text)] == (0, parse(value))
 
 
 def test_starting_series_of_g4123_is_that_of_the_literature():
@@ -91,8 +89,7 @@ def test_starting_series_of_g4123_is_that_of_the_literature():
     first = {"o": "0", "[o]": "-1/32", "[oo]": "-7/4320", "[[o]]": "149/8640"}
     second = {"o": "1/4", "[o]": "-1/16", "[oo]": "-49/960", "[[o]]": "-13/384"}
     for text, value in first.items():
-        assert eta[parse_tree(text)][0] == parse(value)
-        assert eta[parse_tree(text)][1] == parse(second[text])
+        assert eta[parse_tree(text)] == (parse(value), parse(second[text]))
 
 
 def test_the_starting_series_satisfies_the_definition():
