@@ -77,6 +77,12 @@ def stored(folder: Path, name: str, records: list[dict[str, Any]]) -> Path:
     return folder
 
 
+def with_findings(folder: Path, findings: list[dict[str, Any]], name: str = "found") -> None:
+    folder.mkdir(exist_ok=True)
+    document = {"format": "glmref-findings-1", "findings": findings}
+    (folder / f"{name}.json").write_text(json.dumps(document), encoding="utf-8")
+
+
 def pages(folder: Path, source: Path, **options: Any) -> Path:
     build(read([source], METHODS), folder, methods=METHODS, **options)
     return folder
@@ -281,15 +287,13 @@ def test_a_page_of_5000_records_stays_under_a_megabyte(tmp_path: Path, records) 
 
 def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(tmp_path):
     source = tmp_path / "in"
-    source.mkdir()
     findings = [
         {"method": "rk4", "claim": "order", "declared": 4, "verdict": "holds", "value": 4,
          "proof": "exact", "residual": 0.0, "witness": "tree [oooo] of order 5 has residual 0.00833333"},
         {"method": "rk4", "claim": "order4/rk4/pendulum", "verdict": "holds", "value": 4,
          "proof": "measured"},
     ]  # fmt: skip
-    document = {"format": "glmref-findings-1", "findings": findings}
-    (source / "found.json").write_text(json.dumps(document), encoding="utf-8")
+    with_findings(source, findings)
     site = pages(tmp_path / "site", source)
     rows = {row["method"]: row for row in table(site / "index.html", "methods")}
     assert set(rows) == set(METHODS)
@@ -308,14 +312,12 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(t
 
 def test_a_finding_about_another_value_than_the_file_claims_is_not_shown(tmp_path: Path) -> None:
     source = tmp_path / "in"
-    source.mkdir()
     findings = [
         {"method": "rk4", "claim": "order", "declared": 5, "verdict": "holds", "proof": "exact"},
         {"method": "rk4", "claim": "explicit", "declared": True, "verdict": "holds",
          "proof": "exact"},
     ]  # fmt: skip
-    document = {"format": "glmref-findings-1", "findings": findings}
-    (source / "found.json").write_text(json.dumps(document), encoding="utf-8")
+    with_findings(source, findings)
     site = pages(tmp_path / "site", source)
     claims = {x["claim"]: x for x in table(site / "method-rk4.html", "claims-rk4")}
     assert claims["order"]["verdict"] == "–" and claims["explicit"]["verdict"] == "holds"
@@ -560,8 +562,7 @@ def test_an_own_method_gets_a_page_with_its_tableau_and_findings(tmp_path: Path)
     file.write_text(json.dumps(MINE), encoding="utf-8")
     (folder / "found.json").write_text(findings_json(glmref.verify(file)), encoding="utf-8")
     alien = [{"method": "alien", "claim": "order5/alien/kepler", "verdict": "holds", "declared": 5}]
-    more = {"format": "glmref-findings-1", "findings": alien}
-    (folder / "more.json").write_text(json.dumps(more), encoding="utf-8")
+    with_findings(folder, alien, "more")
     (folder / "rk4.json").write_text(json.dumps({**MINE, "name": "rk4"}), encoding="utf-8")
     found = read([folder], ["rk4"])
     assert found.of_others() == ["alien", "my-heun"]
