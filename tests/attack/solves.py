@@ -39,6 +39,7 @@ from glmref.engine.outcome import Outcome, Solution
 from glmref.system.arguments import shown
 from tests.build import in_place, sharing
 
+from .files import _ring, _TooLong
 from .odd import ODD
 from .tally import Tally
 
@@ -433,18 +434,11 @@ def _arguments(draw: random.Random, t0: float, plain: bool, drawn: bool) -> dict
 # --- judgement ----------------------------------------------------------------------------------
 
 
-class _TooLong(BaseException):
-    """A case took longer than its time limit."""
-
-
 @contextmanager
 def _limited(seconds: float) -> Iterator[None]:
-    def ring(*_: Any) -> None:
-        raise _TooLong
-
     timers = ((signal.SIGPROF, signal.ITIMER_PROF, seconds),
               (signal.SIGALRM, signal.ITIMER_REAL, PATIENCE))  # fmt: skip
-    before = [signal.signal(number, ring) for number, _, _ in timers]
+    before = [signal.signal(number, _ring) for number, _, _ in timers]
     for _, timer, length in timers:
         signal.setitimer(timer, length)
     try:
