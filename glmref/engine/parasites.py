@@ -286,7 +286,10 @@ class Watch:
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.growing = method.parts > 1  #: Whether parasitic parts can grow at any step size.
-        self.energy_error = 0.0  #: Of the first steps.
+        self.energy_error, self.middle = 0.0, 0.0  #: Of the first steps, and its largest median.
+        #: Of one formula, whether steps after the first ones were looked at: taken again where
+        #: these were lost, the first ones may be, too.
+        self.later = False
         self.energy_scale = self._energy_scale()
         self.alarm = 0.0  #: The error of the energy that was the last reason to look.
         #: The step at which the energy error had grown as the energy alone asks for, whatever
@@ -393,13 +396,16 @@ class Watch:
         visible = [FACTOR * x for x in self.scale]
         if self.hamiltonian is None:
             return _above(bound, visible) and _above(self.parasitic(halves), visible)
-        if step <= EARLY:
-            self.energy_error = float(np.fmax.reduce(errors, initial=self.energy_error))
-            return False
         # at a close encounter the largest error is large for a moment, also of a sound orbit
         ordered = np.sort(errors).tolist()
-        middle = (ordered[(_SAMPLES - 1) // 2] + ordered[_SAMPLES // 2]) / 2
+        middle = (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2
         error = math.nan if math.isnan(ordered[-1]) else middle
+        if step <= EARLY:
+            if not self.later:
+                self.energy_error = float(np.fmax.reduce(errors, initial=self.energy_error))
+                self.middle = max(self.middle, error)
+            return False
+        self.later = not self.growing
         if not error > (first := max(self.energy_error, unit)):
             self.grown = None
         elif self.grown is None and error > _ENERGY * first:
@@ -428,7 +434,7 @@ class Watch:
         """Return the error of the energy beyond which an orbit is lost whatever else is seen."""
         least = max(_OF_ENERGY, _GROWN * self.energy_error)
         if not self.growing:
-            least = min(least, max(_ALONE, _ENERGY * self.energy_error))
+            least = min(least, max(_ALONE, _ENERGY * self.middle))
         return min(least, _OF_ENERGY * self.energy_scale)
 
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:

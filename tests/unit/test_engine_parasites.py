@@ -260,6 +260,23 @@ def test_growth_begins_where_the_energy_last_left_the_error_of_the_first_steps(e
     assert watch.grown == (after[0] if after else None)
 
 
+@pytest.mark.parametrize(
+    ("method", "y0"),
+    [
+        ("multistep-strong-8", {"qx": -0.625, "qy": 0.578, "px": -0.363, "py": -0.294}),
+        ("multistep-strong-8b", {"qx": 0.956, "qy": 0.752, "px": 0.178, "py": -0.314}),
+    ],
+)
+def test_an_orbit_that_is_lost_among_the_first_steps_is_reported(method: str, y0: Any) -> None:
+    """At an encounter at step 175, in the second window, or 261, between two that are looked at."""
+    H = "(px**2 + py**2)/2 - 1/sqrt(qx**2 + qy**2) - qx**2/(100*(qx**2 + qy**2)**(3/2))"
+    given = Problem.from_hamiltonian(H, y0)
+    found = solve(given, method, h=0.006, steps=1500, every=1)
+    error = errors(given, found)
+    assert error[96] < 1e-9 and error[-1] > 1e-3
+    assert found.suspect is not None and found.suspect < 400 * 0.006
+
+
 def test_a_notice_is_of_the_time_at_which_a_formula_began_to_lose_its_orbit() -> None:
     """Its parasitic part is seen when the energy error has grown 1,700-fold."""
     given, h = problem("magnetic-bottle"), 0.0121
