@@ -486,10 +486,6 @@ class _Writer:
 
     # forms
 
-    def _quadratic(self, parts: Parts) -> Witnesses:
-        if self.kernel.one_step:
-            yield {}
-
     def _not_quadratic(self, parts: Parts) -> Witnesses:
         yield {} if self.kernel.one_step else {"several-values": True}
 
@@ -598,16 +594,8 @@ class _Writer:
         found = residues(self.kernel.method) or {}
         return {c: [str(x.cosine) for x in half] for c, half in found.items()}
 
-    @cached_property
-    def _shares_one(self) -> bool:
-        """Whether the method is a separable pair whose halves share the eigenvalue 1 only."""
-        values = [b[3] for b in self.kernel.blocks.values()]
-        if not self.kernel.is_pair or self.kernel.shared or not linalg.is_exact(*values):
-            return False
-        return poly.share_only_one(*map(poly.characteristic, values))
-
     def _unshared(self, parts: Parts) -> Witnesses:
-        if self._shares_one:
+        if self.kernel.is_pair and not self.kernel.shared:
             yield {}
 
     def _residues(self, parts: Parts) -> Witnesses:
@@ -616,8 +604,7 @@ class _Writer:
 
     def _eigen(self, parts: Parts) -> Witnesses:
         """Yield the eigenvalues of the component that comes next, where no other rule does."""
-        by_list = self.claim == GROWTH.key or self._truth()
-        if self._cosines or (by_list and self._shares_one):
+        if self._cosines:
             return
         (witness,) = self._component(parts)
         if witness["which"] not in self.facts.eigen:
@@ -642,7 +629,7 @@ class _Writer:
     _witnesses: ClassVar[Mapping[str, Callable[[Any, Parts], Witnesses]]] = {
         "no-order-1": _inconsistent, "not-preconsistent": _not_preconsistent,
         "bounded": _component, "unbounded": _unbounded,
-        "quadratic": _quadratic, "not-quadratic": _not_quadratic,
+        "not-quadratic": _not_quadratic,
         "form": _form, "given-form-fails": _given_form, "no-form": _no_form,
         "conjugate-symplectic-at-most": _not_conjugate,
         "equivalent": _equivalent, "symmetric": _symmetric, "not-symmetric": _not_symmetric,

@@ -23,6 +23,7 @@ from ..exact import Exact, rounded_decimal
 from ..exact.judging import Fraction as rational
 from ..exact.judging import fast_judge
 from ..exact.linalg import Vector
+from ..judge.grammar import two_digits
 from ..system.budget import spend
 from ..theory.starting_series import within_limits
 from ..theory.trees import from_judged
@@ -44,14 +45,6 @@ LARGE, ROUNDING, MANY = Fraction(1, 1000), Fraction(1, 10**9), 1500
 JUMP = 100
 #: The exponent of the smallest residuals that are distinguished from 0 where none is declared.
 SMALLEST = 120
-
-
-def step_below(size: str) -> Fraction:
-    """Return the number of two digits before one: 2.6e-83 of 2.7e-83, and 9.9e-84 of 1.0e-83."""
-    digits, exponent = size.split("e")
-    unit = Fraction(10) ** (int(exponent) - 1)
-    tens = int(digits.replace(".", ""))
-    return (tens - 1) * unit if tens > 10 else 99 * unit / 10
 
 
 def rounded_up(x: Fraction) -> str:
@@ -166,7 +159,7 @@ class _Residuals:
     def judged(self, weights: Mapping[str, Any], order: int, size: str) -> Sized:
         """Compare the residuals of the weights by colour with what is declared."""
         b = self.weights(weights)
-        most, least = Fraction(size) * self.one, step_below(size) * self.one
+        most, least = (x * self.one for x in two_digits(size))
         limit, step = floor(most), floor(least)
         low: int | Fraction = 0
         high: int | Fraction = 0

@@ -37,9 +37,10 @@ from ..catalogue.claims import (
 )
 from ..errors import DataError, ExactnessError
 from ..exact.expression import to_text
-from ..exact.judging import consulted, newton, over_scalars, rational_of
+from ..exact.judging import consulted, newton, rational_of
 from ..judge.refusals import Refused
 from ..method import Method
+from ..method.stage_order import reached
 from ..theory.order import order_of
 from ..theory.symmetry import symmetry
 from .field import about, field_of_decimals, texts_of_decimals
@@ -230,11 +231,6 @@ def conditions_of(key: str, block: Any) -> list[Any]:
     return found
 
 
-def function_of(block: Any, conditions: Sequence[Any]) -> Callable[[Sequence[Any]], list[Any]]:
-    """Return the conditions of a block as a function of its unknowns, over any scalars."""
-    return over_scalars(lambda values: block.gaps(conditions, values))
-
-
 def texts_of(centre: Sequence[Any], inverse: Any) -> dict[str, Any]:
     """Return what :func:`~glmref.exact.judging.newton` found as proofs hold it."""
 
@@ -288,26 +284,18 @@ def accepted(key: str, conditions: Any, proof: Mapping[str, Any]) -> None:
 # -- the finish that undoes the first value of a start, with the digits of the start
 
 
-def needed_stages(A: Sequence[Sequence[str]], b: Sequence[str]) -> list[int]:
-    """Return stages on which a row of weights depends, ascending."""
-    waiting = [j for j, x in enumerate(b) if x != "0"]
-    found = set(waiting)
-    while waiting:
-        for j, x in enumerate(A[waiting.pop()]):
-            if x != "0" and j not in found:
-                found.add(j)
-                waiting.append(j)
-    return sorted(found)
-
-
 def inverse_block(opening: Mapping[str, Any]) -> dict[str, Any]:
     """Return the finish that undoes the first value of a start exactly, with the same digits.
 
     Solving ``y_1 = y + h b f(Y)``, ``Y = y + h A f(Y)`` for y gives ``Y = y_1 + h (A - 1 b^T)
     f(Y)`` and ``y = y_1 - h b f(Y)``, on the stages that b depends on.
     """
+
+    def read(row: Sequence[str]) -> list[int]:
+        return [j for j, x in enumerate(row) if x != "0"]
+
     b = opening["B"][0]
-    stages = needed_stages(opening["A"], b)
+    stages = sorted(reached(read(b), lambda i: read(opening["A"][i])))
     rows = [[_difference(opening["A"][i][j], b[j]) for j in stages] for i in stages]
     return {
         "name": f"inverse of the start in the first value, {len(stages)} stages",

@@ -17,10 +17,11 @@ from glmref.exact.judging import fast_judge
 from glmref.findings import Verdict
 from glmref.judge import verdict
 from glmref.judge.fixed_point import Sizes
+from glmref.judge.grammar import two_digits
 from glmref.judge.trees import read_tree, show
 from glmref.prove import digits
 from glmref.prove.analysis import _steps
-from glmref.prove.digits import JUMP, LARGE, rounded_up, step_below
+from glmref.prove.digits import JUMP, LARGE, rounded_up
 from glmref.prove.kernel import SMALL, Kernel
 from glmref.prove.verifier import facts_for
 from glmref.theory.trees import Tree, parse_tree, trees, trees_up_to
@@ -356,7 +357,7 @@ def test_near_misses_on_both_sides_of_the_bound(seed: int) -> None:
     unit = Fraction(10) ** (int(right.partition("e")[2]) - 1)
     rows = {"A": [[str(x) for x in row] for row in A], "b": [str(x) for x in b]}
     above = rounded_up(Fraction(right) + unit)
-    below = rounded_up(step_below(right))
+    below = rounded_up(two_digits(right)[1])
     for claimed, expected in ((right, "holds"), (above, "fails"), (below, "fails")):
         found = accepted({**without_rows(order, claimed), **rows})
         assert str(found.verdict) == expected, claimed
