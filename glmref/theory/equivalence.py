@@ -9,7 +9,6 @@ from ..exact import Exact, Scalar, linalg
 from ..exact.judging import asked
 from ..exact.linalg import Matrix, Vector
 from ..method import GLM
-from ..method.stage_order import reached
 from .reduction import observed_rows, reached_rows
 
 _ZERO = Exact(0)
@@ -105,11 +104,9 @@ def drop_idle_stages(m: GLM) -> GLM:
 
     References: Dahlquist and Jeltsch (1979), for Runge-Kutta methods.
     """
-    read = {j for j in range(m.s) if any(row[j].is_zero() is not True for row in m.B)}
-    active = reached(read, lambda i: [j for j, x in enumerate(m.A[i]) if x.is_zero() is not True])
-    if len(active) == m.s or not active:
+    keep = sorted(m.read_stages())
+    if len(keep) == m.s or not keep:
         return m
-    keep = sorted(active)
     return m.bare(
         A=tuple(tuple(m.A[i][j] for j in keep) for i in keep),
         U=tuple(m.U[i] for i in keep),

@@ -83,15 +83,9 @@ def without_idle_stages(m: PartitionedGLM) -> PartitionedGLM | None:
     if not m.separable:
         return None
     q, p = m.components
-    kept = [range(len(q.A)), range(len(p.A))]  # stages Q and P
-    while True:
-        rows = [[*(q.A[i] for i in kept[0]), *q.B], [*(p.A[i] for i in kept[1]), *p.B]]
-        used = [[j for j in kept[1 - n] if any(x[j].is_zero() is not True for x in rows[n])]
-                for n in (1, 0)]  # fmt: skip
-        if [len(x) for x in used] == [len(x) for x in kept]:
-            break
-        kept = used
-    if [len(x) for x in kept] == [len(q.A), len(p.A)] or not all(kept):
+    read, n = sorted(m.read_stages()), len(q.A)  # those of Q come first
+    kept = [[i for i in read if i < n], [i - n for i in read if i >= n]]
+    if len(read) == n + len(p.A) or not all(kept):
         return None
     blocks = [
         (tuple(tuple(c.A[i][j] for j in kept[1 - n]) for i in kept[n]),

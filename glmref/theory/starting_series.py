@@ -354,14 +354,6 @@ class StartingSeries:
         right = self.solved.right(t.judged)
         return self.scalars(fast_judge().series.apply(self.solved.lift[t.colour], right))
 
-    def stage(self, t: Tree, value: Sequence[Any]) -> Vector:
-        """Return xi(t) from its definition, with eta(t) = value."""
-        solved, apply = self.solved, fast_judge().series.apply
-        m = solved.part(t.colour)
-        slopes = apply(m.A, solved.derivative(t.judged))
-        more = apply(m.U, list(map(as_number, value)))
-        return self.scalars([x + y for x, y in zip(slopes, more, strict=True)])
-
     def output(self, t: Tree) -> Vector:
         """Return B xiD(t)."""
         return self.scalars(self.solved.value(t.judged))
