@@ -37,6 +37,7 @@ from ..judge.grammar import (
 from ..judge.refusals import NotShown
 from ..system.budget import spend
 from . import Ball, Exact, Scalar, root_of_unity
+from .roots import GENERATOR, RADICAL
 
 MAX_LENGTH = 4000  # characters of one entry, its constants written out; published ones have 200
 MAX_DEPTH = 40  # nested parentheses and signs
@@ -361,16 +362,10 @@ def _powers_of_pi(node: Expression) -> set[Fraction]:
             return {Fraction(0)}
 
 
-_GENERATOR = re.compile(
-    r"(?P<name>[a-z]\d*) = [^\[]*\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
-    r"|Pow\((?:[^{,]*\{)?(?P<base>[^},]*)\}?, [^{]*\{(?P<part>-?\d+)/(?P<degree>\d+)\}\)"
-    r"|Conjugate\([^{]*\{(?P<conjugate>[^}]*)\}\)|(?P<minpoly>[^\]]*)=0)\]"
-)
 _QUADRATIC = re.compile(
     r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^2"
     r"(?:(?P<sign>[-+])(?:(?P<b>\d+)\*)?(?P=name))?(?P<c>[-+]\d+)$"
 )
-_RADICAL = re.compile(r"(?:(?P<a>\d+)\*)?(?P<name>[a-z]\d*)\^(?P<degree>\d+)-(?P<c>\d+)$")
 _POWER = re.compile(r"([a-z]\d*)\^(\d+)")
 
 
@@ -406,7 +401,7 @@ def to_text(value: Scalar) -> str:
     if complex_root and (text := _rational_and_root(value)) is not None:
         return text
     names: dict[str, str] = {}
-    for match in reversed(list(_GENERATOR.finditer(where))):
+    for match in reversed(list(GENERATOR.finditer(where))):
         names[match["name"]] = _generator_text(match, names, value)
     text = _tidy(_substitute(body, names, value))
     if not _stands_for(text, value):  # e.g. the other root of the generator's polynomial
@@ -473,17 +468,18 @@ def _generator_text(match: re.Match[str], names: Mapping[str, str], value: Exact
     if match["radicand"] is not None:
         return f"sqrt({_substitute(match['radicand'], names, value)})"
     if match["base"] is not None:
-        base, part = _substitute(match["base"], names, value), match["part"]
+        base = _substitute(match["base"], names, value)
+        part, _, degree = (match["part"] or "1/2").partition("/")
         if base == "-1":  # a root of unity
-            return f"exp({part}*pi*i/{match['degree']})".replace("(1*", "(")
-        power = "*".join([f"root({base},{match['degree']})"] * abs(int(part)))
+            return f"exp({part}*pi*i/{degree})".replace("(1*", "(")
+        power = "*".join([f"root({base},{degree})"] * abs(int(part)))
         return power if int(part) > 0 else f"(1/({power}))"
     if match["conjugate"] is not None and value.imag.is_zero() is not True:  # of a root of unity
         return f"(1/({_substitute(match['conjugate'], names, value)}))"
-    radical = _RADICAL.match(match["minpoly"] or "")
-    if radical is not None and radical["name"] == match["name"] and int(radical["degree"]) > 2:
+    radical = RADICAL.fullmatch(match["minpoly"] or "")
+    if radical is not None and int(radical["n"]) > 2:
         below = f"/{radical['a']}" if radical["a"] else ""
-        return f"root({radical['c']}{below},{radical['degree']})"
+        return f"root({radical['c']}{below},{radical['n']})"
     quadratic = _QUADRATIC.match(match["minpoly"] or "")
     if quadratic is None or quadratic["name"] != match["name"]:
         raise ExactnessError(f"no square-root form found for {value!r}")

@@ -37,12 +37,13 @@ MAX_RADICAND, MAX_TEXT = 10**12, 2000
 MAX_INVERSE = 40_000
 
 Monomial = tuple[tuple[int, Fraction], ...]
-_WHERE = re.compile(
+#: A generator of a field as flint prints it, and a minimal polynomial of a radical.
+GENERATOR = re.compile(
     r"(?P<name>[a-z]\d*) = (?P<size>[^\[]*)\[(?:Sqrt\([^{]*\{(?P<radicand>[^}]*)\}\)"
     r"|(?:Sqrt|Pow)\((?:[^{,]*\{)?(?P<base>[^},)]*)\}?(?:, [^{]*\{(?P<part>-?\d+/\d+)\})?\)"
     r"|Conjugate\([^{]*\{(?P<conjugate>[^}]*)\}\)|(?P<minpoly>[^\]]*)=0)\]"
 )
-_RADICAL = re.compile(r"(?:(?P<a>\d+)\*)?[a-z]\d*\^(?P<n>\d+)-(?P<c>\d+)")
+RADICAL = re.compile(r"(?:(?P<a>\d+)\*)?[a-z]\d*\^(?P<n>\d+)-(?P<c>\d+)")
 
 
 class BeyondError(Exception):
@@ -438,7 +439,7 @@ def roots_of(text: str) -> Roots | None:
     body, _, where = text[text.index("{") + 1 : -1].partition(" where ")
     names: dict[str, Roots] = {}
     try:
-        for match in reversed(list(_WHERE.finditer(where))):
+        for match in reversed(list(GENERATOR.finditer(where))):
             names[match["name"]] = _generator(match, names)
         return _value(ast.parse(body.replace("^", "**"), mode="eval").body, names)
     except (BeyondError, KeyError):
@@ -462,7 +463,7 @@ def _generator(match: re.Match[str], names: Mapping[str, Roots]) -> Roots:
             return Roots.power(-q, exponent) * Roots.power(Fraction(-1), exponent)
         return Roots.power(q, exponent)
     size = complex(match["size"].replace(" ", "").replace("*I", "j").replace("I", "1j"))
-    radical = _RADICAL.fullmatch(match["minpoly"])
+    radical = RADICAL.fullmatch(match["minpoly"])
     if radical is not None and size.imag == 0 and size.real > 0:
         a, n, c = (int(x or 1) for x in radical.group("a", "n", "c"))
         return Roots.power(Fraction(c, a), Fraction(1, n))
