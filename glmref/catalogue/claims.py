@@ -4,8 +4,8 @@ What the package knows of a claim apart from its proof follows from this table: 
 have and their kinds of values (:mod:`.keys`, :mod:`.reader`), their order in a file
 (:mod:`.canonical`), the rule of the kernel that finds what is true (:mod:`glmref.prove.kernel`),
 and the JSON Schema, which ``python -m tools.method_schema`` writes. Which methods can make it is
-said by the judge (:mod:`glmref.judge.claims`), when it is true in ``data/README.md``. Modules that
-need one particular claim take its key from here, for example ``ZERO_STABLE.key``.
+said by the judge (:mod:`glmref.judge.statements`), when it is true in ``data/README.md``. Modules
+that need one particular claim take its key from here, for example ``ZERO_STABLE.key``.
 
 Only the standard library is used.
 """

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..judge import claims as judged
-from ..judge.claims import FORMATS, PAIRS, lacks_block
+from ..judge.claims import FORMATS, PAIRS
 from ..judge.refusals import SIZE
+from ..judge.statements import concerns, lacks_block
 from ..system.arguments import unknown_key
 from .claims import CLAIMS, PlainClaims
 from .strict_json import shown
@@ -119,7 +120,7 @@ def without_meaning(kind: str) -> frozenset[str]:
 
     Those about one method for a pair, and the other way, and those about a block that it lacks.
     """
-    return frozenset(x for x in CLAIMS if lacks_block(x, kind) or not judged.concerns(x, kind))
+    return frozenset(x for x in CLAIMS if lacks_block(x, kind) or not concerns(x, kind))
 
 
 def fault_of_texts(doc: Mapping[str, Any]) -> str:

@@ -149,16 +149,15 @@ class _Reader(Entries):
                 forms[key] = self.vector(self.doc[key], key)
         return forms
 
+    def _common(self) -> dict[str, Any]:
+        """Return what every class shares: name, claims, source, the document."""
+        shared = {"name": self.doc["name"], "claims": self._claims(), "document": self.doc}
+        return {**shared, "source": dict(self.doc["source"])}
+
     def _record(self, r: int) -> dict[str, Any]:
-        """Return what every class shares: name, start, finish, claims, source."""
-        return {
-            "name": self.doc["name"],
-            "starting": self._starting(r),
-            "finishing": self._finishing(),
-            "claims": self._claims(),
-            "source": self._source(),
-            "document": self.doc,
-        }
+        """Return what methods of one component share."""
+        blocks = {"starting": self._starting(r), "finishing": self._finishing()}
+        return {**self._common(), **blocks}
 
     def _one_step(self, base: GLM) -> GLM:
         return replace(base, **self._record(base.r))
@@ -257,9 +256,9 @@ class _Reader(Entries):
             self.matrix(self.doc["alpha"], "alpha"),
             self.matrix(self.doc["gamma"], "gamma"),
             self.vector(self.doc["b"], "b"),
-            rows, name=self.doc["name"], claims=self._claims(), source=self._source(),
-            document=self.doc,
-        )  # fmt: skip
+            rows,
+            **self._common(),
+        )
 
     def _sweep(self) -> GLM:
         D, blocks = self.vector(self.doc["D"], "D"), self.square(self.doc, "XVG")
@@ -345,10 +344,7 @@ class _Reader(Entries):
             if len(weights) != len(parts):
                 raise self.error(f"`{where}.b` must have {len(parts)} rows, got {len(weights)}")
             embedded.append(EmbeddedRow(name, weights))
-        return AdditiveGLM(
-            A, B, name=self.doc["name"], claims=self._claims(), source=self._source(),
-            document=self.doc, embedded=tuple(embedded),
-        )  # fmt: skip
+        return AdditiveGLM(A, B, **self._common(), embedded=tuple(embedded))
 
     def _partitioned(self) -> PartitionedGLM:
         for key in ("q", "p"):
@@ -366,14 +362,7 @@ class _Reader(Entries):
         return self._pair(built)
 
     def _pair(self, built: PartitionedGLM) -> PartitionedGLM:
-        return replace(
-            built,
-            name=self.doc["name"],
-            starting=self._pair_starting(built),
-            claims=self._claims(),
-            source=self._source(),
-            document=self.doc,
-        )
+        return replace(built, starting=self._pair_starting(built), **self._common())
 
     def _pair_starting(self, pair: PartitionedGLM) -> PairStartingMethod | None:
         m = self._tableau_block("starting", "A B A_hat B_hat", "u u_hat")
@@ -517,9 +506,6 @@ class _Reader(Entries):
             pairs = [(text, self.scalar(text, f"{where}[{i + 1}]")) for i, text in enumerate(value)]
             return [Text(text, number) for text, number in pairs]
         return Text(value, self.scalar(value, where))
-
-    def _source(self) -> Mapping[str, Any]:
-        return dict(self.doc["source"])
 
     def _check_real(self, built: Method) -> None:
         """Refuse complex entries in a tableau that does not say ``"field": "complex"``."""

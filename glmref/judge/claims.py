@@ -111,29 +111,6 @@ OF_ONE_METHOD = {"a-stable", "l-stable", "abscissae", "error-constant", "symmetr
 ROSENBROCK = {"order", "w-order", "a-stable", "l-stable", "embedded-order", "embedded-difference",
               "order-to-digits"}  # fmt: skip
 
-
-def lacks_block(claim: str, kind: str) -> bool:
-    """Tell whether a claim is about a key that files of a class cannot have.
-
-    A pair without a start begins with (y0, 0, ..), so that its start has an order.
-    """
-    starts = claim == "starting-order" and kind in PAIRS
-    keys = " ".join(CLASSES[kind]).split()
-    return claim in ABSENT and not starts and ABSENT[claim][0] not in keys
-
-
-def concerns(claim: str, kind: str) -> bool:
-    """Tell whether a claim is about methods such as those of a class."""
-    if kind == "rosenbrock":
-        return claim in ROSENBROCK
-    if kind == "additive":
-        return claim in ADDITIVE
-    of_others = OF_ONE_METHOD if kind in PAIRS else OF_PAIRS
-    return claim != "w-order" and (
-        claim not in of_others or (claim, kind) == ("row-sums", "nystrom")
-    )
-
-
 LOOKS_AT = {  # rules, and keys of witnesses, that look at exact zeros or at these matrices only
     "explicit": "", "absent": "", "several-values": "", "bounded": "V", "unbounded": "V",
     "singular": "V", "unshared": "V",
