@@ -93,7 +93,7 @@ def test_nothing_holds_without_a_certificate_that_the_judge_accepts() -> None:
 
 def test_the_kernel_imports_no_finder() -> None:
     allowed = {
-        "", "errors", "findings", "catalogue.claims", "judge.refusals", "exact", "exact.judging", "exact.expression", "exact.linalg",
+        "", "errors", "findings", "catalogue.claims", "judge.grammar", "judge.refusals", "exact", "exact.judging", "exact.expression", "exact.linalg",
         "method", "method.preconsistency", "method.stage_order", "theory.reduction", "system.budget", "theory", "theory.polynomials", "theory.coefficients", "theory.residues",
         "theory.stability", "theory.order", "theory.series", "theory.starting_series", "theory.trees", "method.component", "implications", "kernel", "ranges", "find_rows", "digits", "find_modified", "theory.backward", "theory.underlying", "theory.second_order", "theory.spectrum", "theory.symmetry", "theory.symplectic",
     }  # fmt: skip
