@@ -286,7 +286,8 @@ class Watch:
         self.canonical = problem.canonical
         self.page = "nonseparable" if method.is_explicit else "velocities"
         self.growing = method.parts > 1  #: Whether parasitic parts can grow at any step size.
-        self.energy_error, self.middle = 0.0, 0.0  #: Of the first steps, and its largest median.
+        #: Of the first steps, and the median of the first window.
+        self.energy_error, self.middle = 0.0, 0.0
         #: Of one formula, whether steps after the first ones were looked at: taken again where
         #: these were lost, the first ones may be, too.
         self.later = False
@@ -403,7 +404,7 @@ class Watch:
         if step <= EARLY:
             if not self.later:
                 self.energy_error = float(np.fmax.reduce(errors, initial=self.energy_error))
-                self.middle = max(self.middle, error)
+                self.middle = error if step <= WINDOW else self.middle
             return False
         self.later = not self.growing
         if not error > (first := max(self.energy_error, unit)):
@@ -440,15 +441,16 @@ class Watch:
     def alarming(self, solutions: np.ndarray, steps: Sequence[int]) -> list[int]:
         """Return at which solutions (n, d) the energy says that the steps before be looked at.
 
-        So it does where its error has grown as much as :meth:`large` asks for at least, and has
-        doubled since it last did. The numbers are those of the solutions.
+        So it does where its error has grown as much as :meth:`large` asks for at least, of one
+        formula where that is large without a parasitic part, and has doubled since it last did.
+        The numbers are those of the solutions.
         """
         found: list[int] = []
         if self.hamiltonian is None or not len(solutions):
             return found
         errors = self._errors_of_energy(solutions)
-        known = max(self.energy_error, 0.0 if self.growing else _FLOOR)
-        for k in np.flatnonzero(errors > max(_ENERGY_TOO * known, 2 * self.alarm)).tolist():
+        known = max(_ENERGY_TOO * self.energy_error, 0.0 if self.growing else _ALONE)
+        for k in np.flatnonzero(errors > max(known, 2 * self.alarm)).tolist():
             error, least = errors[k], _ENERGY_TOO * _unit(steps[k])
             if steps[k] > EARLY and error > max(least, 2 * self.alarm):
                 self.alarm = float(error)
