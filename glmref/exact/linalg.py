@@ -16,7 +16,7 @@ from itertools import islice
 
 from ..errors import ExactnessError
 from ..system.budget import spend
-from . import Ball, Exact, Scalar, sum_of_products
+from . import Exact, Scalar, sum_of_products
 
 Vector = tuple[Scalar, ...]
 Matrix = tuple[Vector, ...]
@@ -235,15 +235,11 @@ class Affine:
 
 
 def _pivot(row: Sequence[Scalar]) -> int | None:
-    """Return the column to solve for: the first exact entry, the ball furthest from zero."""
-    best: tuple[float, int] | None = None
-    for j, x in enumerate(row):
-        if x.is_zero() is not False:
-            continue
-        size = x.lower_magnitude() if isinstance(x, Ball) else float("inf")
-        if best is None or size > best[0]:
-            best = (size, j)
-    return None if best is None else best[1]
+    """Return the column to solve for: that of the first exact entry, among balls the largest."""
+    sure = [j for j, x in enumerate(row) if x.is_zero() is False]
+    if all(isinstance(x, Exact) for x in row):
+        return next(iter(sure), None)
+    return max(sure, key=lambda j: row[j].ball().lower_magnitude(), default=None)
 
 
 def _eliminated(
