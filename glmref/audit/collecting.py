@@ -7,7 +7,7 @@ class, a struct, a call with named arguments, or an object whose fields get valu
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -16,7 +16,7 @@ from ..exact import Exact
 from ..system.budget import spend
 from .folding import Entries, Folder, Frame, Record, flattened, plain
 from .lexer import Language, Token, tokens
-from .values import Number, Unread, whole_number
+from .values import Number, Unread, literal, whole_number
 
 _TYPES_OF_INTEGERS = frozenset(
     "int auto let const var static constexpr unsigned size_t long short uint integer PetscInt mut "
@@ -85,6 +85,8 @@ class Block:
     depth: int = 0  # of round brackets around a block in a macro
     own: str = ""  #: What a method that is defined outside of its class is called.
     subject: str = ""  #: Name of what a choice is about.
+    #: Numbers of names of other files, where this is the outermost block.
+    beyond: Mapping[str, str] = field(default_factory=dict)
 
     def path(self) -> list[str]:
         """Return names from the outermost block to this one."""
@@ -103,11 +105,14 @@ class Collector:
         Whether it is Fortran in fixed form.
     lines : set of int, optional
         Lines of which the statements of functions and classes are carried out, by default all.
+    beyond : Mapping of str to str, optional
+        Numbers that other files give names.
     """
 
     def __init__(
-        self, text: str, language: Language, *, fixed: bool = False, lines: set[int] | None = None
-    ) -> None:
+        self, text: str, language: Language, *, fixed: bool = False, lines: set[int] | None = None,
+        beyond: Mapping[str, str] | None = None,
+    ) -> None:  # fmt: skip
         self.text, self.language, self.lines = text, language, lines
         given, self.remarks = tokens(text, language, fixed=fixed)
         self.tokens = [*given]
@@ -118,7 +123,7 @@ class Collector:
         if quotients:
             self.tokens = [x._replace(text="Fraction") if x.text in quotients else x
                            for x in self.tokens]  # fmt: skip
-        self.top = Block("", 1)
+        self.top = Block("", 1, beyond=beyond or {})
         self.block = self.top
         self.count = 0
         self.failed: list[tuple[Block, Item, Sequence[Token]]] = []
@@ -171,7 +176,7 @@ class Collector:
     def _braces(self) -> None:
         partner, holding = self._matched()
         toks, start, depth, k = self.tokens, 0, 0, 0
-        by_line = self.language.name in ("go", "javascript")
+        by_line = self.language.by_line
         group: list[Token] = []  # ``const`` before the bracket around several of Go
         ends_group = -1
         while k < len(toks):
@@ -248,7 +253,7 @@ class Collector:
         """Return whether the brace at k, closed at ``end``, begins a block of statements."""
         words = {t.text for t in head if t.kind == "name"}
         before = head[-1].text if head else ""
-        if holds and before != "=":
+        if (holds and before != "=") or (before == "=>" and self.language.by_line):
             return True
         if before in ("=", ",", "(", "]", "return", "{") or depth:
             return False
@@ -518,6 +523,11 @@ class Collector:
             self._data(row[1:])
             return
         equal = _equal(row)
+        arrow = next((k for k, x in enumerate(row) if x.text == "=>"), 0)
+        if equal is None and arrow and self.language.name == "java" and "(" not in {
+                x.text for x in row[:arrow]}:  # fmt: skip
+            row, equal = list(row), arrow  # int Order => 4 of C#
+            row[arrow] = row[arrow]._replace(text="=")
         if equal is None and self.language.name == "c":
             row, equal = _comma_initialised(row)
         if equal is None:
@@ -635,9 +645,11 @@ class Collector:
         def look(name: str) -> Any:
             owner, _, last = name.rpartition(".")
             keys = [name, last] if owner else [name]
+            beyond: Mapping[str, str] = {}
             for key in keys:
                 at: Block | None = block
                 while at is not None:
+                    beyond = at.beyond
                     if key in at.names:
                         value = at.names[key]
                         if isinstance(value, Unread):
@@ -649,6 +661,8 @@ class Collector:
                     at = at.parent
             if name in _SPELT:
                 return Number(_SPELT[name])
+            if keys[-1] in beyond:
+                return _written(beyond[keys[-1]])
             raise Unread(f"the name {name!r} is not known")
 
         return look
@@ -763,6 +777,8 @@ class Collector:
 
     def _index(self, subscripts: list[Sequence[Token]]) -> tuple[int, ...] | None:
         found: list[int] = []
+        if len(subscripts) == 1 and (place := _in_row(subscripts[0])):
+            return place
         for part in subscripts:
             folder = self._folder(part)
             while folder.peek() is not None:
@@ -981,6 +997,24 @@ class Collector:
                     block.names[item.name] = item.value
 
 
+def _written(text: str) -> Number:
+    """Return a number that another file holds."""
+    top, _, below = text.partition("@")[0].lstrip("-+").partition("/")
+    x = literal(top)
+    x = x.of(x.value / literal(below).value) if below else x
+    return x.of(-x.value) if text.startswith("-") else x
+
+
+def _in_row(subscript: Sequence[Token]) -> tuple[int, int] | None:
+    """Return row and column of ``a[2 * 7 + 1]``, an entry of a matrix in one list."""
+    words = [x.text for x in subscript]
+    marks, numbers = words[1::2], words[::2]
+    if marks != ["*", "+"] or not all(x.isdigit() for x in numbers):
+        return None
+    i, width, j = map(int, numbers)
+    return (i, j) if j < width else None
+
+
 def _is_empty(frame: Frame) -> bool:
     """Return whether nothing was put into an array of zeros."""
     return all(isinstance(x, Number) and x.value == 0 for x in flattened(frame))
@@ -1072,6 +1106,9 @@ def _named(head: Sequence[Token]) -> str:
         head = head[_angle(head) :]
     if head and head[0].text in CHOICES:  # of Go and Rust, without brackets
         return head[0].text
+    own = _given_to(head)
+    if own:
+        return own
     for word in ("class", "struct", "namespace", "enum", "union", "interface", "impl", "trait",
                  "mod",
                  "fn", "func", "function"):  # fmt: skip
@@ -1095,10 +1132,26 @@ def _named(head: Sequence[Token]) -> str:
         if x.text == "(" and k and head[k - 1].kind == "name":
             inside = head[k + 1] if k + 1 < len(head) else None
             macro = head[-1].text == "," and head[k - 1].text.isupper()
-            if k > 2 and head[k - 2].text == "::" and head[k - 3].kind == "name":
-                return head[k - 3].text  # of a method its class
+            if k > 2 and head[k - 2].text == "::":
+                at = k - 3
+                while at > 0 and head[k - 3].text == ">" and head[at].text != "<":
+                    at -= 1
+                at -= head[at].text == "<"
+                if head[at].kind == "name":
+                    return head[at].text  # of a method its class
             return inside.text if macro and inside is not None else head[k - 1].text
     return next((x.text for x in reversed(head) if x.kind == "name"), "")
+
+
+def _given_to(head: Sequence[Token]) -> str:
+    """Return the name that a function without one is given: ``f = function (x)``, ``f: x =>``."""
+    words = [x.text for x in head]
+    sign = next((k for k, x in enumerate(words) if x in ("=", ":", ":=")), 0)
+    rest = words[sign + 1 :]
+    alone = rest[:2] in (["function", "("], ["async", "function"], ["func", "("])
+    if not sign or head[sign - 1].kind != "name" or not (alone or words[-1] == "=>"):
+        return ""
+    return words[sign - 1]
 
 
 def _without_type(row: list[Token], language: Language) -> tuple[list[Token], set[str]]:

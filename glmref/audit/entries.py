@@ -58,9 +58,10 @@ SUBJECT = Words(
     "runge butcher tableau rosenbrock dirk integrator stepper yoshida symplectic adams bashforth "
     "moulton nordsieck suzuki embedded dopri dop853 dormand fehlberg bogacki omelyan",
     {
-    "rk": r"rk(?:(?<![a-z]rk)(?:(?:f|ck|dp)?\d|[abc]\b)|(?<=ssprk)|(?<=ssp_rk)"
+    "rk": r"rk(?:(?<![a-z]rk)(?:(?:f|ck|dp|n)?\d|[abc]\b)|(?<=ssprk)|(?<=ssp_rk)"
           r"|(?<=lsrk)(?<![a-z]lsrk)|(?<=lserk)(?<![a-z]lserk))",
     "step": r"(?:multi|time).?step",
+    "ros": r"ros(?<![a-z]ros)(?!2\b)\d",
     "ode": r"ode(?<!\wode)s?\b",
     "mex": r"\bi?mex\b",
     "bdf": r"bdf(?<!\wbdf)",
@@ -124,6 +125,10 @@ def role_of(name: str) -> tuple[str, str]:
     """Return what a name has besides its role, and the role, ``""`` where it has none."""
     if re.match(r"k[A-Z]", name):  # kAlpha, a constant of C++
         name = name[1:]
+    name = re.sub(r"_(?:values?|vals?|array|data|[hd]|host|dev|device|[cg]pu)$", "", name)
+    capitals = re.fullmatch(r"([A-Z]{2,}\d*)([abc]{1,2})", name)  # RKa
+    if capitals and capitals[2] in _ROLES:
+        return capitals[1].lower(), _ROLES[capitals[2]]
     whole = name.replace("_", "").lower()
     if whole in _ROLES or whole in ("explicit", "implicit"):  # as a part of a name it is none
         return "", _ROLES.get(whole, "A")

@@ -11,14 +11,11 @@ import re
 from bisect import bisect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import combinations, groupby
 
 from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner
-from .entries import OF_FLOWS
 from .lexer import Token
-from .nearest_method import Library
 from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form
 from .table import ZERO, Table, of_weights
 from .values import Number, Unread
@@ -39,7 +36,6 @@ _MOST = 12
 _PLAIN = frozenset((0.0, 0.25, 0.5, 1.0, 2.0))
 #: Names of symmetric methods of order 2.
 _SECOND = re.compile(r"verlet|leap.?frog|strang|st(?:ö|oe)rmer|s2(?!\d)", re.IGNORECASE)
-_FLOAT = re.compile(r"\d*\.?\d+\.?(?:e[-+]?\d{1,2})?")
 _NAMES = "the coefficients of a splitting have names that are not read"
 
 
@@ -203,6 +199,42 @@ def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
     """Yield the splittings that a function of flat tokens carries out, unread if not understood."""
     if sum(x.kind == "name" and _STEP.fullmatch(x.text) is not None for x in row) < 3:
         return
+    found = _flows_in(block, row, collector)
+    if all(x.unread for x in found):
+        found = next((y for x in _chosen(row) if (y := _flows_in(block, x, collector))
+                      and not all(z.unread for z in y)), found)  # fmt: skip
+    for table in found:
+        table.name = block.own or block.name
+        yield table
+
+
+def _chosen(row: Sequence[Token]) -> Iterator[list[Token]]:
+    """Yield the tokens of one step where a choice at its end says whether another one follows.
+
+    ``if (k < n) kick(2*h) else kick(h)``: the same part of each choice is taken.
+    """
+    row = [x for x in row if x.kind != "line"] if any(x.text == "{" for x in row) else list(row)
+    for last in (True, False):
+        made: list[Token] = []
+        k = several = 0
+        while k < len(row):
+            if row[k].text == "if" and [x.text for x in row[k + 1 : k + 2]] == ["("]:
+                first = _partner(row, k + 1) + 1
+                middle = _partner(row, first) if first < len(row) and row[first].text == "{" else 0
+                words = [x.text for x in row[middle + 1 : middle + 3]]
+                if middle and words == ["else", "{"]:
+                    end = _partner(row, middle + 2)
+                    made += row[middle + 3 : end] if last else row[first + 1 : middle]
+                    k, several = end + 1, several + 1
+                    continue
+            made.append(row[k])
+            k += 1
+        if several:
+            yield made
+
+
+def _flows_in(block: Block, row: Sequence[Token], collector: Collector) -> list[Table]:
+    """Return the splittings of flat tokens, those that are unread with the reason."""
     step = _Moves(block, collector, "", 0, -1, set())
     step.follow(row)
     moves = _first_components(step.moved)
@@ -218,9 +250,7 @@ def flows_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
                 x.unread = "a splitting with a branch between its flows"
     elif len(parts) > 1:
         found = [x for x in found if not x.unread]
-    for table in found:
-        table.name = block.own or block.name
-        yield table
+    return found
 
 
 def _table(moves: list[Moved], values: list[Number]) -> Table | None:
@@ -262,41 +292,3 @@ def _table(moves: list[Moved], values: list[Number]) -> Table | None:
             x.place = y.place
         table.b.append([*made, *([ZERO] * (size - len(made)))])
     return table
-
-
-# --- numbers of known splittings ------------------------------------------------------------------
-
-#: Digits of a number that is no other one by chance, and how near it must be.
-_DIGITS, _NEAR = 9, 5e-9
-#: So many lines from a word of the subject.
-_ABOUT = 40
-
-
-@cache
-def _known() -> list[tuple[str, list[float]]]:
-    """Return the numbers of each splitting of the catalogue that say which one it is."""
-    found = []
-    for name, a, b, _ in Library().splittings:
-        numbers = {round(abs(x.real), 12) for x in (*a, *b)}
-        found.append((name, sorted(x for x in numbers if abs(x * 720 - round(x * 720)) > 1e-6)))
-    return found
-
-
-def known_numbers(text: str, tokens: Sequence[Token], found: Sequence[Table]) -> Iterator[Table]:
-    """Yield as unread the splitting of which two numbers, at least, stand outside of tables."""
-    spans = [(x.line - 3, max(x.line, x.last) + 3) for x in found]
-    given = [(float(said), x.line) for x in tokens if x.kind == "number"
-             and len(re.sub(r"[eEdD_].*|\D", "", x.text)) >= _DIGITS
-             and (said := re.sub(r"[dD]", "e", x.text.partition("_")[0].rstrip("fFlL")))
-             and _FLOAT.fullmatch(said)
-             and not any(low <= x.line <= high for low, high in spans)]  # fmt: skip
-    held = [abs(complex(y.value)) for x in found if not x.unread for row in x.b for y in row]
-    given = [(x, line) for x, line in given if all(abs(abs(x) - y) >= _NEAR for y in held)]
-    best: tuple[int, str, int] = (1, "", 0)
-    for name, numbers in _known() if len(given) > 1 else ():
-        same = {y: line for x, line in given for y in numbers if abs(abs(x) - y) < _NEAR}
-        best = max(best, (len(same), name, min(same.values(), default=0)), key=lambda x: x[0])
-    near = text.splitlines()[max(0, best[2] - _ABOUT) : best[2] + _ABOUT]
-    if best[1] and OF_FLOWS.search("\n".join(near)):
-        why = f"numbers of {best[1]} stand here; how they are used is not read"
-        yield Table(best[1], best[2], "splitting", unread=why, general=True, last=best[2])

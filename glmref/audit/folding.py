@@ -40,6 +40,13 @@ _CASTS = frozenset(
 )
 #: Calls that make a list of their arguments.
 _LISTS = frozenset("svector mvector tuple vector array list of listof arrayof make_array".split())
+#: Those of Kotlin, Scala and R, with any number of arguments of any kind.
+_LISTS_OF_ANY = {
+    LANGUAGES["kotlin"]: frozenset(
+        "arrayof doublearrayof floatarrayof listof emptyarray array list seq vector".split()
+    ),
+    LANGUAGES["r"]: frozenset("c rbind".split()),
+}
 _QUOTIENTS = frozenset(("fraction", "rational", "frac", "rat"))
 _NOTHING = frozenset("None NULL nullptr nothing null undefined nil PETSC_NULLPTR".split())
 _WORDS = frozenset(
@@ -401,6 +408,8 @@ class Folder:
             elif not self.sees(close):
                 raise Unread("a comma is expected")
         self.take(close)
+        if found[:1] == [None] and all(isinstance(x, Number) for x in found[1:]):
+            found[0] = Number(Exact(0))  # null for the first node
         return list(found) if keep else bounded(found)
 
     def _type_before(self) -> None:
@@ -575,6 +584,10 @@ class Folder:
             self._template()
         if self.sees("{") and language == "julia":  # a parameter of a type
             self.at = self.partner(self.at) + 1
+        if self.sees("[") and self.language is LANGUAGES["kotlin"]:  # Array[Double](..)
+            end = self.partner(self.at)
+            typed = [x.text for x in self.tokens[end + 1 : end + 2]] == ["("]
+            self.at = end + 1 if typed and not self._known(name) else self.at
         t2 = self.peek()
         if t2 is not None and not (self.blanks and t2.spaced):
             if t2.text == "(":
@@ -602,14 +615,18 @@ class Folder:
 
     def _new(self) -> Any:
         """Read ``new double[][] {..}``, ``new double[4]`` or ``new Type(..)``."""
-        t = self.take()
+        t = self.take() if not self.sees("[") else self.tokens[self.at - 1]
         while self.sees("."):
             self.at += 1
             self.take()
         sizes: list[int] = []
         while self.sees("["):
             self.take()
-            sizes.append(-1 if self.sees("]") else number(self.expression()).whole())
+            while not self.sees("]"):  # double[3, 2] and double[,] of C#
+                open_ = self.sees(",")
+                sizes.append(-1 if open_ else number(self.expression()).whole())
+                self.at += self.sees(",")
+            sizes += [] if sizes else [-1]
             self.take("]")
         if self.sees("{"):
             self.take()
@@ -689,6 +706,8 @@ class Folder:
         found = self._function(low, given, words)
         if found is not _NOT_KNOWN:
             return found
+        if low in _LISTS_OF_ANY.get(self.language, ()) and not words:
+            return bounded([plain(x) for x in given])
         upper = last[:1].isupper() or low in _CASTS or last.endswith("_")
         if upper and len(given) == 1 and not (words.keys() - {"dtype", "kind", "device"}):
             x = given[0]
@@ -748,14 +767,13 @@ class Folder:
             return power(given[0], Number(Exact(2)))
         if low == "inv" and len(given) == 1:
             return power(given[0], Number(Exact(-1)))
-        if low in ("zero", "one") and not any(isinstance(x, Number | list) for x in given):
-            return Number(Exact(int(low == "one")))
+        plain_one = low in ("zero", "one") and not any(isinstance(x, Number | list) for x in given)
+        if plain_one or low in ("one", "getone", "getzero"):
+            return Number(Exact(int(low.endswith("one"))))
         if low in ("zeros", "zero", "ones", "fill", "empty", "zeros_like", "buildarray") and given:
             return self._filled(low, given)
         if low == "getfield" and not given:
             return "field"
-        if low in ("one", "getone", "getzero"):
-            return Number(Exact(int(low.endswith("one"))))
         if low in ("transpose", "permutedims"):
             return transposed(given[0])
         if low in ("vcat", "concatenate", "hstack", "cat", "concat") and given:
@@ -763,6 +781,8 @@ class Folder:
             if not isinstance(parts, list) or not all(isinstance(x, list) for x in parts):
                 raise Unread("parts of an array are not lists")
             return bounded(x for part in parts for x in part)
+        if low == "matrix" and self.language is LANGUAGES["r"] and isinstance(given[0], list):
+            return self._matrix_of_r(given, words)
         if low == "reshape" and given and len(given) + ("shape" in words) >= 2:
             dims = [*given[1:2], *([words["shape"]] if "shape" in words else [])]
             places = [whole_number(x) for x in flattened([words.get("order", [])])]
@@ -798,6 +818,19 @@ class Folder:
         if not dims or not all(0 <= n <= 100 for n in dims):
             raise Unread("the size of an array is not known")
         return Frame(filled(dims, value))
+
+    def _matrix_of_r(self, given: list[Any], words: Mapping[str, Any]) -> Any:
+        """Return ``matrix(c(..), nrow, ncol, byrow)``, by columns where nothing else is said."""
+        flat = flattened(given[0])
+        m, n = (whole_number(words.get(key, x)) for key, x in
+                zip(("nrow", "ncol"), [*given[1:3], None, None], strict=False))  # fmt: skip
+        if not (m or n):
+            raise Unread("the size of a matrix is not known")
+        m, n = m or len(flat) // (n or 1), n or len(flat) // (m or 1)
+        by_row = "byrow" in words and not str(words["byrow"]).startswith("the name 'F")
+        dims = [Number(Exact(x)) for x in ((n, m) if by_row else (m, n))]
+        found = self._reshaped(flat, [dims])
+        return transposed(found) if by_row else found
 
     def _reshaped(self, x: Any, dims: list[Any]) -> Any:
         sizes = [

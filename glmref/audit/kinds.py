@@ -18,7 +18,7 @@ from ..exact import Exact
 from ..prove.schemes import reach
 from ..prove.wrong_entry import Trial
 from .collecting import Block
-from .entries import LOOSE, Array, Found, Words, bare_name, last_letter
+from .entries import LOOSE, Array, Found, Words, bare_name, last_letter, role_of
 from .folding import flattened
 from .multistep import MULTISTEP, multistep
 from .table import ZERO, Rows, Table, of_weights
@@ -77,17 +77,15 @@ def others(block: Block, made: list[Array], *, text: str) -> list[Found]:
         steps += [x for x in matrices if _timed(x)]
     pairs = [y for x in steps for y in _columns(x)]
     vectors += pairs if len(steps) == len(matrices) else []
-    if {"gamma1", "gamma2", "gamma3", "beta", "delta"} <= {x.name for x in vectors}:
-        first = next(x for x in vectors if x.name == "gamma1")
-        table = Table("", first.line, "low-storage", general=True, last=vectors[-1].last)
-        table.unread = "a low-storage method of three registers, which is not read"
-        return [Found(table, vectors)]
+    three = list(_registers(vectors, matrices))
+    if three:
+        return three
     if {"a0", "a1", "b0", "b1"} <= {x.name.lower() for x in matrices}:
         table = Table("", matrices[0].line, general=True, last=matrices[-1].last)
         table.unread = "a method for stochastic equations, which is not read"
         return [Found(table, made)]
     if len(matrices) == len(steps):
-        found += _two_registers(vectors)
+        found += _two_slopes(vectors)
         found += [x for x in _low_storage(vectors) if x.table.loose > 1 or _STORAGE.search(text)]
         steps = [] if found or _BUTCHER.search(block.called) else list(_splitting(vectors))
         for x in steps:
@@ -233,6 +231,10 @@ def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> It
         if gamma is None:
             continue
         s = len(gamma)
+        diagonal = [y.value for y in block.items
+                    if y.name.lower() in _GAMMAS and isinstance(y.value, Number)]  # fmt: skip
+        if diagonal and not any(size(row[i]) for i, row in enumerate(gamma)):  # it stands apart
+            gamma = [[*row[:i], diagonal[0], *row[i + 1 :]] for i, row in enumerate(gamma)]
         alphas = [y for y in matrices if y.role in ("A", "c") and len(y.value) == s]
         other = _nearest(x, alphas)
         b = _near(x, vectors, "b", s)
@@ -250,6 +252,10 @@ def _rosenbrock(block: Block, matrices: list[Array], vectors: list[Array]) -> It
 
         arrays = [other, x, b, *([low] if low else [])]
         yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+#: Names of the number on the diagonal of Gamma.
+_GAMMAS = ("gamma", "γ", "g", "gam", "gama")
 
 
 def _packed(x: Array, s: int) -> Rows | None:
@@ -277,9 +283,13 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
             m, pool = _without_room(m, pool)
         s = len(m.value)
         given = {last_letter(x): x for x in pool if last_letter(x) in ("a", "c", "e", "btilde")}
+        if last_letter(m) == "m":  # ra and rc beside ros_m
+            both = [(x, y) for x in matrices for y in matrices
+                    if (x.name[-1:], y.name) == ("a", f"{x.name[:-1]}c")]  # fmt: skip
+            given = {**(dict(zip("ac", both[0], strict=True)) if len(both) == 1 else {}), **given}
         gammas = [x.value[0] for x in pool if x.role == "gamma" and x.flat] + [
             x.value for x in block.items
-            if x.name in ("gamma", "γ", "g", "gam") and isinstance(x.value, Number)
+            if x.name.lower() in _GAMMAS and isinstance(x.value, Number)
         ]  # fmt: skip
         if {"a", "c"} <= given.keys() and "e" in given and not gammas:
             gammas = gamma
@@ -420,7 +430,8 @@ def _nystrom(
             continue
         s = len(A)
         rows = [y for y in vectors if len(y.value) == s and y not in times
-                and not re.search(r"tilde|hat|err|low|embed|^[de]", y.name)]  # fmt: skip
+                and not re.search(r"tilde|hat|err|low|embed|^[de]", y.name)
+                and role_of(re.sub("p(?:rime)?|dot", "", y.name))[1] != "embedded"]  # fmt: skip
         ends = [y for y in rows if abs(sum(map(size, y.value)) - 1) < LOOSE]
         halves = [y for y in rows if abs(sum(map(size, y.value)) - 0.5) < LOOSE]
         ends = ends or [y for y in rows if _PRIME.search(y.name)]
@@ -574,38 +585,76 @@ def _low_storage(vectors: list[Array]) -> Iterator[Found]:
                 break
 
 
-def _two_registers(vectors: list[Array]) -> Iterator[Found]:
-    """Yield methods with delta, gamma_0, gamma_1 and beta.
+def _registers(vectors: list[Array], matrices: list[Array]) -> Iterator[Found]:
+    """Yield methods with delta, beta, and gamma_1, gamma_2, maybe gamma_3, or a matrix of them.
 
-    u1 += delta u0, u0 = gamma_0 u0 + gamma_1 u1 + beta h f(u0): the methods 2S of Ketcheson (2010),
-    "Runge-Kutta methods with minimum storage implementations".
+    S2 += delta S1, S1 = gamma_1 S1 + gamma_2 S2 + gamma_3 y + beta h f(S1), from S1 = y and S2 = 0:
+    the methods 2S and 3S* of Ketcheson (2010), "Runge-Kutta methods with minimum storage
+    implementations". Rows that are left for the index 0 are zeros.
     """
-    named = {re.sub(r"[\W_]|ma", "", x.name.lower()): x for x in vectors}
-    keys = ("delta", *sorted(x for x in named if re.fullmatch(r"gam\d", x)), "beta")
-    if len(keys) != 4 or not set(keys) <= named.keys():
+    named = {re.sub(r"[\W_]|ma", "", re.sub("_values$", "", x.name.lower())): x for x in vectors}
+    columns = sorted(x for x in named if re.fullmatch(r"gam\d", x))
+    wide = [x for x in matrices if x.role == "gamma" and {*map(_length, x.value)} == {3}]
+    if not {"delta", "beta"} <= named.keys() or not (len(columns) in (2, 3) or len(wide) == 1):
         return
-    given = [named[x] for x in keys]
-    s = len(given[3].value)
-    if any(len(x.value) != s for x in given) or s < 2:
+    own = [named[x] for x in columns] if len(columns) in (2, 3) else wide
+    given = [named["delta"], *own, named["beta"]]
+    gammas = [list(x) for x in zip(*(x.value for x in own), strict=False)]
+    gammas = [list(x) for x in wide[0].value] if own is wide else gammas
+    delta, beta = named["delta"].value, list(named["beta"].value)
+    if len(gammas) == len(beta) > 1 and not any(map(size, gammas[0])) and size(beta[0]) == 0:
+        gammas, beta = gammas[1:], beta[1:]
+    s = len(beta)
+    if len(gammas) != s or len(delta) < s or s < 2:
         return
 
     def make(table: Table) -> None:
         zero = [Exact(0)] * (s + 1)  # of y and of the slopes
-        u0, u1, rows = [Exact(1), *zero[1:]], zero, []
-        for k, (d, p, q, beta) in enumerate(zip(*(x.value for x in given), strict=True)):
-            rows.append(u0)
-            u1 = [x + d.value * y for x, y in zip(u1, u0, strict=True)]
-            u0 = [p.value * y + q.value * x for x, y in zip(u1, u0, strict=True)]
-            u0[k + 1] = u0[k + 1] + beta.value
-        rows.append(u0)
-        digits = given[1].value[-1]
-        made = [[digits.of(x) for x in row[1:]] for row in rows]
+        first = [Exact(1), *zero[1:]]
+        S1, S2, rows = first, zero, []
+        for k, (d, given, rate) in enumerate(zip(delta, gammas, beta, strict=False)):
+            p, q, r = (y.value for y in (*given, ZERO)[:3])
+            rows.append(S1)
+            S2 = [x + d.value * y for x, y in zip(S2, S1, strict=True)]
+            S1 = [p * y + q * x + r * z for x, y, z in zip(S2, S1, first, strict=True)]
+            S1[k + 1] = S1[k + 1] + rate.value
+        rows.append(S1)
+        made = [[beta[-1].of(x) for x in row[1:]] for row in rows]
         table.A, table.b, table.c = [made[:-1]], [made[-1]], [None]
         gaps = [abs(complex(row[0]) - 1) for row in rows]
-        table.identities = [(f"gamma_0 and gamma_1 of stage {k} keep the value", g)
+        table.identities = [(f"the values of stage {k} keep the sum 1", g)
                             for k, g in enumerate(gaps)]  # fmt: skip
 
-    yield from _guarded("", given[3].line, given, make)
+    yield from _guarded("", named["beta"].line, given, make)
+
+
+def _two_slopes(vectors: list[Array]) -> Iterator[Found]:
+    """Yield gamma and zeta of ``y += h (gamma_m f_m + zeta_m f_(m-1))``, with zeta_1 = 0.
+
+    Wray (1986), in Spalart, Moser, Rogers (1991), "Spectral methods for the Navier-Stokes
+    equations with one infinite and two periodic directions", appendix.
+    """
+    for x in vectors:
+        rest = [y for y in vectors if last_letter(y) in ("zeta", "ζ")
+                and len(x.value) - len(y.value) in (0, 1)]  # fmt: skip
+        if last_letter(x) not in ("gamma", "γ") or len(rest) != 1 or len(x.value) < 3:
+            continue
+        zeta = [ZERO, *rest[0].value][-len(x.value) :]
+        if size(zeta[0]) or abs(sum(map(size, [*x.value, *zeta])) - 1) > LOOSE:
+            continue
+
+        def make(table: Table, x: Array = x, zeta: list[Any] = zeta) -> None:
+            rows = [[ZERO] * len(x.value)]
+            for m, (p, q) in enumerate(zip(x.value, zeta, strict=True)):
+                row = list(rows[-1])
+                row[m] = p
+                if m:
+                    row[m - 1] = q.of(row[m - 1].value + q.value, q)
+                    row[m - 1].place = q.place
+                rows.append(row)
+            table.A, table.b, table.c = [rows[:-1]], [rows[-1]], [None]
+
+        yield from _guarded("", x.line, [x, *rest], make)
 
 
 def _keeps_nodes(table: Table) -> bool:

@@ -21,13 +21,13 @@ from typing import Any
 from ..catalogue.lookup import document, load, names
 from ..exact import Ball, Exact, Scalar, linalg
 from ..exact.expression import parse
-from .entries import of_subject
+from .entries import OF_FLOWS, of_subject
 from .lexer import Language, Token, tokens
 from .table import Table
 from .values import Numeral, spelled
 
 #: Classes of methods whose numbers codes write down.
-_CLASSES = frozenset({"additive", "rk", "rosenbrock"})
+_CLASSES = frozenset({"additive", "nystrom", "rk", "rosenbrock", "splitting"})
 #: Digits of numerator and denominator together, and of a decimal, that say of which method it is:
 #: by chance a file of 10,000 numerals has a decimal of 8 digits once in 10,000.
 _SHORT, _LONG = 5, 8
@@ -36,6 +36,11 @@ _SHORT, _LONG = 5, 8
 _TOGETHER, _LINES = 12, 6
 #: Numbers of a method that a source must hold, and the part of those of A and b.
 _FEW, _MOST = 4, 0.7
+#: Digits together of the numbers of a splitting that a source must hold, two at least: codes
+#: compute the others, as 1 - 2 (xi + chi).
+_DECIDES = 18
+#: Lines from a splitting to a word of flows.
+_ABOUT = 40
 #: Numbers of a method whose signs agree, where another is asked about because of its sign.
 _SIGNS = 6
 #: Tokens between numerator and denominator, as in ``F::from(49.0) / F::from(176.0)``.
@@ -133,7 +138,7 @@ def may_hold_known(text: str) -> bool:
     given = _DECIMAL.findall(text) if _AFTER_POINT.search(text) else ()
     decimals = {re.sub(r"[._]", "", x).lstrip("0")[:_PREFIX] for x in given}
     found = len(prefixes & decimals)
-    if found >= _FEW:
+    if found >= _FEW or len(_prefixes_of_flows() & decimals) > 1:
         return True
     whole = _WHOLE.findall(text)
     some = {*whole}  # a pair that is not there has two of them
@@ -173,13 +178,22 @@ def known(text: str, language: Language, *, fixed: bool = False) -> list[Known]:
     for name in sorted(methods, key=lambda x: (-len(methods[x]), x)):
         core, every = _core(methods[name]), _core(_constants()[name])
         fresh = {float(x.value) for x in methods[name]} - explained
-        if len(core) < max(_FEW, _MOST * len(every)) or len(fresh) < _FEW:
+        if name in _flows():
+            if len(fresh) < 2 or _digits(core, hits) < _DECIDES:
+                continue
+        elif len(core) < max(_FEW, _MOST * len(every)) or len(fresh) < _FEW:
             continue
         if any(x.plain for x in core) and not _together([hits[x] for x in core], len(every)):
             continue
         rows.append(_row(name, {x: hits[x] for x in methods[name]}, found, hits))
         explained |= rows[-1].values
     return rows
+
+
+def _digits(core: Iterable[Constant], hits: Mapping[Constant, Sequence[Figure]]) -> int:
+    """Return how many digits the numbers of a method have in a source, of each at most 15."""
+    longest = (max(len(y.parts[0].digits) for y in hits[x]) for x in core)
+    return sum(min(15, n) for n in longest)
 
 
 def _together(hits: Sequence[Sequence[Figure]], of: int) -> bool:
@@ -229,10 +243,16 @@ def records(
                 for x, new in one.slips
             ]  # fmt: skip
             yield row | {"status": "question", "remarks": [said], "correction": correction}
-        elif not (any(2 * sum(round(x, 9) in read for x in form) >= len(form) > 0
-                      for form in (one.values, *_forms(one.method)))
-                  or any(a <= one.last and one.first <= b for a, b in lines)):  # fmt: skip
-            said = f"lines {one.first} to {one.last} hold {held}, in a form that is not read"
+            continue
+        forms = (one.values, *(() if one.method in _flows() else _forms(one.method)))
+        explained = any(2 * sum(round(x, 9) in read for x in form) >= len(form) > 0
+                        for form in forms)  # fmt: skip
+        near = "\n".join(text.splitlines()[max(0, one.first - _ABOUT) : one.first + _ABOUT])
+        said = f"lines {one.first} to {one.last} hold {held}, in a form that is not read"
+        if one.method in _flows():
+            explained = explained or not OF_FLOWS.search(near)
+            said = f"numbers of {one.method} stand here; how they are used is not read"
+        if not (explained or any(a <= one.last and one.first <= b for a, b in lines)):
             yield row | {"status": "unread", "remarks": [said]}
 
 
@@ -241,6 +261,12 @@ def records(
 
 def _core(given: Iterable[Constant]) -> set[Constant]:
     return {x for x in given if not x.part}
+
+
+@cache
+def _flows() -> frozenset[str]:
+    """Return the names of the splittings, of which codes write a few numbers and compute others."""
+    return frozenset(x for x in names() if document(x)["class"] == "splitting")
 
 
 @cache
@@ -302,8 +328,10 @@ def _entries(method: Any) -> Iterator[tuple[str, str, Exact | Ball]]:
     many = len(method.components) > 1
     for k, component in enumerate(method.components, 1):
         form = f", part {k}" if many else ""
-        yield from ((form, "nodes", sum(row, Exact(0))) for row in component.A)
-        yield from ((form, "", x) for row in (*component.A, *component.B) for x in row)
+        flows = method.name in _flows()
+        yield from ((form, "nodes", sum(row, Exact(0))) for row in component.A if not flows)
+        rows = component.B if flows else (*component.A, *component.B)
+        yield from (("" if flows else form, "", x) for row in rows for x in row)
         for row in method.embedded:
             own = row.weights[k - 1]
             other = [x - y for x, y in zip(component.B[0], own, strict=True)]
@@ -373,6 +401,13 @@ def _written() -> tuple[
     long = frozenset(max(x, key=len) for x in fractions)
     words = [({y for pair in x for y in pair}, x) for x in plain]
     return frozenset(fractions), long, frozenset(x[:_PREFIX] for x in decimals), words
+
+
+@cache
+def _prefixes_of_flows() -> frozenset[str]:
+    """Return the first digits of the numbers of splittings."""
+    values = (float(x.value) for name in _flows() for x in _constants().get(name, ()))
+    return frozenset(f"{x:.{_PREFIX + 3}e}".replace(".", "")[:_PREFIX] for x in values)
 
 
 def _equal(x: Figure) -> Iterator[Constant]:
@@ -465,6 +500,7 @@ def _row(
     every = _constants()[name]
     sizes = Counter(x.part for x in every)
     missing = [x for x in every - set(held) if parts[x.part] >= _MOST * sizes[x.part]
+               or name in _flows()
                or (parts[x.part] >= 3 and sizes[x.part] - parts[x.part] == 1)]  # fmt: skip
     missing += _once_less(held)
     own = {id(y) for x in held.values() for numeral in x for y in numeral.tokens}
@@ -479,7 +515,8 @@ def _row(
     if len(slips) > 1 and any(x.plain for x in held):  # short fractions are near many others
         slips = []
     slips += _signs(held, found)
-    counted = {x.value for x in every if parts[x.part] >= _MOST * sizes[x.part]}
+    counted = {x.value for x in every
+               if name in _flows() or parts[x.part] >= _MOST * sizes[x.part]}  # fmt: skip
     values = {x.value for x in held}
     return Known(
         name, first, last, len(values & counted), len(counted), tuple(slips),
@@ -538,6 +575,9 @@ def _slip(x: Figure, constant: Constant) -> str:
     if len(whole) <= _LONG:  # as many are near each other by chance
         return ""
     off = abs(x.value - constant.value)
+    moved = _point_moved(x.value, constant.value)
+    if moved:
+        return spelled(x.text, constant.value, constant.slack)
     whole_gap = abs(off - round(off)) <= x.unit + constant.slack  # as in 1 + a
     if not x.tells or whole_gap or off <= max(100 * x.unit, constant.value / 10**12):
         return ""
@@ -546,6 +586,12 @@ def _slip(x: Figure, constant: Constant) -> str:
         if len(said) == len(whole) + k and _near(whole[:-1], said[: len(whole) - 1 + k]):
             return spelled(x.text, constant.value, constant.slack)
     return ""
+
+
+def _point_moved(x: Fraction, other: Fraction) -> bool:
+    """Return whether numbers have the same digits, and the point at another place."""
+    return any(abs(x / other * Fraction(10) ** k - 1) < Fraction(1, 10**_LONG)
+               for k in (-2, -1, 1, 2)) if other else False  # fmt: skip
 
 
 def _near(a: str, b: str) -> bool:

@@ -1,4 +1,4 @@
-"""Tokens of C, C++, CUDA, Fortran, Julia, Python, Rust, Java, MATLAB, Go and JavaScript.
+"""Tokens of C, Fortran, Go, Java, JavaScript, Julia, MATLAB, Python, Rust and languages like them.
 
 One expression for the numerals of all of them, one for the comments and strings of each.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import NamedTuple
@@ -46,6 +46,8 @@ class Language:
     base: int = 0
     #: Whether ``a(1, 2)`` may be an entry.
     calls_index: bool = False
+    #: Whether statements of blocks in braces may end with the line.
+    by_line: bool = False
 
 
 _STRING, _LETTER = r'"(?:\\.|[^"\\\n])*"', r"'(?:\\.|[^'\\\n])'"
@@ -58,9 +60,10 @@ LANGUAGES = {
     for x in (
         Language("c", _C, _CHARS, truncates=True),
         Language("java", _C, truncates=True, suffix=r"[fFdDlL](?!\w)"),
-        Language("go", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", truncates=True, suffix=r"(?!)"),
+        Language("go", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", truncates=True, suffix=r"(?!)",
+                 by_line=True),
         Language("rust", _C, _CHARS, truncates=True),
-        Language("javascript", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", suffix=r"n(?!\w)"),
+        Language("javascript", _C, rf"{_QUOTED}|`[^`]*(?:`|\Z)", suffix=r"n(?!\w)", by_line=True),
         Language("python", r"#[^\n]*|\\\r?\n", rf"{_TRIPLE}|{_QUOTED}", braces=False,
                  suffix=r"(?!)"),
         Language("julia", r"#=.*?(?:=#|\Z)|#[^\n]*",
@@ -73,6 +76,15 @@ LANGUAGES = {
                  exponent="eEdD", suffix=r"(?!)", blanks=True, base=1, calls_index=True),
     )
 }  # fmt: skip
+#: Languages that are read as another one, whose statements and lists they have.
+LANGUAGES |= {
+    "csharp": replace(LANGUAGES["java"], suffix=r"[fFdDmMlLuU]{1,2}(?!\w)",
+                      comments=rf"{_C}|^[ \t]*#(?:region|endregion|pragma|nullable)[^\n]*"),
+    "kotlin": replace(LANGUAGES["javascript"], truncates=True, suffix=r"[fFdDL](?!\w)"),
+    "swift": replace(LANGUAGES["javascript"], suffix=r"(?!)"),
+    "toml": replace(LANGUAGES["javascript"], comments=r"#[^\n]*", suffix=r"(?!)"),
+    "r": replace(LANGUAGES["javascript"], comments=r"#[^\n]*", suffix=r"L(?!\w)", base=1),
+}  # fmt: skip
 #: Language by the ending of a file name.
 ENDINGS = {
     **dict.fromkeys(
@@ -82,7 +94,11 @@ ENDINGS = {
     **dict.fromkeys(".f .for .f90 .f95 .f03 .f08 .F .F90 .F95 .fpp".split(), "fortran"),
     **dict.fromkeys(".js .ts .mjs .cjs".split(), "javascript"),
     **dict.fromkeys(".py .pyx .pxd".split(), "python"),
-    ".java": "java", ".go": "go", ".rs": "rust", ".jl": "julia", ".m": "matlab",
+    ".java": "java", ".go": "go", ".rs": "rust", ".jl": "julia", ".m": "matlab", ".cs": "csharp",
+    ".kt": "kotlin", ".kts": "kotlin", ".scala": "kotlin",
+    ".swift": "swift", ".r": "r", ".R": "r",
+    ".json": "javascript", ".ipynb": "python", ".toml": "toml", ".yaml": "toml", ".yml": "toml",
+    ".csv": "python", ".dat": "python", ".txt": "python",
 }  # fmt: skip
 
 
@@ -137,9 +153,15 @@ def language_of(path: Path) -> Language | None:
 
 
 def _fixed_form(text: str) -> str:
-    """Turn Fortran 77 into free form: comments by the first column, the sixth continues a line."""
+    """Turn Fortran 77 into free form: comments by the first column, the sixth continues a line.
+
+    Statements end at column 72, before numbers of lines through 80, where no line has more.
+    """
     rows: list[str] = []
-    for row in text.split("\n"):
+    given = text.split("\n")
+    code = (x.partition("!")[0].rstrip() for x in given if x[:1] not in "cC*dD!#")
+    last = 72 if max(map(len, code), default=0) <= 80 else None
+    for row in given:
         if row[:1] in "cC*dD" and row:
             rows.append("!" + row[1:])
         elif len(row) > 5 and row[5] not in " 0\t" and not row[:5].strip():
@@ -147,12 +169,14 @@ def _fixed_form(text: str) -> str:
                        if rows[k].strip() and rows[k].lstrip()[0] != "!"), None)  # fmt: skip
             if at is not None:
                 rows[at] = rows[at].partition("!")[0].rstrip() + " &"
-            rows.append(" " * 6 + row[6:72])
+            rows.append(" " * 6 + row[6:last])
         else:
-            rows.append(row[:72])
+            rows.append(row[:last])
     return "\n".join(rows)
 
 
+#: Digits of names that are raised or lowered.
+_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹₀₁₂₃₄₅₆₇₈₉", "0123456789" * 2)
 #: A statement in the first five columns, which no fixed form has.
 _FREE = re.compile(r"(?m)^(?![cCdD]) {0,4}[A-Za-z]")
 
@@ -174,6 +198,8 @@ def tokens(
         text = _fixed_form(text)
     if language.name == "fortran":  # lines of the preprocessor, with marks that are no Fortran
         text = re.sub(r"(?m)^#", "!", text)
+    if language is LANGUAGES["r"]:
+        text = text.replace("<-", " =")
     found: list[Token] = []
     remarks: list[Remark] = []
     line, spaced = 1, False
@@ -188,6 +214,8 @@ def tokens(
                 remarks.append(Remark(said, line, last))
             line, spaced = last, True
             continue
+        if kind == "name" and not said.isascii():  # of γ² the digit
+            said = said.translate(_RAISED)
         found.append(token((kind, said, line, start, m.end(), spaced)))
         spaced = False
         if kind == "line":

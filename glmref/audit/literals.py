@@ -8,7 +8,7 @@ and that it has the order is seen in the source's own form.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import combinations
 from time import process_time
@@ -26,7 +26,8 @@ _SECONDS, _ONE = 6.0, 0.25
 _STEPS, _WHOLE = 12, 1e-6
 #: Numbers with more characters may be exchanged with others of their line.
 _DIGITS = 6
-_PLAIN = re.compile(r"\d*\.?\d+|\d+\.")
+#: A decimal, and its power of ten, as that of ``1.5d0``.
+_PLAIN = re.compile(r"(\d*\.?\d+|\d+\.)((?:[eEdD][-+]?\d{1,3})?)")
 #: What stands before a name whose sign may be wrong.
 _BEFORE = frozenset("= ( [ { ,".split())
 
@@ -35,8 +36,9 @@ Residuals = tuple[dict[str, float], float]
 
 
 def mended(
-    text: str, language: Language, table: Table, again: Callable[[str], Table | None]
-) -> list[dict[str, str | int]]:
+    text: str, language: Language, table: Table, again: Callable[..., Table | None],
+    beyond: Mapping[str, str],
+) -> list[dict[str, str | int]]:  # fmt: skip
     """Return the numbers with another value of as many digits that give the declared order.
 
     Parameters
@@ -47,7 +49,9 @@ def mended(
     table : Table
         With a declared order, which it has not.
     again : callable
-        Reads the same table in another text.
+        Reads the same table in another text, with other numbers of names of other files.
+    beyond : Mapping of str to str
+        These numbers, with the places where they stand.
 
     Returns
     -------
@@ -72,6 +76,12 @@ def mended(
                 _residuals(again(text[: x.start] + turned + text[y.end :]))):  # fmt: skip
             return [{"entry": f"the numbers {x.text} and {y.text}", "is": f"{x.text}, {y.text}",
                      "should be": f"{y.text}, {x.text}", "line": x.line, "text": ""}]  # fmt: skip
+    for turned, one, two in _exchanged(text, first, last):
+        if process_time() > begin + _SECONDS / 2:
+            break
+        if _good(_residuals(again(turned))):
+            said = [x["is"] for x in (one, two)]
+            return [{**one, "should be": said[1]}, {**two, "should be": said[0]}]
     found: list[dict[str, str | int]] = []
     for k in inside:
         x = every[k]
@@ -88,8 +98,47 @@ def mended(
         if new:
             found.append({"entry": f"the number {x.text}", "is": x.text, "should be": new,
                           "line": x.line, "text": x.text})  # fmt: skip
+    for name in sorted(beyond.keys() & {every[k].text for k in inside}):
+        said, _, place = beyond[name].partition("@")
+        plain = _PLAIN.fullmatch(said.lstrip("-"))
+        if plain is None or process_time() > begin + _SECONDS:
+            continue
+
+        def with_value(value: str, name: str = name) -> Residuals | None:
+            return _residuals(again(text, {**beyond, name: value.strip("()").replace("--", "")}))
+
+        sign = "-" if said.startswith("-") else ""
+        new = _root(
+            plain[1], plain[2], start[0], lambda x, sign=sign: with_value(f"{sign}{x.strip('()')}")
+        )
+        if new and new != plain[0] and _good(with_value(f"{sign}{new}")):
+            path, _, line = place.rpartition(":")
+            found.append({"entry": f"the number {plain[0]} of {name} ({path})", "is": plain[0],
+                          "should be": new, "line": int(line), "text": said})  # fmt: skip
     alike = [x for x in found if sorted(str(x["is"])) == sorted(str(x["should be"]).strip("-"))]
     return (alike or found)[:3]
+
+
+#: ``b2 = 3 // 4`` and what ends it.
+_SET = re.compile(r"(.*?([\w.\]\[(), ]+?)\s*=\s*)([^=,;]*\d[^=,;]*?)(\s*[;,]?\s*)$")
+#: Lines of which values of names may be exchanged.
+_LINES = 24
+
+
+def _exchanged(
+    text: str, first: int, last: int
+) -> Iterator[tuple[str, dict[str, str | int], dict[str, str | int]]]:
+    """Yield the text with the values of two names exchanged, and both as entries with lines."""
+    rows = text.split("\n")
+    given = [(k, m) for k in range(first - 1, min(last, len(rows))) if (m := _SET.match(rows[k]))]
+    for (j, x), (k, y) in combinations(given, 2) if len(given) <= _LINES else ():
+        if x[3] == y[3]:
+            continue
+        turned = list(rows)
+        turned[j], turned[k] = x[1] + y[3] + x[4], y[1] + x[3] + y[4]
+        one, two = ({"entry": m[2].strip(), "is": m[3].strip(), "should be": "", "line": n + 1,
+                     "text": m[3].strip()} for n, m in ((j, x), (k, y)))  # fmt: skip
+        yield "\n".join(turned), one, two
 
 
 def _residuals(table: Table | None) -> Residuals | None:
@@ -118,14 +167,15 @@ def _values(
         if k and row[k - 1].text in _BEFORE and _good(residuals(f"(-{x.text})")):
             yield f"-{x.text}"
         return
-    if x.kind != "number" or not _PLAIN.fullmatch(x.text) or float(x.text) == 0:
+    plain = _PLAIN.fullmatch(x.text) if x.kind == "number" else None
+    if plain is None or float(plain[1]) == 0:
         return
     if _good(residuals(f"(-{x.text})")):
         yield f"-{x.text}"
-    new = _root(x.text, start[0], residuals)
+    new = _root(plain[1], plain[2], start[0], residuals)
     if new and new != x.text and _good(residuals(f"({new})")):
         yield new
-    if float(x.text) % 1 == 0 and float(x.text) < 10:
+    if not plain[2] and float(x.text) % 1 == 0 and float(x.text) < 10:
         for n in range(1, 10):
             new = f"{n}{x.text.partition('.')[1]}{x.text.partition('.')[2]}"
             if new != x.text and _good(residuals(new)):
@@ -133,14 +183,16 @@ def _values(
 
 
 def _root(
-    said: str, start: dict[str, float], residuals: Callable[[str], Residuals | None]
+    said: str, power: str, start: dict[str, float], residuals: Callable[[str], Residuals | None]
 ) -> str:  # fmt: skip
     """Return the value, to the digits of a number, at which its worst condition holds."""
     old, places = float(said), min(15, len(said.partition(".")[2]))
     tree = max(start, key=lambda t: abs(start[t]), default="")
     before, last, value = old, start.get(tree, 0.0), old + max(abs(old), 0.5) / 64
     for _ in range(_STEPS):
-        found = residuals(f"({value!r})")
+        found = residuals(
+            f"({value!r}{power})" if "e" not in repr(value) else f"({value:.25f}{power})"
+        )
         now = None if found is None else found[0].get(tree)
         if now is None or now == last or not abs(value) < 1e6 * (1 + abs(old)):
             return ""
@@ -149,4 +201,4 @@ def _root(
             break
     if places == 0 and abs(value - round(value)) > _WHOLE:
         return ""
-    return f"{value:.{places}f}" + ("." if said.endswith(".") else "")
+    return f"{value:.{places}f}" + ("." if said.endswith(".") else "") + power

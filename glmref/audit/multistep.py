@@ -77,6 +77,10 @@ def multistep(block: Block, made: list[Array], text: str) -> Iterator[Found]:
         elif not adams and 2 * len(slopes) > len(rows) and len(rows[-1]) > 2:
             for row in rows:
                 yield _of_differences(replace(x, value=row), Number(Exact(1)))
+        elif not adams and len(rows) == 1 and len(rows[0]) > 3 and (
+                found := _of_differences(replace(x, value=rows[0]), Number(Exact(1)))
+        ).table.unread.startswith("question"):  # fmt: skip
+            yield found
         else:
             table = Table(x.name, x.line, last=x.last, general=True)
             table.unread = "the coefficients of a multistep method, in a form that is not read"
@@ -260,7 +264,7 @@ def _of_steps(block: Block, arrays: list[Array], rows: Any, least: int | None) -
             best = max(best, *(_order(p, q) for x in signed for p, q in _forms(a, x)))
         said.append(str(best))
         if full and best < full and len(b) > 1:
-            found = _entry(a, b, beta, full)
+            found = _entry(a, b, beta, full) or _over_another(a, b, beta, full)
             wrong += [found] if found else []
     table.unread = f"a linear multistep method; by its conditions of order {', '.join(said)}"
     if wrong:
@@ -283,6 +287,19 @@ def _fraction(x: Any) -> Fraction:
 def _order(alpha: list[Fraction], beta: list[Fraction]) -> int:
     gaps = _conditions(alpha, beta, 2 * len(beta) + 1)
     return next((q for q, x in enumerate(gaps) if abs(x) > 1e-9), len(gaps)) - 1
+
+
+def _over_another(alpha: list[Fraction], beta: list[Fraction], given: Any, full: int) -> str:
+    """Say with which sum a row of fractions has the full order, where it is another one."""
+    total = sum(beta)
+    if not total or total == 1 or all(x.denominator == 1 for x in beta):
+        return ""  # whole numbers are divided elsewhere
+    row = [x / total for x in beta]
+    if max(_order(p, q) for p, q in _forms(alpha, row)) < full or full < 3:
+        return ""
+    at = given[0].place
+    line = f" (line {at[0]})" if at else ""
+    return f"the coefficients sum to {total}, not to 1; divided by it their order is {full}{line}"
 
 
 def _entry(alpha: list[Fraction], beta: list[Fraction], given: Any, full: int) -> str:

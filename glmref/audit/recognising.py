@@ -21,7 +21,7 @@ from ..catalogue.keys import MAX_SIZE
 from ..exact import Exact
 from .collecting import CHOICES, Block, Collector
 from .entries import LOOSE, NAMES, OF_FLOWS, Array, Words, arrays, of_subject, role_of
-from .flows import flows_of, known_numbers
+from .flows import flows_of
 from .folding import Entries, flattened
 from .inline import inline_sums, multiples
 from .kinds import only_numbers, others
@@ -38,11 +38,11 @@ _PLAIN = ("unge", "UNGE", "utcher", "UTCHER", "ableau", "osenbrock")
 #: So many numerals stand so near one another where there is a table.
 _NUMERALS, _WITHIN = 4, 600
 #: A number with many digits, or a root of which weights of a composition are made.
-_LONG = re.compile(r"\b\d?\.\d{9}|cbrt\s*\(|(?:\b[Pp]ow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*[1-9]")
+_LONG = re.compile(r"\b\d?\.\d{6}|cbrt\s*\(|(?:\b[Pp]ow\b|\*\*|\^).{0,20}1\.?0*\s*/\s*[1-9]")
 #: Two of the products in a sum of slopes, or whole numbers over a denominator.
 _PRODUCTS = re.compile(
     r"[\[{(] ?-?\d+(?:\.0)?(?:, ?-?\d+(?:\.0)?){2}"
-    r"|\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] ?\d[\w./]* ?\* ?[A-Za-z]"
+    r"|\d\.?\w* ?\* ?[A-Za-z][^;\n]{0,40}[-+] *\d[\w./]* ?\* ?[A-Za-z]"
 )
 _NUMERAL = re.compile(r"(?=[\d.b])(?:\d\.\d{2,}|\d[\w.)]*\s*//?\s*[\w.(]*\d|0?\.\d*[1-9]|big\")")
 #: What follows a name that gets a list or an entry: ``[1][0] =``, ``= (``, ``: {``, ``<<``, ``{{``.
@@ -102,7 +102,9 @@ def may_hold(text: str, where: str = "") -> bool:
         return True
     if _numerals(text) and (of_subject(text) or of_subject(where) or any(_named_places(text))):
         return True
-    if MULTISTEP.search(text) and _PRODUCTS.search(text) and of_subject(text):
+    if _PRODUCTS.search(text) and (
+        _STRONG.search(text) or _STRONG.search(where) or (
+            MULTISTEP.search(text) and of_subject(text))):  # fmt: skip
         return True
     return OF_FLOWS.search(text) and _LONG.search(text) is not None
 
@@ -475,6 +477,7 @@ def tables(
     about: bool = False,
     declared: Mapping[str, int] | None = None,
     where: str = "",
+    beyond: Mapping[str, str] | None = None,
 ) -> list[Table]:
     """Return the tables of a source.
 
@@ -490,16 +493,18 @@ def tables(
         Orders that other files declare, by the name of the method.
     where : str, optional
         Path of the file, which may say what it is about.
+    beyond : Mapping of str to str, optional
+        Numbers that other files give names, see :func:`~.constants.constants_of`.
     """
     about = about or of_subject(text) or of_subject(where)
     strong = _STRONG.search(text)
     lines = None if about or "uler" in text or "EULER" in text else _named_lines(text)
     collector, everything, found = _matrices(
-        text, language, fixed=fixed, about=about, strong=strong, lines=lines
+        text, language, fixed=fixed, about=about, strong=strong, lines=lines, beyond=beyond
     )
     if found and lines is not None:  # where names say of one table what it is, there may be others
         collector, everything, found = _matrices(
-            text, language, fixed=fixed, about=about, strong=strong
+            text, language, fixed=fixed, about=about, strong=strong, beyond=beyond
         )
     if about:
         found = _with_steps(found, everything, collector)
@@ -527,8 +532,6 @@ def tables(
         found += _left_over(list(found), everything, language)
     if about:
         found += _called_a_method(list(found), everything, collector)
-    if OF_FLOWS.search(text):
-        found += known_numbers(text, collector.tokens, found)
     for table in found:
         if table.kind == "composition" and (table.order or 0) % 2:
             table.order = None  # a palindrome has an even order; this is the number of its weights
@@ -552,10 +555,10 @@ def _named_lines(text: str) -> set[int] | None:
 
 def _matrices(
     text: str, language: Language, *, fixed: bool, about: bool, strong: bool,
-    lines: set[int] | None = None,
+    lines: set[int] | None = None, beyond: Mapping[str, str] | None = None,
 ) -> tuple[Collector, list[Block], list[Table]]:  # fmt: skip
     """Return the blocks of a source, and the tables of each that are arrays beside each other."""
-    collector = Collector(text, language, fixed=fixed, lines=lines)
+    collector = Collector(text, language, fixed=fixed, lines=lines, beyond=beyond)
     everything = collector.blocks()
     for block in everything:
         named = [x.value for x in block.items if isinstance(x.value, Block)]
@@ -563,6 +566,12 @@ def _matrices(
             used.user = used.user or block
     found: list[Table] = []
     own = {id(block): arrays(block, language) for block in everything}
+    for several in _methods_of_classes(everything):
+        roles = [{y.role for y in own[id(x)]} for x in several]
+        every = set.union(*roles)
+        if max(map(len, roles)) < 2 and ({"A", "b"} <= every or {"gamma", "beta"} <= every):
+            own[id(several[0])] = [y for x in several for y in own[id(x)]]
+            own |= {id(x): [] for x in several[1:]}
     for block in everything:
         made = list(own[id(block)])
         if block.parent is not None and made and not any(x.role == "b" for x in made):
@@ -573,6 +582,15 @@ def _matrices(
         found += _of_block(block, made, text, about=about, strong=strong)
         found += _euler(block, made)
     return collector, everything, found
+
+
+def _methods_of_classes(blocks: Sequence[Block]) -> list[list[Block]]:
+    """Return the methods of each class that are defined outside of it: ``void T::set_a() {``."""
+    found: dict[tuple[int, str], list[Block]] = {}
+    for x in blocks:
+        if x.own and x.kind == "code":
+            found.setdefault((id(x.parent), x.name), []).append(x)
+    return [x for x in found.values() if len(x) > 1]
 
 
 #: Blocks that are a part of the function around them.
@@ -699,12 +717,14 @@ _METHOD = re.compile(
     r"runge.?kutta|(?<![a-z])(?:ssp_?|ls|low_?storage_?|e|imex_?)?rk(?:f|ck|dp|ls|ssp)?_?\d|e?s?dirk"
     r"|adams.?(?:bashforth|moulton)|(?<![a-z])(?:ab|am|bdf)_?\d(?![a-z\d])|(?:low|2n).?storage"
     r"|dormand.?prince|fehlberg|cash.?karp|bogacki|tsitouras|yoshida|forest.?ruth|omelyan"
-    r"|(?<![a-z])(?:heun|ralston|butcher)(?![a-z])",
+    r"|(?<![a-z])(?:heun|ralston|butcher|rk)(?![a-z])",
     re.IGNORECASE,
 )
 #: Lines before a function, and of it, in which a comment says what it is; lines of a function that
 #: has one purpose; different coefficients of a step.
 _ABOVE, _LINES, _DIFFERENT = 4, 200, 2
+#: Characters of a number that is no other one by chance.
+_MANY = 10
 #: Names of the size of a step, of which a step has products.
 _STEP_SIZE = re.compile(
     r"(?:\w*_)?(?:hh?|dt|tau|eps|epsilon|delta_?t|[δΔ]t|(?:time_?)?step(?:_?size)?)(?:_[a-z]*|\d*)"
@@ -747,9 +767,12 @@ def _called_a_method(
             continue
         row = [x for x in _own_part(block, collector)[2] if x.kind != "line"]
         given = list(_coefficients_in(row))
-        if len({x for x, _ in given}) < _DIFFERENT or not _steps_in(row):
-            continue
         why = f"it is called {said[0]!r} and has coefficients in its arithmetic, which are not read"
+        if len({x for x, _ in given}) < _DIFFERENT or not _steps_in(row):
+            given = [(x.text, x.line) for x in row if x.kind == "number" and len(x.text) > _MANY]
+            why = f"it is called {said[0]!r} and has numbers of many digits, which are not read"
+            if len({x for x, _ in given}) <= _DIFFERENT:
+                continue
         taken.append((which.line, which.last))
         yield Table(block.own or block.name, given[0][1], unread=why, general=True,
                     last=block.last, block=block)  # fmt: skip
@@ -1437,6 +1460,8 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 table.rows.append((y.name, row, None))
             elif explicit and y.named and x.array.named and len(row) > 3:
                 table.errors.append(row)  # judged where one weight makes the sum 0
+        elif y.role in ("", "b") and len(row) == s and abs(total - 1) < 0.5 and _sibling(y, x.b):
+            table.rows.append((y.name, row, None))
         elif y.role == "embedded" and len(row) == s:
             named = role_of(y.name)[1] in ("embedded", "error")
             if y.named and len(y.value) < s and not _near(total, 1):
@@ -1449,6 +1474,14 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
                 or (named and (abs(total - 1) < 0.5 or abs(total) < LOOSE))
             ):
                 table.rows.append((y.name, row, lower))
+
+
+def _sibling(x: Array, b: Array | None) -> bool:
+    """Return whether two names of weights differ in digits, or a letter said again: b4, b5, bb."""
+    if b is None or not x.name or x.name == b.name or b.named or x.named:
+        return False
+    names = (re.sub(r"\d+|([a-zA-Z])(?=\1)", "", y.name).lower() for y in (x, b))
+    return len(set(names)) == 1
 
 
 def _beside(x: Array, b: Array | None) -> bool:
@@ -1649,7 +1682,13 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
                 or {int(m[2]) for m in primary if m[2]}
                 or {int(m[1] or m[2] or ORDINALS[m[3].lower()]) for m in said}
             )
-            name = by_name(table.name, table.b[0], pair=bool(table.rows or table.errors))
+            pair = bool(table.rows or table.errors)
+            name = by_name(table.name, table.b[0], pair=pair)
+            around = block.parent if block is not None and block.kind == "code" else None
+            if around is not None and around.parent is not None and table.source == STEP and not (
+                    name or any(x is not table and x.block is not None and x.block.parent is around
+                                for x in found)):  # fmt: skip
+                name = by_name(around.name, table.b[0], pair=pair)  # of a class with one step
             if len(orders) == 1 or name:
                 said_by = "a comment" if len(orders) == 1 else "the name"
                 table.order = orders.pop() if len(orders) == 1 else name

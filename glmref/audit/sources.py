@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, lru_cache
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,9 @@ from ..compute.executors import Here
 from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited, rarely_collected
 from ..system.files import named_in
-from .entries import of_subject
+from .constants import constants_of, may_hold_constants
+from .data_files import FORMS, NAMED, as_source
+from .entries import OF_FLOWS, of_subject
 from .known import may_hold_known, records
 from .lexer import ENDINGS, FIXED, LANGUAGES, Language, language_of
 from .literals import mended
@@ -41,7 +42,7 @@ _MARKS: Mapping[str, str] = {
     "odeint": "class",
 }
 #: Languages that are not read; a file that may hold tables is said to be unread.
-_OTHERS = frozenset(".cs .kt .lua .nim .pas .scala .swift .zig".split())
+_OTHERS = frozenset(".adb .d .dart .fs .hs .lua .ml .nb .nim .pas .php .pl .rb .wl .zig".split())
 _MOST = 60_000_000  # characters of a file
 
 
@@ -67,6 +68,7 @@ def files(source: Path, form: str) -> list[Path]:
     found = [
         x for x in sorted(source.rglob("*"))
         if x.suffix in endings and x.is_file()
+        and (form or x.suffix not in NAMED or of_subject(x.name))
         and (form or not any(part.startswith(".") for part in x.parts[hidden:]))
     ]  # fmt: skip
     if not found:
@@ -76,12 +78,16 @@ def files(source: Path, form: str) -> list[Path]:
     return found
 
 
-def read_source(path: Path) -> str | None:
-    """Return the text of a file, or ``None`` where it cannot be read or is too long."""
+def read_source(path: Path, form: str = "") -> str | None:
+    """Return the text of a file, or ``None`` where it cannot be read or is too long.
+
+    A file of data is a source of a language, but where its format is given.
+    """
     try:
         if path.stat().st_size > _MOST:
             return None
-        return path.read_text(encoding="utf-8", errors="replace")
+        text = path.read_text(encoding="utf-8", errors="replace")
+        return as_source(path, text) if path.suffix in FORMS and not form else text
     except OSError:
         return None
 
@@ -135,18 +141,31 @@ def audit(
     outside = {path for path in paths if source.is_dir() and _leads_out(root, path)}
     declared: dict[str, int] = {}
     completed: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for path in paths:
-        text = None if path in outside else read_source(path)
+        text = None if path in outside else read_source(path, form)
         declared |= declared_orders(text) if text else {}
+        if text and not form and may_hold_constants(text):
+            texts[str(path.relative_to(root))] = text
         for name, (entry, line) in completed_entries(text or "").items():
             place = f"{path.relative_to(root)}:{line}"
             completed[name] = f"completed at run time: a step assigns to {entry} ({place})"
+    beyond = constants_of(texts)
     if wanted is not None:
         chosen = set(wanted)
         paths = [path for path in paths if path in chosen]
     inside = [path for path in paths if path not in outside]
     rows = list(
-        _rows(inside, form, declared, completed, source.is_file(), alone=alone, compare=compare)
+        _rows(
+            inside,
+            form,
+            declared,
+            completed,
+            source.is_file(),
+            alone=alone,
+            compare=compare,
+            beyond=beyond,
+        )
     )
     remark = "a link that leads out of the checkout; it is not followed"
     rows += [(path, _unread(1, path.name, remark)) for path in paths if path in outside]
@@ -185,24 +204,31 @@ def _rows(
     *,
     alone: bool,
     compare: bool,
+    beyond: Mapping[str, str],
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Yield each file with the tasks of its tables, and with records of what cannot be read.
 
     The only file of a folder is read whether it has the words of the subject or not.
     """
     for path in paths:
-        text = read_source(path)
+        text = read_source(path, form)
         if text is None:
             yield path, _unread(1, path.name, "the file cannot be read")
             continue
         recognised: list[Table] = []
-        if marks(form, text) if form else alone or may_hold(text, path.name):
+        if marks(form, text) if form else (
+            alone or may_hold(text, path.name) or (beyond and _uses(text, beyond))):  # fmt: skip
             task = {"kind": "audit", "file": str(path.absolute()), "form": form,
-                    "declared": declared, "given": given}  # fmt: skip
+                    "declared": declared, "given": given, "beyond": beyond}  # fmt: skip
             for row in _of_file(path, text, task, completed, recognised):
                 yield path, row
         if compare and not form and may_hold_known(text):
             yield from ((path, row) for row in _known(path, text, recognised))
+
+
+def _uses(text: str, beyond: Mapping[str, str]) -> bool:
+    """Return whether a text about flows has names of numbers of other files."""
+    return OF_FLOWS.search(text) and len(beyond.keys() & {*re.findall(r"\w+", text)}) > 1
 
 
 def _known(path: Path, text: str, recognised: Sequence[Table]) -> Iterator[dict[str, Any]]:
@@ -230,7 +256,8 @@ def _of_file(
     rows: list[dict[str, Any]] = []
     try:
         with limited(PROVING), rarely_collected():
-            for table in _read(path, text, task["form"], task["declared"], task["given"]):
+            for table in _read(path, text, task["form"], task["declared"], task["given"],
+                               task["beyond"]):  # fmt: skip
                 if table.name in completed:
                     rows.append(_unread(table.line, table.name, completed[table.name]))
                 elif table.unread:  # said at once: elsewhere the file would be read again
@@ -256,11 +283,15 @@ def judge_table(task: Mapping[str, Any]) -> dict[str, Any]:
     file = Path(task["file"])
     state = file.stat()
     written = (state.st_mtime_ns, state.st_size)
-    tables = _tables(file, written, task["form"], tuple(task["declared"].items()), task["given"])
+    orders, beyond = (tuple(task[x].items()) for x in ("declared", "beyond"))
+    tables = _tables(file, written, task["form"], orders, task["given"], beyond)
     library, table = _library() if task["compare"] else None, tables[task["number"]]
     record = judge(table, library, search=task["search"])
     language = language_of(file)
     low = record.get("found", 0) < (record.get("declared") or 0)
+    if table.kind == "splitting" and record.get("found") == 2 and len(table.b[0]) > 3 and (
+            table.order is None and table.general):  # fmt: skip
+        table, low = replace(table, order=4), True  # which no number has by chance
     if low and task["search"] and language and table.general and not record.get("correction"):
         _search(record, table, task, language)
     return record
@@ -270,22 +301,29 @@ def _search(
     record: dict[str, Any], table: Table, task: Mapping[str, Any], language: Language
 ) -> None:
     """Look for the one number of the source with which a table has its order; then it is asked."""
-    file, place = Path(task["file"]), task["number"]
+    file = Path(task["file"])
 
     def form(x: Table) -> tuple[int, str, int, int, bool]:
         return x.line, x.kind, len(x.rows), len(x.errors), x.guessed
 
-    def again(text: str) -> Table | None:
+    def again(text: str, beyond: Mapping[str, str] = task["beyond"]) -> Table | None:
         with suppress(GlmrefError, Unread, ValueError, LookupError, TypeError, AttributeError):
-            read_so = _read(file, text, task["form"], task["declared"], task["given"])
-            found = next(islice(read_so, place, None), None)
-            if found is not None and form(found) == form(table):
-                return replace(found, order=table.order)
+            for found in _read(file, text, task["form"], task["declared"], given, beyond):
+                if form(found) == form(table):
+                    return replace(found, order=table.order)
         return None
 
-    found = mended(read_source(file) or "", language, table, again)
-    if found and record["status"] in ("question", "unread", "wrong"):
-        record["status"] = "question" if record["status"] == "unread" else record["status"]
+    text, given, block = read_source(file, task["form"]) or "", True, table.block
+    lines = text.split("\n")
+    if block is not None and block.parent is not None:  # the function alone is read in less time
+        lines = [x if block.line <= k <= block.last else "" for k, x in enumerate(lines, 1)]
+    found = mended("\n".join(lines), language, table, again, task["beyond"])
+    if not found:
+        given = task["given"]
+        found = mended(text, language, table, again, task["beyond"])
+    if found and record["status"] in ("question", "unread", "wrong", "found"):
+        unsure = record["status"] in ("unread", "found")
+        record["status"] = "question" if unsure else record["status"]
         record["correction"] = found
         record["remarks"].append(f"with this number the order is {table.order}")
 
@@ -297,12 +335,15 @@ def _tables(
     form: str,
     declared: tuple[tuple[str, int], ...],
     given: bool,
+    beyond: tuple[tuple[str, str], ...],
 ) -> list[Table]:
     """Return tables of a file, last written then, as far as it is understood."""
     found: list[Table] = []
     # the client has read as far, and says what is wrong
     with suppress(Exception), limited(PROVING):
-        found.extend(_read(file, read_source(file) or "", form, dict(declared), given))
+        found.extend(
+            _read(file, read_source(file, form) or "", form, dict(declared), given, dict(beyond))
+        )
     return found
 
 
@@ -311,8 +352,9 @@ _MORE = ("petsc", "julia", "principia", "odeint", "constants")
 
 
 def _read(
-    path: Path, text: str, form: str, declared: Mapping[str, int], given: bool
-) -> Iterator[Table]:
+    path: Path, text: str, form: str, declared: Mapping[str, int], given: bool,
+    beyond: Mapping[str, str],
+) -> Iterator[Table]:  # fmt: skip
     """Yield the tables of one file, in a format or of any kind.
 
     A file that is given by its name is about tables; one of a checkout must say so.
@@ -321,12 +363,18 @@ def _read(
         yield from read(text, form, declared)
         return
     language = language_of(path)
-    if language is None:
+    if language is None or (path.suffix in NAMED and not text):
         which = path.suffix or "without an ending"
         more = f"; --from {which[1:]} reads it" if which[1:] in FORMATS else ""
         raise DataError(f"the language of a file {which} is not known{more}")
     found = tables(
-        text, language, fixed=path.suffix in FIXED, about=given, declared=declared, where=path.name
+        text,
+        language,
+        fixed=path.suffix in FIXED,
+        about=given,
+        declared=declared,
+        where=path.name,
+        beyond=beyond,
     )
     forms = [x for x in _MORE if path.suffix in SUFFIXES[x] and marks(x, text)]
     special = [x for form in forms for x in read(text, form, declared)]

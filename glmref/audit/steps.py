@@ -49,6 +49,8 @@ STAGES = 64
 ACCIDENTS = (KeyError, IndexError, ValueError, TypeError, AttributeError, RecursionError)
 _UNREAD = "the numbers of a step stand in its arithmetic, in a form that is not read"
 BRANCHES = frozenset("else elif elseif elsif case switch match".split())
+#: Calls that add an entry to a vector.
+_APPENDS = frozenset("Add add append push push_back emplace_back".split())
 _LOOPS = frozenset(("for", "do", "DO"))
 _OWN = ("self", "this", "me")
 #: What the index of an entry is made of where each has a thread.
@@ -244,7 +246,7 @@ def flat(given: Sequence[Token], language: Language) -> list[Token]:
 
 def statements(row: Sequence[Token], language: Language) -> Iterator[list[Token]]:
     """Yield the statements of a function without their ends."""
-    by_line = not language.braces or language.name in ("go", "javascript")
+    by_line = not language.braces or language.by_line
     start, depth = 0, 0
     for k, x in enumerate(row):
         if x.kind == "mark":
@@ -414,6 +416,8 @@ class Step:
     values: dict[str, Any] = field(default_factory=dict)
     order: list[str] = field(default_factory=list)  #: Names in the order of their assignments.
     places: list[list[Number | None]] = field(default_factory=list)
+    clock: Number | None = None  #: Time in the last call of another function, as of a field.
+    clocks: list[Number | None] = field(default_factory=list)  #: Of each stage.
     used: set[int] = field(default_factory=set)  #: What has been the argument of a stage.
     returned: Any = None
     out: set[str] = field(default_factory=set)
@@ -472,6 +476,7 @@ class Step:
                 self.used.add(id(x.value) if isinstance(x, Number) else 0)
                 places.append(x if isinstance(x, Number) else None)
         self.places.append(places)
+        self.clocks.append(self.clock)
         slope = atom(f"#{len(self.places)}")
         if self.output >= 0:
             name = given[self.output][0]
@@ -504,6 +509,13 @@ class Step:
             self._end(row[1:] or row)
             return
         equal = _equal(row)
+        if (
+            equal is None
+            and [x.text in _APPENDS for x in row[2:3]] == [True]
+            and row[1].text == "."
+        ):
+            self._set(row[0].text, row[4 : _partner(row, 3)], "=")  # each entry, by a loop
+            return
         if equal is None:
             before, returned = len(self.places), self.returned
             self._end(row)
@@ -519,6 +531,7 @@ class Step:
             left = left[mark + 1 :]
         if not left or left[-1].kind != "name":
             return
+        self._note_time(row[equal + 1 :])
         targets, given = _parts(left), _parts(row[equal + 1 :])
         if len(targets) > 1:
             self._set_at_once(targets, given)
@@ -529,12 +542,25 @@ class Step:
         owner = [x.text for x in left[first:-1:2] if x.text not in _OWN]
         self._set(".".join([*owner, left[-1].text]), row[equal + 1 :], row[equal].text)
 
+    def _note_time(self, row: Sequence[Token]) -> None:
+        """Note the time that another function is given: ``e = field(E, y, t0 + 3*h/10)``."""
+        for part in (y for x in calls(row) if x.name != self.callee for y in x.arguments):
+            if {"t", "t0", "time", "T"} & {y.text for y in part} and len(part) < 16:
+                with suppress(GlmrefError, Unread, *ACCIDENTS):
+                    x = self.fold(part)
+                    if isinstance(x, Number) and not _slopes(x):
+                        self.clock = x.of(form(x))  # type: ignore[arg-type]
+                        self.clock.place = (part[0].line, " ".join(y.text for y in part)[:80])
+
     def _adds(self, row: Sequence[Token]) -> bool:
         """Return whether a call, which is no stage, may add slopes to what it is given.
 
         Not to a slope itself, and no more to an estimate where the new value has been set.
         """
         given = row[2:] if [x.text for x in row[1:2]] == ["."] else row
+        stored = [self.values.get(_lone(y)) for x in calls(row) for y in x.arguments]
+        if len(stored) == 1 and _slopes(stored[0]) and len(form(stored[0]).terms) > 2:
+            return False  # the new value is kept: set_state(y)
         held = [x for x in map(self.values.get, (y.text for y in given)) if _slopes(x)]
         new = [x for x in self.values.values() if _slopes(x) and id(x.value) not in self.used
                and any(len(k) == 1 and k[0][0] != "#" for k in form(x).terms)]  # fmt: skip
@@ -692,8 +718,8 @@ class Step:
 
     def _times(self, at: int, step: tuple[str, ...], given: bool) -> list[Number] | None:
         """Return the nodes, where an argument of all stages is a time and a part of the step."""
-        for k in range(len(self.places[0])):
-            column = [x[k] if k < len(x) else None for x in self.places]
+        for k in range(-1, len(self.places[0])):
+            column = [x[k] if k < len(x) else None for x in self.places] if k >= 0 else self.clocks
             read = [x for x in column if x is not None]
             if k == at or not step or len(read) < len(column):
                 continue
@@ -703,6 +729,8 @@ class Step:
                 continue
             if any(step in x for x in terms):
                 rows = [x.of(y.get(step, _ZERO)) for x, y in zip(read, terms, strict=True)]
+                for x, y in zip(rows, read, strict=True):
+                    x.place = y.place
                 return [ZERO, *rows] if given else rows
         return None
 
@@ -863,7 +891,11 @@ def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
             if not places:
                 continue
             output = max(places)[1]
-        alike = made if output < 0 else [x for x in every if len(x.arguments) == count]
+        alike = (
+            made
+            if output < 0
+            else [x for x in every if len(x.arguments) == count and x.valued == made[0].valued]
+        )
         begin = row[min(x.at for x in alike)]
         first = next((n for n, s in enumerate(said) if any(y is begin for y in s)), 0)
         if len(made) > 1 and not _depends(alike, said[first:], output):
@@ -873,8 +905,7 @@ def steps_of(block: Block, row: Sequence[Token], collector: Collector) -> Iterat
             continue
         step = Step(block, collector, name, count, output,
                      {x for x, n in targets.items() if n > 1})  # fmt: skip
-        step.out = {_lone(x.arguments[output]) for x in every
-                    if output >= 0 and len(x.arguments) == count}  # fmt: skip
+        step.out = {_lone(x.arguments[output]) for x in alike if output >= 0}
         for statement in said:
             try:
                 step.take(statement)

@@ -37,7 +37,7 @@ from ..system.budget import limited
 from .entries import LOOSE
 from .kinds import in_one_form
 from .nearest_method import Library
-from .table import ZERO, Table
+from .table import ZERO, Rows, Table
 
 #: What a table is of which nothing is asked.
 _GOOD = ("right", "digits", "found")
@@ -150,7 +150,8 @@ def _meant(
     found = record["found"]
     few = 2 if len(method.b[0]) > 2 else 1  # two entries of two stages make another method
     explained = record.get("correction") or record.get("nearest", {}).get("differing", 9) <= few
-    explained = explained or any(" is that of " in x for x in remarks)
+    explained = explained or any(" is that of " in x or x.startswith("with weight ")
+                                 for x in remarks)  # fmt: skip
     declared = any("is declared of order" in x for x in remarks)  # of a row, by its own variable
     if status == "wrong" and declared and found >= (table.order or 0):
         return status
@@ -203,6 +204,14 @@ def _meant(
             if mended:
                 record["correction"] = mended
                 remarks.append(f"with this entry the order is {order}")
+                return "question"
+    if method.kind in ("rosenbrock", "low-storage", "shu-osher") and 2 < len(method.b[0]):
+        for order in (4, 3) if found < 3 else ():  # more conditions than one entry satisfies
+            mended = correction(method, order) if order > found + 1 else []
+            if 0 < len(mended) < 3:
+                record["correction"] = mended
+                remarks.append(f"with {'one of these entries' if mended[1:] else 'this entry'} the "
+                               f"order is {order}")  # fmt: skip
                 return "question"
     if 0 < near.get("differing", 0) <= 2 and near.get("order", 0) > found:
         remarks.append(f"the order of the nearest method is {near['order']}")
@@ -345,7 +354,8 @@ def _dense(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
         for k, (row, x) in enumerate(zip(rows, method.b[0], strict=False), 1):
             gap = complex(sum(vector(row), Exact(0)) - x).real
             if abs(gap) > method.coarse:
-                said.append(f"row {k} of {name}, a dense output, sums to b[{k}] {gap:+.3g}")
+                said.append(f"row {k} of {name}, a dense output, sums to b[{k}] {gap:+.3g}"
+                            + _in_column(rows, k - 1, gap, method.coarse))  # fmt: skip
         c = [sum(row, Exact(0)) for row in method.A[0]]
         moments = [
             complex(sum((x * y for x, y in zip(column, c, strict=False)), Exact(0))).real
@@ -360,6 +370,20 @@ def _dense(table: Table, method: Trial, status: str, remarks: list[str]) -> str:
         remarks += said
         status = "question" if said and status in _GOOD else status
     return status
+
+
+def _in_column(rows: Rows, k: int, gap: float, coarse: float) -> str:
+    """Return which entry of a row of a dense output is off by a gap, as the sum of its column is.
+
+    The columns sum to 1 (of theta) and 0.
+    """
+    sums = [complex(sum(vector(x), Exact(0))).real for x in zip(*rows, strict=True)]
+    off = [j for j, x in enumerate(sums) if abs(x - (j == 0) - gap) <= coarse]
+    if len(off) != 1:
+        return ""
+    x = rows[k][off[0]]
+    is_, should = (f"{complex(x.value).real - y:.15g}" for y in (0, gap))
+    return f": entry {off[0] + 1} of it is {is_} and should be {should}{_line([x])}"
 
 
 def _unseen(table: Table, method: Trial) -> list[str]:
@@ -489,7 +513,10 @@ def _rows(table: Table, method: Trial, found: Reach, status: str, remarks: list[
                     "sums to 0: it may be that of an error estimate, in place of embedded weights"
                 )
             remarks.append(f"the row {label} {said}{_line(weights)}")
-            one = one_weight(method, row, least)
+            one = one_weight(method, row, max(least, found.to(coarse) - 1))
+            if one:
+                k = int(one[0].split()[2])
+                remarks[-1] = f"the row {label} {said}{_line(weights[k - 1 :])}"
             remarks += one
             meant = abs(total) <= coarse and re.search(r"hat|low|emb", label, re.IGNORECASE)
             status = "question" if status in ("right", "digits") or one or meant else status

@@ -216,9 +216,10 @@ class Trial:
 
 def _pairs(method: Trial) -> Iterator[tuple[str, list[Any], int, int]]:
     """Yield two entries of a row of A that may be wrong with the sum of the row right."""
-    if method.kind not in ("rk", "additive") or len(method.b[0]) > 8:
+    names = {"rk": "a", "additive": "a a_implicit", "nystrom": "a a_prime"}.get(method.kind, "")
+    if len(method.b[0]) > 8:
         return
-    for name, M in zip(("a", "a_implicit"), method.A, strict=False):
+    for name, M in zip(names.split(), method.A, strict=False):
         for i, row in enumerate(M, 1):
             for k, j in combinations(range(len(row)), 2):
                 if complex(row[j]) != 0 and complex(row[k]) != 0:
@@ -541,13 +542,17 @@ def embedded(method: Trial, row: Sequence[Scalar], order: int, least: int) -> li
 
 
 def one_weight(method: Trial, row: Sequence[Scalar], least: int) -> list[str]:
-    """Return the weight of an embedded row that with the other sign gives its order."""
+    """Return the weight of an embedded row that gives its order with the other sign.
+
+    Or with any value, where the order is 3 or more: one number satisfies all its conditions.
+    """
     missing, found = Exact(1) - sum(row, Exact(0)), []
     for k, x in enumerate(row):
         turned = abs(complex(x + x + missing)) <= method.coarse  # the sum is 1 then
-        if turned and method.has_order(max(2, least), [*row[:k], x + missing, *row[k + 1 :]]):
+        order = max(2 if turned else 3, least)
+        if method.has_order(order, [*row[:k], x + missing, *row[k + 1 :]]):
             found.append(f"with weight {k + 1} = {_short(x + missing)} in place of {_short(x)} its "
-                         f"order is {max(2, least)}")  # fmt: skip
+                         f"order is {order}")  # fmt: skip
     return found if len(found) == 1 else []
 
 

@@ -104,7 +104,7 @@ CASES = [
         text, said, case, id=f"{name}: {case.get('about') or case['language']}, {k}",
         marks=[pytest.mark.slow] if case.get("slow") or said.get("slow") else [],
     )
-    for name in ("tables", "flows", "formats", "steps")
+    for name in ("tables", "flows", "formats", "steps", "languages")
     for case in _listed(name, "case")
     for k, (text, said) in enumerate(_texts(case))
 ]  # fmt: skip

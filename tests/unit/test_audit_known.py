@@ -348,3 +348,26 @@ def test_a_low_storage_table_that_is_read_is_not_said_to_be_unread(tmp_path: Pat
         + text.format("rk4b", lists[1])
     )
     assert [x["status"] for x in audit(tmp_path)] == ["found"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("-0.0662645826698185", "-0.662645826698185"), ("-0.0662645826698185", "-0.0662654826698185")],
+)
+def test_a_slip_in_one_of_few_numbers_of_a_splitting_is_named(
+    tmp_path: Path, old: str, new: str
+) -> None:
+    """Two numbers of 15 digits say which splitting it is; the others are computed from them."""
+    source = (
+        "! symplectic scheme\n  double precision, parameter :: xi = 0.178617895844809d0\n"
+        "  double precision, parameter :: lam = -0.212341831062605d0\n"
+        "  double precision, parameter :: chi = -0.0662645826698185d0\n"
+    )
+    for name, text, states in (("right", source, ["unread"]),
+                               ("wrong", source.replace(old, new), ["question"])):  # fmt: skip
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "c.f90").write_text(text, "utf-8")
+        found = list(audit(tmp_path / name))
+        assert [x["status"] for x in found] == states, found
+    (slip,) = found[0]["correction"]
+    assert slip["line"] == 4 and slip["should be"].startswith(old.strip("-")[:16])
