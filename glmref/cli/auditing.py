@@ -195,9 +195,10 @@ def audit(
 ) -> int:
     """Check every tableau in files or checkouts: one line of JSON each, then a count.
 
-    C, C++, CUDA, Fortran, Julia, Python, Rust, Java, MATLAB, Go and JavaScript are read. Nothing
-    in the sources is executed. A table that is not understood is listed as unread, with its line,
-    and the audit goes on. Exit code 1 when a table is wrong, 2 when no table can be read.
+    C, C++, C#, CUDA, Fortran, Go, Java, JavaScript, Julia, Kotlin, MATLAB, Python, R, Rust, Scala,
+    Swift, notebooks, JSON, TOML and YAML are read. Nothing in the sources is executed. A table that
+    is not understood is listed as unread, with its line, and the audit goes on. Exit code 1 when a
+    table is wrong, 2 when no table can be read.
 
     With --lines an error is a claim that fails; a warning is a question, or a claim that is not
     decided; with --strict a note is what looks like a table and could not be read, and any of them
