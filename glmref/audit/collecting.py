@@ -87,6 +87,8 @@ class Block:
     subject: str = ""  #: Name of what a choice is about.
     #: Numbers of names of other files, where this is the outermost block.
     beyond: Mapping[str, str] = field(default_factory=dict)
+    #: Names that the file declares, each with the numbers that functions give it.
+    declared: dict[str, list[Number]] = field(default_factory=dict)
 
     def path(self) -> list[str]:
         """Return names from the outermost block to this one."""
@@ -564,7 +566,7 @@ class Collector:
             return
         target = _target(row[:equal], self.language)
         if row[equal].text not in ("=", ":="):  # such as +=
-            if target is not None:
+            if target is not None and not self._moved(target, row, equal):
                 self._lose(target[0], f"{target[0]} is changed after it is set", row[equal].line)
             return
         if target is None:
@@ -612,6 +614,23 @@ class Collector:
                 else:
                     self._assign(rest[1:], more)
 
+    def _moved(self, target: Any, row: Sequence[Token], equal: int) -> bool:
+        """Carry out ``E3[8] -= 0.0220588`` on a list; return whether it was understood."""
+        name, subscripts, owner, *_ = target
+        index = self._index(subscripts) if subscripts and not owner else None
+        held = self.block.names.get(name)
+        if index is None or len(index) != 1 or not isinstance(held, list):
+            return False
+        k, x = index[0] - self.language.base, self._folded(row[equal + 1 :])
+        old = held[k] if 0 <= k < len(held) else None
+        sign = {"+=": 1, "-=": -1}.get(row[equal].text)
+        if sign is None or not isinstance(old, Number) or not isinstance(x, Number):
+            return False
+        found = old.of(old.value + sign * x.value, x)
+        found.place = (row[0].line, " ".join(y.text for y in row)[:80])
+        held[k] = found
+        return True
+
     def _several(self, row: Sequence[Token], equal: int) -> bool:
         """Carry out ``a21, a31 = 1 / 5, 3 / 40``; return whether it is one."""
         if self.language.name not in ("go", "python", "julia", "javascript"):
@@ -646,10 +665,11 @@ class Collector:
             owner, _, last = name.rpartition(".")
             keys = [name, last] if owner else [name]
             beyond: Mapping[str, str] = {}
+            declared: Mapping[str, list[Number]] = {}
             for key in keys:
                 at: Block | None = block
                 while at is not None:
-                    beyond = at.beyond
+                    beyond, declared = at.beyond, at.declared
                     if key in at.names:
                         value = at.names[key]
                         if isinstance(value, Unread):
@@ -661,6 +681,8 @@ class Collector:
                     at = at.parent
             if name in _SPELT:
                 return Number(_SPELT[name])
+            if len(declared.get(name, ())) == 1:
+                return declared[name][0]
             if keys[-1] in beyond:
                 return _written(beyond[keys[-1]])
             raise Unread(f"the name {name!r} is not known")
@@ -719,6 +741,9 @@ class Collector:
                 )
             block.items.append(item)
             block.names[name] = value
+            if name in self.top.declared and isinstance(value, Number) and not typed:
+                value.place = value.place or (line, "")
+                self.top.declared[name].append(value)
             if isinstance(value, list):
                 self.frames[id(value)] = item
             return
@@ -943,6 +968,8 @@ class Collector:
     def _expression(self, row: Sequence[Token]) -> None:
         """Read a call, an object, a field or a declaration such as ``Matrix a{..}``."""
         marks = {x.text for x in row}
+        if self.language.name == "c" and self.block is self.top and "," in marks:
+            self.top.declared |= {x.text: [] for x in row[1:] if x.kind == "name"}
         sign = {"python": ":", "julia": "::"}.get(self.language.name)
         if self.block.name and [x.text for x in row[1:2]] == [sign]:
             self.fields.setdefault(self.block.name, []).append(row[0].text)

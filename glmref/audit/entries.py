@@ -126,6 +126,8 @@ def role_of(name: str) -> tuple[str, str]:
     if re.match(r"k[A-Z]", name):  # kAlpha, a constant of C++
         name = name[1:]
     name = re.sub(r"_(?:values?|vals?|array|data|[hd]|host|dev|device|[cg]pu)$", "", name)
+    if re.fullmatch(r"E\d", name):  # of two estimates
+        return "", "error"
     capitals = re.fullmatch(r"([A-Z]{2,}\d*)([abc]{1,2})", name)  # RKa
     if capitals and capitals[2] in _ROLES:
         return capitals[1].lower(), _ROLES[capitals[2]]
@@ -262,7 +264,18 @@ def arrays(block: Block, language: Language) -> list[Array]:
         if stem not in lists or len(entries) > 1:
             found += _of_scalars(stem, entries)
     _suffixed(found)
+    _without_zeroth(found)
     return sorted(found, key=lambda x: x.at)
+
+
+def _without_zeroth(found: list[Array]) -> None:
+    """Leave out the empty index 0 of vectors beside a matrix whose rows had one, too."""
+    for x in [y for y in found if y.role == "A" and not y.flat and y.value[0] == y.value[0][:1]]:
+        wide = [y for y in found if y.flat and len(y.value) == len(x.value) + 2
+                and size(y.value[0]) == 0 and abs(y.at - x.at) < 12]  # fmt: skip
+        if any(role_of(y.name)[1] == "b" for y in wide) and len(wide) > 1:
+            for y in wide:
+                y.value = y.value[1:]
 
 
 def _by_object(items: list[Item]) -> list[Item]:
@@ -446,7 +459,9 @@ def _of_rows(stem: str, rows: list[tuple[int, Item | Array]], scalars: Any) -> l
     if len(rows) < 2 or not (grows and follows):
         return []
     value = [item.value for _, item in rows]
-    if lengths[0] == 2:  # the first row is one number
+    if lengths[0] == rows[0][0] == 2 and all(size(x[0]) == 0 for x in value):
+        value = [x[1:] for x in value]  # the index 0 is left empty
+    elif lengths[0] == 2:  # the first row is one number
         first = next(
             (x for digits, more, x in scalars.get(stem, []) if digits in ("21", "1", "2")), None
         )

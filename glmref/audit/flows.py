@@ -17,7 +17,7 @@ from ..exact import Exact
 from .collecting import Block, Collector, _equal, _partner
 from .lexer import Token
 from .steps import ACCIDENTS, BRANCHES, Form, Names, calls, form
-from .table import ZERO, Table, of_weights
+from .table import ZERO, Table, as_composition, of_weights
 from .values import Number, Unread
 
 #: Names of a step.
@@ -291,4 +291,8 @@ def _table(moves: list[Moved], values: list[Number]) -> Table | None:
         for x, y in zip(made, row, strict=True):
             x.place = y.place
         table.b.append([*made, *([ZERO] * (size - len(made)))])
+    first, second = (x[: len(row)] for x, row in zip(table.b, rows.values(), strict=True))
+    composed = as_composition(first, second) or as_composition(second, first)
+    if composed is not None:
+        table.kind, table.b = composed.kind, composed.b
     return table

@@ -334,7 +334,7 @@ class Folder:
             known = len(inside) == 1 and self._known(inside[0].text)
             if not known and (after.kind in ("number", "name") or after.text in ("(", "{", "-")):
                 self.at = close + 1
-                return plain(self._unary())
+                return plain(self._unary(tight=True))  # of the first factor alone
         blanks, self.blanks = self.blanks, False
         try:
             items = self.items(")", keep=True)
@@ -759,7 +759,7 @@ class Folder:
             return _apply("/", plain(given[-2]), plain(given[-1]), self.language)
         if low.endswith("sqrt") and len(given) >= 1:
             return _rooted(given[0])
-        if low == "cbrt" and len(given) == 1:
+        if low in ("cbrt", "cube_root", "cuberoot", "thirdroot") and len(given) == 1:
             return power(given[0], Number(Exact(Fraction(1, 3))))
         if low.endswith(("pow", "power", "powerr")) and len(given) == 2:
             return power(given[0], given[1])

@@ -21,7 +21,7 @@ from .collecting import Block
 from .entries import LOOSE, Array, Found, Words, bare_name, last_letter, role_of
 from .folding import flattened
 from .multistep import MULTISTEP, multistep
-from .table import ZERO, Rows, Table, of_weights
+from .table import ZERO, Rows, Table, as_composition, of_weights
 from .values import Number, Unread, size, whole_number
 
 _SPLITTING = Words(
@@ -311,9 +311,27 @@ def _transformed(block: Block, matrices: list[Array], vectors: list[Array]) -> I
                 raise Unread("the coefficients of a Rosenbrock method, in a form that is not read")
             table.kind, table.A, table.b, table.c = made.kind, made.A, made.b, made.c
             table.rows = [(name, row, least) for name, row, _ in made.rows]
+            table.identities = list(_sums_said(table.A, vectors))
 
         arrays = [given["a"], given["c"], m, *([error] if error else [])]
         yield from _guarded("", min(y.line for y in arrays), arrays, make)
+
+
+def _sums_said(parts: Sequence[Rows], vectors: list[Array]) -> Iterator[tuple[str, float]]:
+    """Yield how far vectors called alpha or gamma are from the sums of rows, if most are sums."""
+    for x in vectors:
+        part = {"alpha": 0, "α": 0, "gamma": 1, "γ": 1}.get(last_letter(x))
+        if part is None or len(x.value) < len(parts[part]) or x.lost:
+            continue
+        pairs = list(zip(parts[part], x.value, strict=False))
+        if not all(isinstance(y, Number) for _, y in pairs) or len(pairs) < 3:
+            continue
+        gaps = [abs(sum(map(size, row)) - size(y)) for row, y in pairs]
+        if 2 * sum(gap < LOOSE for gap in gaps) >= len(gaps):
+            k = gaps.index(max(gaps))
+            at = pairs[k][1].place
+            line = f" (line {at[0]})" if at else ""
+            yield f"the sum of row {k + 1} is {x.name}[{k + 1}]{line}, which", gaps[k]
 
 
 def _without_room(m: Array, pool: Sequence[Array]) -> tuple[Array, list[Array]]:
@@ -702,11 +720,9 @@ def _splitting(vectors: list[Array]) -> Iterator[Found]:
             n = len(first.value)
             table.kind = "splitting"
             table.b = [first.value, [*second.value, *([ZERO] * (n - len(second.value)))]]
-            cubes = sum(size(v) ** 3 for v in second.value)
-            if n > 3 and cubes > 1e-9 and min(map(size, second.value)) < 0 == size(table.b[1][-1]):
-                made = of_weights("", 0, table.b[1][:-1]).b[0]
-                gaps = [complex(p.value - q.value) for p, q in zip(made, first.value, strict=True)]
-                table.kind = "composition" if max(map(abs, gaps)) < 1e-12 else table.kind
+            if n > 3 and size(table.b[1][-1]) == 0 and as_composition(
+                    first.value, table.b[1][:-1]) is not None:  # fmt: skip
+                table.kind = "composition"
 
         pairs = x.at == y.at and x.name[:-1] == y.name[:-1]  # columns of a list of pairs
         name = x.name[:-2] if pairs else ""

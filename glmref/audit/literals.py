@@ -21,7 +21,7 @@ from .table import STEP, Table
 from .values import Unread
 
 #: Seconds of processor time for one table, and for one reading of its source.
-_SECONDS, _ONE = 6.0, 0.25
+_SECONDS, _ONE = 12.0, 0.25
 #: Steps of the secant method, and how near a whole number must be.
 _STEPS, _WHOLE = 12, 1e-6
 #: Numbers with more characters may be exchanged with others of their line.
@@ -77,7 +77,7 @@ def mended(
             return [{"entry": f"the numbers {x.text} and {y.text}", "is": f"{x.text}, {y.text}",
                      "should be": f"{y.text}, {x.text}", "line": x.line, "text": ""}]  # fmt: skip
     for turned, one, two in _exchanged(text, first, last):
-        if process_time() > begin + _SECONDS / 2:
+        if process_time() > begin + _SECONDS / 4:
             break
         if _good(_residuals(again(turned))):
             said = [x["is"] for x in (one, two)]
@@ -121,6 +121,8 @@ def mended(
 
 #: ``b2 = 3 // 4`` and what ends it.
 _SET = re.compile(r"(.*?([\w.\]\[(), ]+?)\s*=\s*)([^=,;]*\d[^=,;]*?)(\s*[;,]?\s*)$")
+#: An entry of a list on a line of its own.
+_ALONE = re.compile(r"(\s*()(?:[A-Za-z]\w*\[)?)([-+\w./* ()]*\d[-+\w./* ()]*?)(\s*[,\]]*\s*)$")
 #: Lines of which values of names may be exchanged.
 _LINES = 24
 
@@ -130,14 +132,20 @@ def _exchanged(
 ) -> Iterator[tuple[str, dict[str, str | int], dict[str, str | int]]]:
     """Yield the text with the values of two names exchanged, and both as entries with lines."""
     rows = text.split("\n")
-    given = [(k, m) for k in range(first - 1, min(last, len(rows))) if (m := _SET.match(rows[k]))]
-    for (j, x), (k, y) in combinations(given, 2) if len(given) <= _LINES else ():
-        if x[3] == y[3]:
+    lines = range(first - 1, min(last, len(rows)))
+    given = [(k, m) for k in lines if (m := _SET.match(rows[k]) or _ALONE.match(rows[k]))]
+    pairs = sorted(combinations(given, 2), key=lambda x: x[1][0] - x[0][0])  # neighbours first
+    for (j, x), (k, y) in pairs if len(given) <= _LINES else ():
+        if x[3] == y[3] or any(z[3].count(p) != z[3].count(q) for z in (x, y)
+                               for p, q in ("()", "[]", "{}")):  # fmt: skip
             continue
         turned = list(rows)
         turned[j], turned[k] = x[1] + y[3] + x[4], y[1] + x[3] + y[4]
-        one, two = ({"entry": m[2].strip(), "is": m[3].strip(), "should be": "", "line": n + 1,
-                     "text": m[3].strip()} for n, m in ((j, x), (k, y)))  # fmt: skip
+        one, two = (
+            {"entry": m[2].strip() or f"the number {said}", "is": said, "should be": "",
+             "line": n + 1, "text": said}
+            for n, m in ((j, x), (k, y)) if (said := m[3].strip())
+        )  # fmt: skip
         yield "\n".join(turned), one, two
 
 

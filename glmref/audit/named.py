@@ -67,7 +67,9 @@ def _of_constants(text: str) -> Table:
     if found.keys() & {"gam", "gamma"}:
         raise Unread("a Rosenbrock method whose entries have names of their own")
     letter = "a" if "21" in found.get("a", {}) else "b"
-    entries = {_pair(k): x for k, x in found[letter].items() if len(k) > 1}
+    entries = {_pair(k): x for k, x in found.get(letter, {}).items() if len(k) > 1}
+    if not entries:
+        raise Unread("no entry of A has a value that is read")
     names = ("b", "c", "e", "d") if letter == "a" else ("c", "a", "dc", "c_")
     if "d" in found:
         found.pop("e", None)  # the second of many further rows

@@ -771,7 +771,15 @@ def _called_a_method(
         if len({x for x, _ in given}) < _DIFFERENT or not _steps_in(row):
             given = [(x.text, x.line) for x in row if x.kind == "number" and len(x.text) > _MANY]
             why = f"it is called {said[0]!r} and has numbers of many digits, which are not read"
-            if len({x for x, _ in given}) <= _DIFFERENT:
+            roots = [
+                x
+                for x, *y in zip(row, row[1:], row[2:], strict=False)
+                if x.text in ("**", "pow", "cbrt", "^") and "1" in {z.text for z in y}
+            ]
+            if len({x for x, _ in given}) <= _DIFFERENT and roots and _steps_in(row):
+                given = [("", roots[0].line)]
+                why = f"it is called {said[0]!r} and computes its coefficients with a root"
+            elif len({x for x, _ in given}) <= _DIFFERENT:
                 continue
         taken.append((which.line, which.last))
         yield Table(block.own or block.name, given[0][1], unread=why, general=True,
@@ -1434,7 +1442,9 @@ def _further(table: Table, x: Candidate, near: list[Array]) -> None:
     s = len(x.weights)
     lower = _lower_order(table.block)
     for y in near:
-        if not y.flat and _DENSE.search(y.name) and not y.lost:
+        own = _DENSE.split(y.name)[0].strip("_").lower()  # RK45 of RK45_P
+        foreign = own and x.array.stem and own != x.array.stem
+        if not y.flat and _DENSE.search(y.name) and not y.lost and not foreign:
             table.dense += _of_dense_output(y, x.weights)
         if not y.flat or y is x.b or y is x.c or not _stems(y, x.array) or y.lost:
             continue
@@ -1627,6 +1637,8 @@ def _own_order(block: Block, *, above: bool = True) -> int | None:
             name = item.name.rpartition(".")[2]
             if not _ORDER_NAME.search(name) or _NOT_ORDER.search(name):
                 continue
+            if at is not block and at.parent is None and item.line > block.last + _LINES:
+                continue  # far behind a function: of something else
             if at is not block and at.parent is None and _of_another(name, block.path()):
                 continue
             value = item.value.value.as_fraction()
@@ -1657,6 +1669,10 @@ def _two_orders(block: Block) -> tuple[int, int] | None:
     return (low.pop(), high.pop()) if len(low) == len(high) == 1 else None
 
 
+#: Names of classes with one step.
+_STEP_CLASS = re.compile(r"\w*(?:[Rr]unge_?[Kk]utta|RK)_?\d")
+
+
 def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
     """Give tables without a declared order the one that a comment above them or their name says.
 
@@ -1685,7 +1701,8 @@ def declare(found: list[Table], remarks: Sequence[Remark]) -> None:
             pair = bool(table.rows or table.errors)
             name = by_name(table.name, table.b[0], pair=pair)
             around = block.parent if block is not None and block.kind == "code" else None
-            if around is not None and around.parent is not None and table.source == STEP and not (
+            if around is not None and _STEP_CLASS.fullmatch(around.name) and (
+                    table.source == STEP) and not (
                     name or any(x is not table and x.block is not None and x.block.parent is around
                                 for x in found)):  # fmt: skip
                 name = by_name(around.name, table.b[0], pair=pair)  # of a class with one step

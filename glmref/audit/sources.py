@@ -35,9 +35,9 @@ LINE = "glmref-audited-table-1"
 _MARKS: Mapping[str, str] = {
     "json": r'"(?:A|alpha|parts)"',
     "csv": r"\bb\b",
+    "constants": r"\b[ab]21\b",
     "petsc": "TSRKRegister|TSDIRKRegister|TSARKIMEXRegister|TSRosWRegister|TSGLEERegister",
     "julia": "Tableau|Butcher|ConstantCache",
-    "constants": r"\b[ab]21\b",
     "principia": "FixedVector<double",
     "odeint": "class",
 }

@@ -599,6 +599,8 @@ class Step:
             self.returned = x
 
     def _set(self, name: str, row: Sequence[Token], sign: str) -> None:
+        if {"nan", "quiet_nan", "inf", "infinity"} & {x.text.lower() for x in row}:
+            return  # where a step fails
         try:
             x = self.fold(row)
             if isinstance(x, list) or not isinstance(x, Number):

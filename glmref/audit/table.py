@@ -82,6 +82,20 @@ def vector(value: Any, s: int = 0) -> list[Number]:
     return [*flat, *([ZERO] * (s - len(flat)))]
 
 
+def as_composition(first: list[Number], second: list[Number]) -> Table | None:
+    """Return the steps of a splitting as a composition of Störmer's method, if they are one.
+
+    That is, the second flow has the weights, one less, of which one is below 0, and the first the
+    means of neighbours; where the sum of the cubes is 0 they have order 4, and are a splitting.
+    """
+    sizes = [complex(x.value).real for x in second]
+    if len(first) != len(second) + 1 or len(second) < 3 or min(sizes) >= 0:
+        return None
+    found = of_weights("", 0, second)
+    gaps = [complex(p.value - q.value) for p, q in zip(found.b[0], first, strict=True)]
+    return found if abs(sum(x**3 for x in sizes)) > 1e-9 and max(map(abs, gaps)) < 1e-12 else None
+
+
 def of_weights(name: str, line: int, weights: list[Number]) -> Table:
     """Return Störmer's method composed with weights: half a drift, a kick, half a drift each.
 

@@ -26,6 +26,7 @@ from ..prove.wrong_entry import (
     enters_nothing,
     estimate,
     exchanged,
+    exchanged_weights,
     mirrored,
     one_row_apart,
     one_weight,
@@ -95,8 +96,9 @@ def _judge(table: Table, record: dict[str, Any], library: Library | None, search
     if method.gap > 1e-12:
         k = method.gap_row
         remarks.append(f"c[{k + 1}] differs from the sum of row {k + 1} of A by {method.gap:.2g}")
+    low = table.kind == "rosenbrock" and found.to(method.coarse) < (table.order or 1)
     for said, gap in table.identities:
-        if gap > method.fine:
+        if gap > method.fine and not low:  # else a wrong entry is the reason
             remarks.append(f"{said} fails by {gap:.2g}")
             status = "wrong" if gap > method.coarse else status
     status = _rows(table, method, found, status, remarks)
@@ -196,7 +198,8 @@ def _meant(
         return status
     pair = _exchanged_nodes(method)
     if pair:
-        remarks.append(f"c[{pair[0] + 1}] and c[{pair[1] + 1}] are exchanged")
+        line = _line((table.c[0] or [])[pair[0] :])
+        remarks.append(f"c[{pair[0] + 1}] and c[{pair[1] + 1}] are exchanged{line}")
         return "question"
     if one_row_apart(method):
         for order in range(8, max(found, 2), -1):  # two rows and order 2 are no evidence
@@ -335,6 +338,10 @@ def _estimates(table: Table, method: Trial, status: str, remarks: list[str]) -> 
             remarks += [f"{x}{_line(error[int(k[1]) - 1 :] if k else error)}" for x in said]
             if total > method.coarse and status in _GOOD:
                 status = "wrong"
+            continue
+        said = exchanged_weights(method, vector(error))
+        remarks += [f"{x}{_line(error[int(x.split()[3]) - 1 :])}" for x in said]
+        status = "question" if said and status in _GOOD else status
     return status
 
 

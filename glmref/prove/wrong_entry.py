@@ -583,6 +583,27 @@ def exchanged(method: Trial, error: Sequence[Scalar], declared: int) -> list[str
     return []
 
 
+def exchanged_weights(method: Trial, error: Sequence[Scalar]) -> list[str]:
+    """Return which two of the weights b - e, of an estimate e, are exchanged.
+
+    With all of e they have order 1, and so exchanged 3 or more.
+    """
+    b = method.b[0]
+    row = [x - y for x, y in zip(b, error, strict=False)]
+    rest = error[len(b) :]
+    if method.kind != "rk" or not 3 < len(row) == len(b) <= 16 or any(map(complex, rest)):
+        return []
+    if method.reached(2, row).to(method.coarse) != 1:
+        return []
+    for i, j in combinations(range(len(row)), 2):
+        other = list(row)
+        other[i], other[j] = row[j], row[i]
+        if complex(row[i]) != complex(row[j]) and method.has_order(3, other):
+            said = f"with error weights {i + 1} and {j + 1} made of each other's number"
+            return [f"{said} the embedded row has order 3, and 1 as they are"]
+    return []
+
+
 def mirrored(method: Trial, row: Sequence[Scalar], declared: int) -> list[str]:
     """Return whether 2 b minus a row has its order: the error was added where it is subtracted."""
     other = [2 * x - y for x, y in zip(method.b[0], row, strict=True)]
