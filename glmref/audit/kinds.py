@@ -449,7 +449,7 @@ def _nystrom(
         s = len(A)
         rows = [y for y in vectors if len(y.value) == s and y not in times
                 and not re.search(r"tilde|hat|err|low|embed|^[de]", y.name)
-                and role_of(re.sub("p(?:rime)?|dot", "", y.name))[1] != "embedded"]  # fmt: skip
+                and role_of(re.sub("prime|p|dot", "", y.name))[1] != "embedded"]  # fmt: skip
         ends = [y for y in rows if abs(sum(map(size, y.value)) - 1) < LOOSE]
         halves = [y for y in rows if abs(sum(map(size, y.value)) - 0.5) < LOOSE]
         ends = ends or [y for y in rows if _PRIME.search(y.name)]
