@@ -17,7 +17,7 @@ from ..findings import Finding, Verdict
 from ..views.sarif import Level, Remark
 from .check import sentence
 from .lexer import ENDINGS
-from .sources import audit, read_source
+from .sources import audit, may_be_source, read_source
 
 #: Files that hold one tableau each.
 _TABLEAUX = (".json", ".toml")
@@ -86,11 +86,11 @@ def lint(
     found = Linted()
     for place in places:
         files = [x for x in _files(place) if changed is None or _name(x, root) in changed]
-        for path in files:
-            if path.suffix in _TABLEAUX and _is_tableau(path):
-                found.tables += 1
-                found.remarks += _of_file(path, _name(path, root), examine)
-        mine = [x for x in files if x.suffix in ENDINGS]
+        own = [x for x in files if x.suffix in _TABLEAUX and _is_tableau(x)]
+        for path in own:
+            found.tables += 1
+            found.remarks += _of_file(path, _name(path, root), examine)
+        mine = [x for x in files if x.suffix in ENDINGS and may_be_source(x) and x not in own]
         if mine:
             _of_sources(place, mine, root, changed, found)
     unique = {(x.path, x.line, x.message): x for x in found.remarks}
@@ -132,7 +132,7 @@ def _is_tableau(path: Path) -> bool:
     try:
         given = document(str(path))
     except DataError:
-        text = read_source(path) or ""
+        text = read_source(path, "json") or ""
         keys = any(len(x) > 1 and all(f'"{key}"' in text for key in x) for x in _KEYS)
         return text.lstrip().startswith("{") and (keys or '"glmref-method-' in text)
     if not is_plain(given):
@@ -142,7 +142,7 @@ def _is_tableau(path: Path) -> bool:
 
 def _of_file(path: Path, name: str, examine: Callable[[str], list[Finding]]) -> Iterator[Remark]:
     """Check one tableau; what holds gives no remark."""
-    text = read_source(path) or ""
+    text = read_source(path, path.suffix) or ""
     try:
         findings = examine(str(path))
     except GlmrefError as error:

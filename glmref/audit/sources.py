@@ -68,7 +68,7 @@ def files(source: Path, form: str) -> list[Path]:
     found = [
         x for x in sorted(source.rglob("*"))
         if x.suffix in endings and x.is_file()
-        and (form or x.suffix not in NAMED or of_subject(x.name))
+        and (form or may_be_source(x))
         and (form or not any(part.startswith(".") for part in x.parts[hidden:]))
     ]  # fmt: skip
     if not found:
@@ -76,6 +76,11 @@ def files(source: Path, form: str) -> list[Path]:
             raise UsageError(f"{source} holds no source file in a language that is read")
         raise UsageError(f"{source} holds no file {' or '.join(endings)} to read as {form}")
     return found
+
+
+def may_be_source(path: Path) -> bool:
+    """Return whether a file of this name may hold tables: one of rows of numbers must say so."""
+    return path.suffix not in NAMED or of_subject(path.name)
 
 
 def read_source(path: Path, form: str = "") -> str | None:
