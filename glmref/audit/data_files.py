@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from .entries import of_subject
+from .lexer import ROWS
 
 #: Characters of a file of data that holds tables.
 _MOST = 2_000_000
@@ -110,14 +111,12 @@ FORMS: Mapping[str, tuple[str, Callable[[str], str]]] = {
     ".toml": ("toml", _of_toml),
     ".yaml": ("toml", _of_yaml),
     ".yml": ("toml", _of_yaml),
-    **dict.fromkeys((".csv", ".dat", ".txt"), ("python", _of_numbers)),
+    **dict.fromkeys(ROWS, ("python", _of_numbers)),
 }
-#: Endings of files that hold tables only where their names say so.
-NAMED = frozenset((".csv", ".dat", ".txt"))
 
 
 def as_source(path: Path, text: str) -> str:
     """Return the text of a file of data as a source, ``""`` where it holds no table."""
-    if len(text) > _MOST or (path.suffix in NAMED and not of_subject(path.name)):
+    if len(text) > _MOST or (path.suffix in ROWS and not of_subject(path.name)):
         return ""
     return FORMS[path.suffix][1](text)

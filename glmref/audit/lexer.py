@@ -98,8 +98,9 @@ ENDINGS = {
     ".kt": "kotlin", ".kts": "kotlin", ".scala": "kotlin",
     ".swift": "swift", ".r": "r", ".R": "r",
     ".json": "javascript", ".ipynb": "python", ".toml": "toml", ".yaml": "toml", ".yml": "toml",
-    ".csv": "python", ".dat": "python", ".txt": "python",
 }  # fmt: skip
+#: Endings of files with rows of numbers, which hold tables only where their names say so.
+ROWS = frozenset((".csv", ".dat", ".txt"))
 
 
 class Token(NamedTuple):
@@ -148,7 +149,7 @@ def _tokens_of(language: Language) -> re.Pattern[str]:
 
 def language_of(path: Path) -> Language | None:
     """Return the language of a file by its ending, ``None`` where it is not one of these."""
-    name = ENDINGS.get(path.suffix)
+    name = ENDINGS.get(path.suffix) or ("python" if path.suffix in ROWS else None)
     return LANGUAGES[name] if name else None
 
 

@@ -16,10 +16,10 @@ from ..errors import DataError, GlmrefError, UsageError
 from ..system.budget import PROVING, limited, rarely_collected
 from ..system.files import named_in
 from .constants import constants_of, may_hold_constants
-from .data_files import FORMS, NAMED, as_source
+from .data_files import FORMS, as_source
 from .entries import OF_FLOWS, of_subject
 from .known import may_hold_known, records
-from .lexer import ENDINGS, FIXED, LANGUAGES, Language, language_of
+from .lexer import ENDINGS, FIXED, LANGUAGES, ROWS, Language, language_of
 from .literals import mended
 from .nearest_method import Library
 from .readers import FORMATS, SUFFIXES, completed_entries, declared_orders, read
@@ -63,7 +63,7 @@ def files(source: Path, form: str) -> list[Path]:
         return [source]
     if not source.is_dir():
         raise UsageError(f"{source} is no file and no folder; give a file or a checkout")
-    endings = SUFFIXES[form] if form else (*ENDINGS, *_OTHERS)
+    endings = SUFFIXES[form] if form else (*ENDINGS, *ROWS, *_OTHERS)
     hidden = len(source.parts)
     found = [
         x for x in sorted(source.rglob("*"))
@@ -80,7 +80,7 @@ def files(source: Path, form: str) -> list[Path]:
 
 def may_be_source(path: Path) -> bool:
     """Return whether a file of this name may hold tables: one of rows of numbers must say so."""
-    return path.suffix not in NAMED or of_subject(path.name)
+    return path.suffix not in ROWS or of_subject(path.name)
 
 
 def read_source(path: Path, form: str = "") -> str | None:
@@ -368,7 +368,7 @@ def _read(
         yield from read(text, form, declared)
         return
     language = language_of(path)
-    if language is None or (path.suffix in NAMED and not text):
+    if language is None or (path.suffix in ROWS and not text):
         which = path.suffix or "without an ending"
         more = f"; --from {which[1:]} reads it" if which[1:] in FORMATS else ""
         raise DataError(f"the language of a file {which} is not known{more}")
