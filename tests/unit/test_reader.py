@@ -93,6 +93,28 @@ def test_claims_of_one_method_and_of_a_pair_are_refused_for_the_other() -> None:
         assert without_meaning(kind) & other == {"w-order"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "can", "cannot"),
+    [
+        ("rk", "row-sums embedded-order starting-order", "w-order reducible nystrom-order"),
+        ("lmm", "error-constant finishing-order", "row-sums dense-order embedded-order w-order"),
+        (
+            "splitting",
+            "starting-order reducible",
+            "embedded-order row-sums finishing-order w-order",
+        ),
+        ("partitioned", "nystrom-order", "embedded-difference dense-end abscissae energy-order"),
+        ("nystrom", "row-sums embedded-order starting-order", "dense-order a-stable w-order"),
+        ("pair-sweep", "starting-order", "row-sums embedded-order error-constant"),
+        ("additive", "abscissae order-to-digits", "starting-order row-sums a-stable w-order"),
+        ("rosenbrock", "w-order a-stable", "stage-order starting-order symmetric"),
+    ],
+)
+def test_a_class_can_make_the_claims_that_have_a_meaning(kind: str, can: str, cannot: str) -> None:
+    assert not without_meaning(kind) & set(can.split())
+    assert without_meaning(kind) >= set(cannot.split())
+
+
 def test_a_real_tableau_with_a_complex_entry_must_say_so() -> None:
     refused(DataError, r"`A\[1\]\[1\]` is complex", glm, kind="rk", A=[["i/2"]], b=["1"])
     assert not glm(kind="rk", A=[["i/2"]], b=["1"], field="complex").is_real
