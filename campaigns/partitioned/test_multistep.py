@@ -1,6 +1,7 @@
 """Multistep methods: records, error constants, sentences of pages, and labels of files."""
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from campaigns.partitioned.multistep_tables import (
     winners,
     world_table,
 )
-from campaigns.partitioned.work import PROBLEMS, needed, quadratic
+from campaigns.partitioned.work import PROBLEMS, mean, needed, quadratic
 from glmref.catalogue.lookup import document, load
 from glmref.derive.halves import even_odd, pair_series, quotient
 from glmref.derive.multistep import Half
@@ -222,3 +223,29 @@ def test_the_table_of_the_front_shows_the_share():
     (line,) = (x for x in error_front.table(FRONT).splitlines() if "`quinlan-8b`" in x)
     assert f"| {error_front.share(error_constant(angles_of('quinlan-8b')), 3):.2f} |" in line
     assert "1.21" in line
+
+
+def test_what_zeros_in_the_band_gain_is_that_of_the_record():
+    text = " ".join(NOTES.read_text(encoding="utf-8").split())
+    record, entries = measured("off-origin-zeros"), measured("held-out")["cases"]
+    known = {x["case"]: x for x in entries}
+    shipped = [x["method"] for x in record["methods"] if x["method"].startswith("z")]
+
+    def share(long: bool, tolerance: str, names: Sequence[str]) -> str:
+        ratios = []
+        for x in record["cases"]:
+            published = held_out.best(known[x["case"]], "published multistep", tolerance)[1]
+            if x["case"].endswith("long") == long and math.isfinite(published):
+                counts = [x["needed"][name][tolerance] for name in names]
+                best = held_out.best(known[x["case"]], "new", tolerance)[1]
+                ratios.append(min([best, *(n for n in counts if n)]) / published)
+        assert len(ratios) == 21
+        return f"{mean(ratios):.2f}"
+
+    every = [x["method"] for x in record["methods"]]
+    for long, words in ((True, "long"), (False, "short")):
+        few, more, all_ = (
+            [share(long, t, names) for t in ("1e-09", "1e-06")] for names in ((), shipped, every)
+        )
+        assert f"from {few[0]} and {few[1]} to {more[0]} and {more[1]} ({words})" in text
+        assert " and ".join(all_) in text

@@ -28,8 +28,9 @@ with pairs is, in the middle between two evaluations,
     1/(2 sinh(x/2)) + sum_j alpha_j 2 sinh(x/2) / (2 cosh x - 2 c_j) = T(x) + O(x^{2 m + 1}),
 
 T = 1/x for separable systems, 2 sinh(x/2)/x^2 for second-order ones: the rows x, x^3, ..,
-x^{2 m - 1}. At the time of an evaluation, where the step ends and half of the update has been made,
-its value is
+x^{2 m - 1}. With error constants, T (1 + C x^{2 m} + C' x^{2 m - 2} + ..) stands in place of T: the
+order is less by two for each, and the error may vanish at frequencies other than 0. At the time of
+an evaluation, where the step ends and half of the update has been made, its value is
 
     coth(x/2)/2 + sum_j beta_j sinh x / (2 cosh x - 2 c_j) = 1/x + O(x^{2 m + 1}).
 
@@ -93,6 +94,7 @@ class Half(EndedHalf):
 
     explicit: bool = False
     second: bool = False  #: Whether the sum of the other half is folded in (second-order systems).
+    constants: tuple[Fraction, ...] = ()  #: C_{2m}, C_{2m-2}, .. of the error, at most m of them.
     least: ClassVar[int] = 0
 
     @cached_property
@@ -103,7 +105,10 @@ class Half(EndedHalf):
         sinh = even_odd(half, n + 2, 1)[1:]
         # all times x, so that they are power series
         pairs = [quotient(even_odd(half, n, 1), pair_series(c, n)) for c in self.cosines]
-        target = sinh if self.second else one
+        error = one[:]
+        for j, constant in enumerate(self.constants):
+            error[2 * (len(self.cosines) - j)] = constant
+        target = series_product(sinh if self.second else one, error)
         alpha = _fit([zero + x for x in pairs], target, quotient(one, sinh), range(2, n, 2))
         return [Fraction(1), *[s * a for a in alpha for s in (1, -1)]]
 
@@ -304,18 +309,24 @@ def _halves(outer: Half, inner: Half) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def multistep_document(
-    name: str, q: Sequence[Fraction], p: Sequence[Fraction], *, title: str = ""
+    name: str,
+    q: Sequence[Fraction],
+    p: Sequence[Fraction],
+    *,
+    title: str = "",
+    constants: Sequence[Fraction] = (),
 ) -> dict[str, Any]:
     """Build a method and its start, exact, without claims and source.
 
     ``q`` and ``p`` are the cosines of the pairs of roots of the two halves. With pairs in both
     halves, as many and different, the method is for separable systems and its word is P Q P; with
-    none in q it is for second-order systems and its word is Q P Q.
+    none in q it is for second-order systems and its word is Q P Q. These may have error constants,
+    as many as pairs or fewer.
 
     Raises
     ------
     UsageError
-        For cosines that no method of these kinds has.
+        For cosines or constants that no method of these kinds has.
     """
     second = not q
     if not p or (q and (len(q) != len(p) or set(q) & set(p))):
@@ -323,7 +334,12 @@ def multistep_document(
             "`p` needs at least one cosine, and `q` none or as many, all different from those "
             "of `p`"
         )
-    half_q, half_p = Half(tuple(q)), Half(tuple(p), second=second)
+    if constants and (not second or len(constants) > len(p)):
+        raise UsageError(
+            "error constants are for second-order systems, without `q`, and at most as many as the "
+            f"cosines of `p`, got {len(constants)}"
+        )
+    half_q, half_p = Half(tuple(q)), Half(tuple(p), second=second, constants=tuple(constants))
     rounds = len(p) + 1
     ended, other = (half_p, half_q) if second else (half_q, half_p)
     middle, ends = _halves(ended, other)

@@ -4,8 +4,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from glmref.catalogue.canonical import canonical
 from glmref.catalogue.lookup import load, path_of
@@ -104,6 +107,32 @@ def test_any_cosines_can_be_derived() -> None:
     assert found.documents[0]["name"] == "multistep-rkn-6-found"
     refused(UsageError, "fractions", recipes.run, "multistep", {"p": "x"})
     refused(UsageError, "`name` must be", recipes.run, "multistep", {"name": "multistep-3"})
+
+
+@given(
+    st.sampled_from([("1/3",), ("-1/2", "1/4")]),
+    st.fractions(Fraction(-1, 9), Fraction(1, 9), max_denominator=99).filter(bool),
+    st.lists(st.fractions(Fraction(-1, 9), Fraction(1, 9), max_denominator=99), max_size=1),
+)
+def test_an_error_begins_with_the_constant_that_is_given(p, first, more) -> None:
+    constants = [*more[: len(p) - 1], first]
+    given_ = {"p": " ".join(p), "constants": " ".join(map(str, constants))}
+    found = recipes.run("multistep", given_).documents[0]
+    order = 2 * (len(p) + 1 - len(constants))
+    assert facts_of(load_document(found)).judge("nystrom-order", order + 1).verdict is Verdict.FAILS
+    with mpmath.workdps(120):  # k = q'' at both ends, q by the stage p in the middle
+        A, U, B, V = (mpmath.matrix(found["p"][key]) for key in "AUBV")
+        x = mpmath.mpf(10) ** -15
+        added = B * mpmath.matrix([1, mpmath.exp(x)])
+        values = mpmath.lu_solve(mpmath.exp(x) * mpmath.eye(V.rows) - V, added)
+        error = ((U * values)[0] + A[0, 0]) * x**2 / mpmath.expm1(x) - 1
+        # the next coefficient is below 10^3, so that x^2 times it is below the tolerance
+        assert abs(error / x**order - mpmath.mpf(first.numerator) / first.denominator) < 1e-24
+
+
+def test_constants_are_for_second_order_systems_with_one_kick() -> None:
+    for more in ({"q": "1/3", "p": "1/2"}, {"p": "1/2", "constants": "1/9 1/9"}, TWO):
+        refused(UsageError, "constants", recipes.run, "multistep", {"constants": "1/9", **more})
 
 
 def two_kicks() -> dict[str, Any]:

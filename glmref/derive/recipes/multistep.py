@@ -3,7 +3,9 @@
 Option: ``name`` one shipped method (all of them by default); or ``q`` and ``p``, cosines of the
 pairs of roots of the two halves, fractions separated by blanks (``q`` empty: for second-order
 systems). With ``slopes``, a number for each cosine of ``p``, and ``weight``, a step has two kicks:
-how its first drift reads each pair, and the weight of the first kick in the sum.
+how its first drift reads each pair, and the weight of the first kick in the sum. With
+``constants``, for second-order systems with one kick, the error begins with C x^{2 m}, or with C'
+x^{2 m - 2} where there are two, instead of x^{2 m + 2}, m the number of cosines.
 
 The shipped numbers were found by `campaigns.partitioned.multistep_search` and `two_kicks_search`
 of commit b3e1529d; everything else follows from them exactly (:mod:`glmref.derive.multistep`).
@@ -22,9 +24,9 @@ from ..multistep import TwoKicks, multistep_document, two_kick_document
 from .derivation import Derivation, Progress, Statement, chosen, complete_exactly, completed
 from .sources import derived_source, long_notes
 
-OPTIONS: Mapping[str, str] = {"name": "", "q": "", "p": "", "slopes": "", "weight": ""}
+OPTIONS: Mapping[str, str] = dict.fromkeys(("name", "q", "p", "slopes", "weight", "constants"), "")
 
-_LISTS = ("q", "p", "slopes")
+_LISTS = ("q", "p", "slopes", "constants")
 
 
 @dataclass(frozen=True)
@@ -39,14 +41,23 @@ class Shipped:
     notes: Sequence[str] = ()
     slopes: Sequence[Fraction] = ()
     weight: Fraction = Fraction(0)
+    constants: Sequence[Fraction] = ()
 
-    def document(self, name: str, order: int) -> dict[str, Any]:
+    @property
+    def order(self) -> int:
+        """The order p."""
+        return 2 * (len(self.p) + 1 - len(self.constants))
+
+    def document(self, name: str) -> dict[str, Any]:
         """Return the document without claims and source."""
-        title = title_of(order, second=not self.q, forces=2 if self.slopes else 1)
+        title = title_of(self.order, second=not self.q, forces=2 if self.slopes else 1)
         if not self.slopes:
-            return multistep_document(name, self.q, self.p, title=title)
-        if self.q:
-            raise UsageError("methods with two kicks are for second-order systems: no `q`")
+            constants = self.constants
+            return multistep_document(name, self.q, self.p, title=title, constants=constants)
+        if self.q or self.constants:
+            raise UsageError(
+                "methods with two kicks are for second-order systems: no `q`, and no `constants`"
+            )
         return two_kick_document(name, TwoKicks(self.p, self.slopes, self.weight), title=title)
 
 
@@ -146,8 +157,8 @@ def _complete(
     ExactnessError
         When a claim is not proved.
     """
-    second, order = not numbers.q, 2 * len(numbers.p) + 2
-    document = numbers.document(name, order)
+    second, order = not numbers.q, numbers.order
+    document = numbers.document(name)
     source = derived_source(where, "multistep", "docs/multivalue.md")
     notes = [*numbers.notes, *long_notes(name)]
     complete_exactly(document, claims_of(order, second=second), source, notes)
@@ -173,14 +184,17 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
             weight = Fraction(options["weight"] or 0)
         except (ValueError, ZeroDivisionError) as error:
             raise UsageError(
-                "`q`, `p` and `slopes` must be fractions with blanks between, and `weight` one "
-                f"({error})"
+                "`q`, `p`, `slopes` and `constants` must be fractions with blanks between, and "
+                f"`weight` one ({error})"
             ) from None
-        numbers = Shipped(given["q"], given["p"], slopes=given["slopes"], weight=weight)
+        q, p, slopes, constants = (given[key] for key in _LISTS)
+        numbers = Shipped(q, p, slopes=slopes, weight=weight, constants=constants)
         kind = "multivalue" if numbers.slopes else "multistep"
-        name = f"{kind}-{'' if numbers.q else 'rkn-'}{2 * len(numbers.p) + 2}-found"
+        name = f"{kind}-{'' if numbers.q else 'rkn-'}{numbers.order}-found"
         where = f"cosines {options['q']}; {options['p']}"
         if numbers.slopes:
             where += f"; slopes {options['slopes']}, weight {weight}"
+        if numbers.constants:
+            where += f"; error constants {options['constants']}"
         return completed("multistep", {name: numbers}, _complete, progress, where)
     return completed("multistep", chosen(options["name"], SHIPPED), _complete, progress)
