@@ -309,7 +309,8 @@ def _search(
     file = Path(task["file"])
 
     def form(x: Table) -> tuple[int, str, int, int, bool]:
-        return x.line, x.kind, len(x.rows), len(x.errors), x.guessed
+        kind = "splitting" if x.kind == "composition" else x.kind  # the right number says which
+        return x.line, kind, len(x.rows), len(x.errors), x.guessed
 
     def again(text: str, beyond: Mapping[str, str] = task["beyond"]) -> Table | None:
         with suppress(GlmrefError, Unread, ValueError, LookupError, TypeError, AttributeError):
