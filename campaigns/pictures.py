@@ -20,6 +20,7 @@ import numpy as np
 from campaigns.driver import arguments, complete, record_of, three_digits
 from campaigns.gallery import TOLERANCES, costs
 from campaigns.pages import measured
+from campaigns.partitioned import strong
 from campaigns.partitioned.work import mean
 from glmref.catalogue.audits import audited_codes
 from glmref.catalogue.lookup import document, load
@@ -46,6 +47,11 @@ SHOWN = (
     "multistep-rkn-8", "multistep-rkn-12", "multivalue-rkn-12", "quinlan-tremaine-12",
     "dormand-prince-rkn-12-10", "kahan-li-8", "blanes-moan-rkn-6-14", "pair-rkn-6-8b",
 )  # fmt: skip
+#: Methods on systems that are not separable.
+UNSEPARATED = (
+    "multistep-strong-8", "multistep-strong-8b", "multistep-general-8b",
+    "gauss-3", "gauss-4", "gauss-5", "gauss-6", "scipy-dop853",
+)  # fmt: skip
 
 
 def work() -> str:
@@ -57,6 +63,23 @@ def work() -> str:
         points = [(mean([cases[k][name] for k in every]), float(t)) for t, cases in found.items()]
         lines.append(Series(name, tuple(points)))
     title = f"Digits on {len(every)} second-order problems"
+    return _chart(lines, title, "evaluations, geometric mean", "error at the end")
+
+
+def nonseparable() -> str:
+    """Draw what 6 and 9 digits cost on systems that are not separable, in geometric means."""
+    counts = [
+        {**strong.rivals(name, t), **{m: x["evaluations"][f"{t:g}"] for m, x in own.items()}}
+        for name, own in strong.by_problem().items()
+        for t in strong.TOLERANCES
+        if strong.rivals(name, t)
+    ]
+    lines = []
+    for name in UNSEPARATED:
+        means = [mean([x[name] for x in counts[k::2]]) for k in range(2)]
+        points = zip(means, strong.TOLERANCES, strict=True)
+        lines.append(Series(name, tuple(points)))
+    title = f"Digits on {len(counts) // 2} systems that are not separable"
     return _chart(lines, title, "evaluations, geometric mean", "error at the end")
 
 
@@ -172,8 +195,8 @@ def house() -> str:
 
 #: Name of a picture -> what draws it.
 PICTURES: Mapping[str, Callable[[], str]] = {
-    "work": work, "kepler": kepler, "error-front": front, "energy": energy,
-    "parasitic-growth": growth, "audited": audited, "house": house,
+    "work": work, "nonseparable": nonseparable, "kepler": kepler, "error-front": front,
+    "energy": energy, "parasitic-growth": growth, "audited": audited, "house": house,
 }  # fmt: skip
 
 

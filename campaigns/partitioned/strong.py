@@ -253,7 +253,7 @@ def best_gauss(counts: Mapping[str, int]) -> int:
     return min(n for name, n in counts.items() if name.startswith("gauss"))
 
 
-def _rows() -> dict[str, dict[str, Any]]:
+def by_problem() -> dict[str, dict[str, Any]]:
     """Return the measurements by problem and method."""
     found: dict[str, dict[str, Any]] = {}
     for x in measured("strong-multistep")["runs"]:
@@ -264,7 +264,7 @@ def _rows() -> dict[str, dict[str, Any]]:
 def table(tolerance: float = TOLERANCES[-1]) -> str:
     """Return the evaluations on the problems held out that have rivals in the record."""
     lines = []
-    for name, own in _rows().items():
+    for name, own in by_problem().items():
         if name not in written_down() and (counts := rivals(name, tolerance)):
             shown = [own[m]["evaluations"][f"{tolerance:g}"] for m in SHIPPED]
             shown += [counts["multistep-general-8b"], best_gauss(counts), counts["scipy-dop853"]]
