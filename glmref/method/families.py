@@ -75,7 +75,8 @@ def _multistep(alpha: Entries, beta: Entries) -> tuple[Vector, Vector]:
             "`alpha` and `beta` are consistent in reversed order only: alpha[1] and beta[1] belong "
             "to the oldest value, the last entries to the new one; turn both round"
         )
-    a, b = (tuple(x if x.vanishes() else x / lead for x in row) for row in (alpha, beta))
+    # a ball is true even where it is zero, and zeros decide which values are carried
+    a, b = (tuple(_ZERO if x.vanishes() else x / lead for x in row) for row in (alpha, beta))
     return a, b
 
 

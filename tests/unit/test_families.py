@@ -74,6 +74,15 @@ def test_multistep_glm_reproduces_the_recursion(alpha, beta):
     assert_follows(m, [exact(x) for x in carried], y[k:])
 
 
+@pytest.mark.parametrize(("alpha", "beta"), CASES)
+def test_a_multistep_method_of_balls_carries_no_value_for_a_zero(alpha, beta):
+    sharp = families.linear_multistep(alpha, beta)
+    balls = families.linear_multistep(
+        *([exact(Fraction(x)).ball() for x in row] for row in (alpha, beta))
+    )
+    assert (balls.r, balls.is_explicit) == (sharp.r, sharp.is_explicit)
+
+
 @pytest.mark.parametrize(("alpha", "beta"), CASES[:5])
 def test_one_leg_glm_reproduces_the_recursion(alpha, beta):
     # on a linear problem f(sum beta y) = sum beta f(y): the twin follows the same recursion
