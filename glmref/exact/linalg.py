@@ -292,7 +292,7 @@ def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
 
     Over balls a row counts only if its independence is certain.
     """
-    solved, left = _eliminated(rows, len(rows[0]), enough)
+    solved, left = _eliminated(rows, len(rows[0]) if rows else 0, enough)
     chosen = (k for k in range(len(rows)) if k not in left)
     return list(islice(chosen, len(solved)))
 

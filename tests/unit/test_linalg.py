@@ -65,6 +65,11 @@ def test_inverse_over_balls_encloses_the_exact_one() -> None:
             assert not x.contains(y + 1)
 
 
+def test_no_rows_have_no_independent_ones() -> None:
+    assert linalg.independent_rows([]) == []
+    assert linalg.independent_rows(matrix("0 0", "1 2", "2 4", "0 1", "1 1"), 2) == [1, 3]
+
+
 def test_work_on_matrices_and_polynomials_looks_at_the_budget() -> None:
     a, b = matrix("1 2", "3 4"), matrix("1", "1")
     root = exact(2).sqrt()
