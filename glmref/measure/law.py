@@ -76,7 +76,7 @@ def samples_of(problem: Problem, method: Method, solution: Solution, quantity: s
         For a quantity that the problem, or the method, does not have.
     """
     G = None
-    if len(method.components) == 1 and method.G is not None and solution.history is not None:
+    if quantity.startswith("form of ") and len(method.components) == 1 and method.G is not None:
         G, _ = float_arrays(method.G)
     known: list[str] = []
     with np.errstate(all="ignore"):
@@ -85,6 +85,7 @@ def samples_of(problem: Problem, method: Method, solution: Solution, quantity: s
             if known[-1] == quantity:
                 unit = scale if kind == "hamiltonian" else abs(values[0])
                 return (values - values[0]) / (unit or 1.0)
+    there = ", ".join(known) or "none"
     raise UsageError(
-        f"{method.name} on {problem.name} conserves no {quantity!r}; there are {', '.join(known)}"
+        f"{method.name} on {problem.name} conserves no {quantity!r}; there are {there}"
     )

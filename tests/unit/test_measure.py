@@ -94,6 +94,12 @@ def test_unknown_quantities_are_refused():
         samples_of(kepler, method, run, "heat")
     with pytest.raises(UsageError, match="conserves no 'form of angular momentum'"):
         samples_of(kepler, method, run, "form of angular momentum")
+    run, g_symplectic = solve(kepler, "gsymplectic-n", h=0.1, steps=2), load("gsymplectic-n")
+    with pytest.raises(UsageError, match="solve with history=True"):
+        samples_of(kepler, g_symplectic, run, "form of angular momentum")
+    stiff = problem("van-der-pol")
+    with pytest.raises(UsageError, match="conserves no 'energy'; there are none"):
+        samples_of(stiff, method, solve(stiff, method, h=1e-6, steps=2), "energy")
 
 
 @pytest.mark.slow
