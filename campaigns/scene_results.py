@@ -1,8 +1,8 @@
 """The tables of docs/scene-results.md, from the files in data/measurements.
 
     python -m campaigns.scene_results
-    glmref run --all --quick --format json > run.json; python -m campaigns.scene_results run.json
-    glmref run van-der-pol-jump --format json > run.json; python -m campaigns.scene_results run.json
+    glmref run --all --quick --format json > run.json && python -m campaigns.scene_results run.json
+    glmref run van-der-pol-jump --format json > run.json && python -m campaigns.scene_results run.json
 
 The first form puts the tables into the page; the second first takes questions and answers of a run
 into data/measurements/scenes.json, the third the records of one scene into stiff-cost.json.
@@ -69,7 +69,7 @@ def renew(path: Path) -> None:
     documents = [found] if one else sorted(found, key=lambda one: one["scene"])
     head = {"format": "glmref-measurement-1"}
     where = {"where": documents[0]["records"][0]["where"]}
-    how = "glmref run {} --format json > run.json; python -m campaigns.scene_results run.json"
+    how = "glmref run {} --format json > run.json && python -m campaigns.scene_results run.json"
     if one:
         rows = [dict(zip(COLUMNS, costs(x), strict=True)) for x in found["records"]]
         head |= {"what": found["title"], "how": how.format(found["scene"]), **where, "rows": rows}

@@ -25,7 +25,7 @@ ASK: Mapping[str, str] = {
     "parasitic": "when the values beyond the solution outgrow it, and when that is predicted",
     "orbit": "at most 400 points of the path in a plane",
     "law": "by which law the conserved quantity deviates, with its exponent",
-    "picture": "a log-log picture, as SVG and as PNG",
+    "picture": "a log-log picture, as SVG",
 }
 #: How the one-line answer is made from the records, and what it needs to have been asked.
 ANSWERS: Mapping[str, tuple[str, ...]] = {
