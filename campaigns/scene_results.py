@@ -1,11 +1,11 @@
 """The tables of docs/scene-results.md, from the files in data/measurements.
 
     python -m campaigns.scene_results
-    glmref run --all --quick --format json > run.json && python -m campaigns.scene_results run.json
-    glmref run van-der-pol-jump --format json > run.json && python -m campaigns.scene_results run.json
+    python -m campaigns.scene_results run.json
 
-The first form puts the tables into the page; the second first takes questions and answers of a run
-into data/measurements/scenes.json, the third the records of one scene into stiff-cost.json.
+The first form puts the tables into the page. The second first takes what ``glmref run --all --quick
+--format json`` wrote, questions and answers, into data/measurements/scenes.json, or what ``glmref
+run van-der-pol-jump --format json`` wrote, the records of one scene, into stiff-cost.json.
 """
 
 import json
