@@ -1,6 +1,7 @@
 """``glmref.check``: any kind of number, any kind of method, and the tree that fails."""
 
 import json
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction as F
 from typing import Any
@@ -14,6 +15,8 @@ from glmref.catalogue.strict_toml import loads
 from glmref.cli import main
 from glmref.errors import DataError
 from glmref.findings import Verdict
+from glmref.method import as_matrix
+from glmref.prove.schemes import reach, runge_kutta
 from tests.build import refused
 
 HEUN = [[0, 0], [1, 0]]
@@ -194,6 +197,17 @@ def test_dense_output_is_a_polynomial_of_the_step() -> None:
     assert verdicts(said, dense_order=2) == ["holds"]
     with pytest.raises(glmref.CheckFailed, match="order 2 of the dense output fails"):
         glmref.check(said | {"dense": [[1, "-1/3"], [0, "1/3"]]}, dense_order=2)
+
+
+def test_balls_of_a_dense_output_have_the_residuals_of_its_numbers() -> None:
+    A, b, dense = (as_matrix(x, "x") for x in (HEUN, [["1/2", "1/2"]], [[1, "-1/3"], [0, "1/3"]]))
+    sharp = replace(runge_kutta(A, b[0]), dense=dense)
+    balls = sharp.in_balls()
+    assert sharp.is_exact and not balls.is_exact
+    assert not replace(sharp, dense=balls.dense).is_exact
+    exact, found = reach(sharp, 3), reach(balls, 3)
+    assert found.sizes == pytest.approx(exact.sizes) and max(exact.sizes) > 0.1
+    assert found.refuted == exact.refuted == 2
 
 
 @pytest.mark.parametrize(

@@ -247,6 +247,38 @@ def test_an_energy_that_is_wrong_by_a_tenth_is(first: float, later: float, seen:
     assert watch.large(steps_of(later, 0.0, 1.0, 0), 2000) is seen
 
 
+@pytest.mark.parametrize(
+    ("first", "later", "seen"),
+    [(1e-9, 9e-4, False), (1e-9, 1.1e-3, True), (3e-4, 5.9e-3, False), (3e-4, 6.1e-3, True)],
+)
+def test_an_energy_of_a_formula_that_is_wrong_by_a_thousandth_is(
+    first: float, later: float, seen: bool
+) -> None:
+    """And has grown twentyfold; no parasitic part is there to be seen."""
+    watch = Watch(method_of("multistep-strong-8"), replace(PARTICLE, hamiltonian=oscillator))
+    for step in (WINDOW, 2 * WINDOW, 3 * WINDOW):
+        assert not watch.large(steps_of(first, 0.0, 1.0, 0), step)
+    assert watch.large(steps_of(later, 0.0, 1.0, 0), 2000) is seen
+
+
+@pytest.mark.parametrize(
+    ("method", "known"), [("multistep-strong-8", 1e-9), ("multistep-general-8", 1e-6)]
+)
+def test_first_steps_that_are_taken_again_count_where_parts_grow(method: str, known: float) -> None:
+    watch = Watch(method_of(method), replace(PARTICLE, hamiltonian=oscillator))
+    for energy, step in ((1e-9, 3 * WINDOW), (1e-9, 2000), (1e-6, 2 * WINDOW)):
+        watch.large(steps_of(energy, 0.0, 1.0, 0), step)
+    assert watch.energy_error == pytest.approx(known, rel=1e-3)
+
+
+def test_rows_that_are_asked_for_are_looked_at_between_windows() -> None:
+    rows, end = (
+        solve(DRIFT, "multistep-general-8", h=0.02, steps=2000, every=every).suspect
+        for every in (50, 2000)
+    )
+    assert rows is not None and end is not None and rows < end
+
+
 @given(st.lists(st.sampled_from([1e-10, 1e-8, 1e-7]), min_size=1, max_size=8))
 def test_growth_begins_where_the_energy_last_left_the_error_of_the_first_steps(errors) -> None:
     """At 20 times the error; twice is no growth, but no return either."""

@@ -5,6 +5,7 @@ import math
 import os
 import platform
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,11 +14,21 @@ from glmref.catalogue.lookup import load
 from glmref.engine.solve import solve
 from glmref.errors import UsageError
 from glmref.measure.law import fit_law, samples_of
-from glmref.measure.longtime import along, energy_scale, exponent, follow, g_form, watch
+from glmref.measure.longtime import (
+    along,
+    energy_scale,
+    exponent,
+    follow,
+    g_form,
+    quantities,
+    watch,
+)
 from glmref.measure.orbit import POINTS, marks, orbit
 from glmref.measure.timing import circumstances, repeat
 from glmref.measure.work_precision import Deadline, check_interruption, measure
+from glmref.method.rounding import float_arrays
 from glmref.problems import Problem, problem
+from glmref.scenes.running import _kept_series
 from tests.build import refused, scene_text
 
 
@@ -184,6 +195,21 @@ def test_following_renews_as_a_run_does(name):
     assert long.renewals == once.renewals == (0 if name == "rk4" else 6)
     assert long.start_evaluations == once.start_evaluations
     assert np.max(np.abs(long.y[-1] - once.y[-1])) < 1e-12
+
+
+def test_what_a_method_keeps_is_its_form_and_not_that_of_the_solution():
+    subject, method = problem("kepler"), load("gsymplectic-n")
+    found = solve(subject, method, h=0.05, steps=400, every=1, history=True)
+    G, _ = float_arrays(method.G)
+    form, solution = (max(x for _, x in _kept_series(subject, found, y)) for y in (G, None))
+    assert form < 1e-14 and solution > 1e-6
+
+
+def test_a_quadratic_form_that_is_zero_is_measured_by_its_terms():
+    falling = replace(problem("kepler"), y0=("1/2",) * 4)  # an angular momentum of 1/4 - 1/4
+    found = solve(falling, "rk4", h=0.01, steps=1, every=1)
+    scales = {name: scale for name, _, _, scale in quantities(falling, found)}
+    assert scales["angular momentum"] == 0.5
 
 
 def test_watch_needs_history_for_the_form():

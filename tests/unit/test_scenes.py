@@ -178,6 +178,14 @@ def test_the_estimate_for_implicit_methods_is_right_to_a_factor_of_three(tmp_pat
     assert spent / 3 < plan(scene).evaluations < 3 * spent
 
 
+def test_methods_that_cannot_be_run_on_a_problem_count_no_evaluations(tmp_path):
+    predators = (OSCILLATOR, '"lotka-volterra"')  # no pair steps it
+    both = plan(loaded(tmp_path, *predators, BOTH, '["rk4", "stormer-verlet"]', ASKED, '"state"'))
+    alone = plan(loaded(tmp_path, *predators, BOTH, '["rk4"]', ASKED, '"state"'))
+    assert both.evaluations == alone.evaluations == 4 * sum((20, 40))
+    assert len(both.tasks) == 2 * len(alone.tasks)
+
+
 def test_tasks_differ_by_everything_that_can_change_a_result(tmp_path):
     from glmref.compute.records import key_of
 
