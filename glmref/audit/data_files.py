@@ -58,19 +58,19 @@ def _of_yaml(text: str) -> str:
     rows = [re.sub(r"(^|\s)#.*$", "", x) for x in text.split("\n")]
     live = [k for k, x in enumerate(rows) if x.strip() and not x.startswith("---")]
     after = dict(pairwise(live))
-    made, opened = [""] * len(rows), [(-1, "")][:0]
+    made = [""] * len(rows)
+    opened: list[tuple[int, str]] = []  # depth and end of what is open
 
     def depth(k: int) -> int:
         return len(rows[k]) - len(rows[k].lstrip())
 
     for k in live:
-        key, here = _KEY.match(rows[k]), depth(k)
-        end = ""
-        while opened and (here < opened[-1][0] or (
-                here == opened[-1][0] and opened[-1][1] == "}")):  # fmt: skip
-            end += opened.pop()[1]
+        key, here, end = _KEY.match(rows[k]), depth(k), ""
         item = rows[k].lstrip().startswith("- ")
-        ends = sum(x == "]" for x in end)
+        # items may stand as deep as the key of their list
+        while opened and (here < opened[-1][0] or (
+                here == opened[-1][0] and (opened[-1][1] == "}" or not item))):  # fmt: skip
+            end += opened.pop()[1]
         said = rows[k].strip()
         if item and key is None:
             said = f"{said[2:].strip()},"
@@ -89,7 +89,7 @@ def _of_yaml(text: str) -> str:
             else:
                 said = f"class {key[3]} {{"
                 opened.append((here, "}"))
-        made[k] = f"{end}\n"[:-1] + (";" if ends else "") + said
+        made[k] = end + (";" if end.endswith("]") else "") + said
     return "\n".join(made) + "".join(x for _, x in reversed(opened))
 
 
@@ -97,10 +97,10 @@ def _of_numbers(text: str) -> str:
     """Return rows of numbers as one matrix; other lines are comments."""
     given = ((x, re.split(r"[\s,;|]+", x.strip(" ,;"))) for x in text.split("\n"))
     rows = [f"[{', '.join(y)}]," if _NUMBERS.match(x) else f"# {x}" for x, y in given]
-    first = next((k for k, x in enumerate(rows) if x.startswith("[")), 0)
-    rows[first] = f"table = [{rows[first]}"
-    last = next((k for k, x in reversed(list(enumerate(rows))) if "[" in x), 0)
-    rows[last] += "]"
+    places = [k for k, x in enumerate(rows) if x.startswith("[")]
+    if places:
+        rows[places[-1]] += "]"
+        rows[places[0]] = f"table = [{rows[places[0]]}"
     return "\n".join(rows)
 
 
