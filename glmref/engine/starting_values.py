@@ -18,6 +18,7 @@ import numpy as np
 
 from ..catalogue.claims import G_SYMPLECTIC, ORDER, SYMMETRIC
 from ..errors import GlmrefError, UsageError
+from ..exact.linalg import identity
 from ..method import Component, Method
 from ..method.preconsistency import preconsistency_vector
 from ..problems.model import Problem
@@ -210,14 +211,17 @@ def corrector(
 
     The solution is read off as ``readers`` say, by default as the engine does.
     """
-    parts = []
+    parts, arithmetic = [], engine.arithmetic
     for (columns, place, weights), m in zip(
         readers or engine.readers, engine.method.carriers, strict=True
     ):
         matrix = kernel_of(engine, m, weights)
         # the rows solved for: without the solution where that is one of the values, else all
         rows = [k for k in range(len(matrix)) if k != place]
-        parts.append((columns, rows, matrix[np.ix_(rows, rows)]))
+        matrix = matrix[np.ix_(rows, rows)]
+        if rows and arithmetic.context is not None:  # elimination costs more than a step: once
+            matrix = arithmetic.solve(matrix, arithmetic.array(identity(len(rows))))
+        parts.append((columns, rows, matrix))
 
     def correct(defect: np.ndarray) -> np.ndarray:
         change = 0 * defect
@@ -225,8 +229,9 @@ def corrector(
             if rows:
                 right = np.moveaxis(defect[..., rows, columns], -2, 0)
                 flat = right.reshape(len(rows), -1)
-                solved = engine.arithmetic.solve(matrix, flat).reshape(right.shape)
-                change[..., rows, columns] = np.moveaxis(solved, 0, -2)
+                doubles = arithmetic.context is None
+                solved = arithmetic.solve(matrix, flat) if doubles else matrix.dot(flat)
+                change[..., rows, columns] = np.moveaxis(solved.reshape(right.shape), 0, -2)
         return change
 
     return correct

@@ -88,6 +88,13 @@ def test_every_solution_of_an_isochronous_problem_has_period_two_pi(build):
         assert max(abs(end - start)) < 1e-12
 
 
+def test_a_start_with_digits_takes_no_elimination_more_than_once(monkeypatch):
+    engine = stepper(load("ab-3"), isochronous(), digits=30)
+    underlying, context = Underlying(engine), engine.arithmetic.context
+    monkeypatch.delattr(type(engine.arithmetic), "solve")
+    underlying.start(context.mpf(0), engine.problem.y0, context.mpf(1) / 100, order=3)
+
+
 def test_the_solution_read_by_the_left_eigenvector_is_a_conjugate_one():
     # the same values, another name for the solution: the steps are those of the same method
     engine = stepper(load("ab-3"), isochronous(), digits=30)
