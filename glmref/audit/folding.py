@@ -8,6 +8,7 @@ nothing becomes 0.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,7 +37,8 @@ _CASTS = frozenset(
     "array asarray tensor big float float64 float32 double real dble dbl constexpr number convert "
     "map tuple list vec collect copy from_list sympify mpf parse tparse value_type scalar_type "
     "scalar realtype sunrealtype static_cast as_tensor ascontiguousarray constant vector matrix "
-    "cast val one_ toreal deepcopy to_array as_array freeze mat row vcat hcat".split()
+    "cast val one_ toreal deepcopy to_array as_array freeze mat row vcat hcat from from_slice "
+    "from_row_slice from_column_slice from_vec".split()
 )
 #: Calls that make a list of their arguments.
 _LISTS = frozenset("svector mvector tuple vector array list of listof arrayof make_array".split())
@@ -570,8 +572,15 @@ class Folder:
         if name in ("vec", "array", "svec") and after is not None and after.text == "!":
             self.at += 1  # vec![..]
             return self._primary()
+        sizes: list[int] = []
         while self.sees(".", "->", "::") and self.at + 1 < self.end:
             nxt = self.tokens[self.at + 1]
+            if nxt.text == "<" and language == "rust":  # SMatrix::<f64, 2, 2>::new
+                self.at, start = self.at + 1, self.at + 1
+                self._template()
+                inside = self.tokens[start : self.at]
+                sizes = [int(x.text) for x in inside if x.kind == "number" and x.text.isdigit()]
+                continue
             if nxt.kind != "name":
                 break
             members = ("sqrt", "reshape", "T", "transpose", "at", *_COPIES)
@@ -590,6 +599,8 @@ class Folder:
             self.at = end + 1 if typed and not self._known(name) else self.at
         t2 = self.peek()
         if t2 is not None and not (self.blanks and t2.spaced):
+            if t2.text == "(" and sizes:
+                return self._of_sizes(name, sizes)
             if t2.text == "(":
                 return self._call(name, t)
             if t2.text == "{" and language in ("c", "java", "rust", "go"):
@@ -632,7 +643,13 @@ class Folder:
             self.take()
             return self._braced("", t.line)
         if self.sees("("):
-            return self._call(t.text, t)
+            array, end = t.text.endswith("Array"), self.partner(self.at)
+            if array and end == self.at + 1:  # new Float64Array()
+                self.at = end + 1
+                return []
+            x = self._call(t.text, t)
+            zeros = array and isinstance(x, Number)
+            return Frame(filled([x.whole()], Number(Exact(0)))) if zeros else x
         if sizes and -1 not in sizes:
             return Frame(filled(sizes, Number(Exact(0))))
         raise Unread("the size of an array is not known")
@@ -742,6 +759,18 @@ class Folder:
         if len(given) == 1 and isinstance(given[0], Record) and not words:
             return given[0]  # a call that looks at what another one returns
         raise Unread(f"the function {name[:40]!r} is not read", t.line)
+
+    def _of_sizes(self, name: str, sizes: list[int]) -> Any:
+        """Return a vector or matrix of given sizes from its entries, by rows or by columns."""
+        flat = [plain(x) for x in flattened([x for _, x in self._arguments()[0]])]
+        if len(flat) != math.prod(sizes) or len(sizes) > 2:
+            raise Unread(f"{name[:40]!r} has not as many entries as its sizes say")
+        if len(sizes) == 1:
+            return bounded(flat)
+        m, n = sizes
+        if "column" in name:
+            return [flat[i::m] for i in range(m)]
+        return [flat[i * n : (i + 1) * n] for i in range(m)]
 
     def _of_json(self, text: str, line: int) -> Any:
         """Return what a text of JSON in a source holds."""

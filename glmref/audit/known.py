@@ -49,6 +49,8 @@ _OVER = frozenset(("/", "//"))
 _OPEN, _CLOSE = frozenset(",[{"), frozenset(",]}")
 #: Powers of ten and digits of numbers that are looked at; digits of those that do not end.
 _POWER, _MOST_DIGITS, _KNOWN = 60, 80, 100
+#: Of a decimal, what roundings of the numbers that it was computed from change less.
+_ROUNDED = 10**12
 #: Lines before the first and after the last number of a method that may belong to it.
 _BESIDE = 6
 #: Numerals of a text in any language, and the digits of a decimal that are compared.
@@ -420,7 +422,7 @@ def _equal(x: Figure) -> Iterator[Constant]:
         constant = every[k]
         if near[k] > float(value + x.unit) * (1 + 1e-9):
             return
-        rounding = value / 10**15 if len(x.tokens) == 1 else 0
+        rounding = value / _ROUNDED if len(x.tokens) == 1 else 0
         same = abs(constant.value - value) <= x.unit + constant.slack + rounding
         if same and (x.tells or constant.plain):
             yield constant
@@ -579,7 +581,7 @@ def _slip(x: Figure, constant: Constant) -> str:
     if moved:
         return spelled(x.text, constant.value, constant.slack)
     whole_gap = abs(off - round(off)) <= x.unit + constant.slack  # as in 1 + a
-    if not x.tells or whole_gap or off <= max(100 * x.unit, constant.value / 10**12):
+    if not x.tells or whole_gap or off <= max(100 * x.unit, constant.value / _ROUNDED):
         return ""
     for k, up in product((0, 1, -1), (0, 1)):
         said = str(int(constant.value / one.unit * Fraction(10) ** k) + up)

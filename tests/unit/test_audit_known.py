@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from glmref.audit import known as known_module
 from glmref.audit.known import known, may_hold_known, records
 from glmref.audit.lexer import LANGUAGES
 from glmref.audit.sources import audit
@@ -176,6 +177,15 @@ def test_comments_of_fixed_form_are_not_read(tmp_path: Path) -> None:
 def test_digits_that_are_rounded_are_no_slip() -> None:
     text = "".join(f"y({float(x):.9f})\n" for x in numbers("cash-karp-5-4"))
     assert all(not x.slips for x in known(text, LANGUAGES["python"]))
+
+
+def test_numbers_that_were_computed_from_rounded_ones_are_those_of_the_method() -> None:
+    # printed to 16 digits, of which the last two are those of the roundings of alpha and gamma
+    rows = [x.value for x in known_module._constants()["rodas4p, transformed"] if not x.part]
+    text = "".join(f"v({float(x) * (1 + 3e-15):.15e});\n" for x in rows)
+    assert [x.method for x in known(text, LANGUAGES["c"])] == ["rodas4p, transformed"]
+    text = "".join(f"v({float(x) * (1 + 3e-12):.15e});\n" for x in rows)
+    assert known(text, LANGUAGES["c"]) == []
 
 
 def test_the_audit_asks_about_a_step_whose_layout_it_does_not_read(tmp_path: Path) -> None:
