@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..judge import claims as judged
-from ..judge.claims import FORMATS, PAIRS
+from ..judge.claims import FORMATS, PAIRS, concerns, lacks_block
 from ..judge.refusals import SIZE
-from ..judge.statements import concerns, lacks_block
 from ..system.arguments import unknown_key
 from .claims import CLAIMS, PlainClaims
 from .strict_json import shown

@@ -520,6 +520,7 @@ def fast_judge() -> ModuleType:
         sys.modules[f"{name}.{part}"] = shared
         setattr(module, part, shared)
     spec.loader.exec_module(module)
+    importlib.import_module(f"{name}.statements")  # and with it all rules
     return module
 
 

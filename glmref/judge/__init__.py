@@ -5,6 +5,22 @@ modules name are those of docs/certificates.md. ``python -m glmref.judge FILE...
 ``python -m glmref.judge.join`` writes it as one file for machines without glmref.
 """
 
-from .statements import judged, verdict
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from .statements import judged, verdict
 
 __all__ = ["judged", "verdict"]
+
+
+def __getattr__(name: str) -> Callable[..., object]:
+    """Load the rules when they are asked, not where a table of the judge is read."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from . import statements
+
+    return getattr(statements, name)

@@ -124,3 +124,25 @@ AS_EXACT = {
     "parasitism-free", "growth", "abscissae", "embedded-difference", "row-sums", "dense-end",
     "dense-order", "error-constant", "explicit", "reducible", "embedded-order",
 }  # fmt: skip
+
+
+def lacks_block(claim: str, kind: str) -> bool:
+    """Tell whether a claim is about a key that files of a class cannot have.
+
+    A pair without a start begins with (y0, 0, ..), so that its start has an order.
+    """
+    starts = claim == "starting-order" and kind in PAIRS
+    keys = " ".join(CLASSES[kind]).split()
+    return claim in ABSENT and not starts and ABSENT[claim][0] not in keys
+
+
+def concerns(claim: str, kind: str) -> bool:
+    """Tell whether a claim is about methods such as those of a class."""
+    if kind == "rosenbrock":
+        return claim in ROSENBROCK
+    if kind == "additive":
+        return claim in ADDITIVE
+    of_others = OF_ONE_METHOD if kind in PAIRS else OF_PAIRS
+    return claim != "w-order" and (
+        claim not in of_others or (claim, kind) == ("row-sums", "nystrom")
+    )

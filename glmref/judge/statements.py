@@ -5,19 +5,14 @@ from __future__ import annotations
 from threading import RLock
 
 from .claims import (
-    ABSENT,
-    ADDITIVE,
     AS_EXACT,
-    CLASSES,
     MODIFIED,
-    OF_ONE_METHOD,
-    OF_PAIRS,
     ORDERS,
-    PAIRS,
-    ROSENBROCK,
     SECOND,
     VALUES,
     alternatives,
+    concerns,
+    lacks_block,
 )
 from .document import rows_of
 from .proof import Proof, record_of
@@ -50,28 +45,6 @@ RULES: dict[str, Rule] = {
 
 #: What is kept for the next certificate is completed by one thread at a time.
 ONE_THREAD = RLock()
-
-
-def lacks_block(claim: str, kind: str) -> bool:
-    """Tell whether a claim is about a key that files of a class cannot have.
-
-    A pair without a start begins with (y0, 0, ..), so that its start has an order.
-    """
-    starts = claim == "starting-order" and kind in PAIRS
-    keys = " ".join(CLASSES[kind]).split()
-    return claim in ABSENT and not starts and ABSENT[claim][0] not in keys
-
-
-def concerns(claim: str, kind: str) -> bool:
-    """Tell whether a claim is about methods such as those of a class."""
-    if kind == "rosenbrock":
-        return claim in ROSENBROCK
-    if kind == "additive":
-        return claim in ADDITIVE
-    of_others = OF_ONE_METHOD if kind in PAIRS else OF_PAIRS
-    return claim != "w-order" and (
-        claim not in of_others or (claim, kind) == ("row-sums", "nystrom")
-    )
 
 
 def has_meaning(proof: Proof) -> bool:

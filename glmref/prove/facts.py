@@ -17,7 +17,7 @@ from ..errors import ExactnessError
 from ..exact import Scalar, linalg
 from ..exact.linalg import Vector
 from ..findings import Proof, Verdict
-from ..judge.statements import concerns
+from ..judge.claims import concerns
 from ..method import Method
 from ..method.digits import within_digits
 from ..theory.consistency import consistency

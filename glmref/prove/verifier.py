@@ -28,7 +28,7 @@ from ..errors import (
 from ..exact import Ball
 from ..exact.judging import fast_judge
 from ..findings import Finding, Proof, Verdict
-from ..judge.statements import concerns
+from ..judge.claims import concerns
 from ..method import Method
 from ..system.arguments import listed, number, shown
 from ..system.budget import PROVING, limited

@@ -14,7 +14,7 @@ from glmref.errors import DataError
 from glmref.exact import Exact
 from glmref.exact.expression import Text
 from glmref.findings import Verdict
-from glmref.judge.statements import concerns
+from glmref.judge.claims import concerns
 from glmref.method import families
 from glmref.prove.beside import BESIDE
 from glmref.prove.facts import facts_of
