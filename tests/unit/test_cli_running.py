@@ -172,6 +172,14 @@ def test_what_is_imported_is_what_the_plan_says(scene):
     assert said == loaded == ["flint", "llvmlite", "mpmath", "numpy"]
 
 
+def test_commands_are_listed_without_the_rules_of_the_judge_and_numerical_packages():
+    code = "import sys, glmref.cli; print(*sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    loaded = found.stdout.split()
+    assert "glmref.judge.claims" in loaded and "glmref.judge.statements" not in loaded
+    assert not {"numpy", "flint", "mpmath", "numba"} & set(loaded)
+
+
 def test_an_interruption_says_how_much_is_kept(tmp_path, monkeypatch, capsys):
     """Ctrl-C in the middle of a scene: what was measured counts, and the rest is named."""
     from glmref import scenes
