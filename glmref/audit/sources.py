@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -44,6 +45,14 @@ _MARKS: Mapping[str, str] = {
 #: Languages that are not read; a file that may hold tables is said to be unread.
 _OTHERS = frozenset(".adb .d .dart .fs .hs .lua .ml .nb .nim .pas .php .pl .rb .wl .zig".split())
 _MOST = 60_000_000  # characters of a file
+
+#: Lines from the head of a test to a table in it, and from there to what is expected.
+_BEFORE, _AFTER = 9, 24
+_BEGINS = re.compile(r"\s*(?:pub |async |static )*(?:fn|def|function|func|void|TEST\w*)\b")
+_EXPECTS = re.compile(
+    r"is_err\(|unwrap_err\(|expect_err\(|should_panic|\b(?:assertR|assert_r|r)aises\b"
+    r"|toThrow|test_throws|_THROW\b|assertThrows"
+)
 
 
 def marks(form: str, text: str) -> bool:
@@ -265,6 +274,8 @@ def _of_file(
                                task["beyond"]):  # fmt: skip
                 if table.name in completed:
                     rows.append(_unread(table.line, table.name, completed[table.name]))
+                elif _to_be_refused(text, table.line):
+                    rows.append(_unread(table.line, table.name, "a test expects an error of it"))
                 elif table.unread:  # said at once: elsewhere the file would be read again
                     rows.append(judge(table))
                 else:
@@ -277,6 +288,14 @@ def _of_file(
         remark = f"the rest of the file is not understood: {said}"
         rows.append(_unread(1, path.name, remark))
     return rows
+
+
+def _to_be_refused(text: str, line: int) -> bool:
+    """Return whether a table on a line of a test is one of which the test expects an error."""
+    rows = text.split("\n")
+    before, after = rows[max(0, line - _BEFORE) : line], rows[line : line + _AFTER]
+    own = itertools.takewhile(lambda x: not _BEGINS.match(x), after)
+    return any("test" in x.lower() for x in before) and any(map(_EXPECTS.search, own))
 
 
 def _unread(line: int, name: str, remark: str) -> dict[str, Any]:
