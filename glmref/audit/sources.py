@@ -150,7 +150,8 @@ def audit(
     if form and form not in FORMATS:
         raise UsageError(f"there is no reader for {form!r}; one of {', '.join(FORMATS)}")
     paths = files(source, form)
-    alone = len(paths) == 1
+    programs = [x for x in paths if x.suffix not in FORMS] or paths
+    alone = programs[0] if len(programs) == 1 else None
     root = source if source.is_dir() else source.parent
     outside = {path for path in paths if source.is_dir() and _leads_out(root, path)}
     declared: dict[str, int] = {}
@@ -216,13 +217,13 @@ def _rows(
     completed: Mapping[str, str],
     given: bool,
     *,
-    alone: bool,
+    alone: Path | None,
     compare: bool,
     beyond: Mapping[str, str],
 ) -> Iterator[tuple[Path, dict[str, Any]]]:
     """Yield each file with the tasks of its tables, and with records of what cannot be read.
 
-    The only file of a folder is read whether it has the words of the subject or not.
+    The only program of a folder is read whether it has the words of the subject or not.
     """
     for path in paths:
         text = read_source(path, form)
@@ -231,7 +232,8 @@ def _rows(
             continue
         recognised: list[Table] = []
         if marks(form, text) if form else (
-            alone or may_hold(text, path.name) or (beyond and _uses(text, beyond))):  # fmt: skip
+            path == alone or may_hold(text, path.name)
+            or (beyond and _uses(text, beyond))):  # fmt: skip
             task = {"kind": "audit", "file": str(path.absolute()), "form": form,
                     "declared": declared, "given": given, "beyond": beyond}  # fmt: skip
             for row in _of_file(path, text, task, completed, recognised):
