@@ -39,9 +39,10 @@ def report(
 
     RESULTS are files and folders: scenes of your own that have been run into the folder report,
     records of `glmref run`, findings of `glmref verify --format json` and of the conformance suite,
-    method files of your own, which get a page each. By default the folder report. Pages are written
-    of these only; with --all also those of the catalogue, with the measurements that come with the
-    data (verdicts, observed orders, stability regions).
+    portraits NAME.svg of `glmref show NAME --plot`, method files of your own, which get a page
+    each. By default the folder report. Pages are written of these only; with --all also those of
+    the catalogue, with the measurements that come with the data (verdicts, observed orders,
+    stability regions).
     """
     from ..catalogue.files import data_root
     from ..catalogue.lookup import names

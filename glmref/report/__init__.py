@@ -1,8 +1,8 @@
 """The report: stored records as pages that anybody can read, on any screen, without a network.
 
 Nothing is measured here and nothing is proved: numbers come from records (`glmref run`), findings
-(`glmref verify --format json`) and the data, and stand on the pages as they are stored, to six
-digits.
+(`glmref verify --format json`), portraits (`glmref show NAME --plot`) and the data, and stand on
+the pages as they are stored, to six digits.
 
 Public names::
 

@@ -62,7 +62,7 @@ def build(
         raise UsageError(f"the documentation is a folder or an address of the web, got {docs!r}")
     site = Site(single, docs.rstrip("/"))
     shipped = names("methods")
-    told = {*results.findings, *results.regions}
+    told = {*results.findings, *results.portraits, *results.regions}
     chosen = [x for x in shipped if x in told] if methods is None else list(methods)
     chosen += [name for name in results.of_others() if name not in chosen]
     pages = pages_of(site, results, chosen, catalogue=methods is not None)

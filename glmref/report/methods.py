@@ -291,6 +291,7 @@ def method_page(site: Site, results: Results, name: str) -> Page:
         verified=bool(_of_this_file(doc, found)),
         constants=_error_constants(name, results.constants(name)),
         stability=stability(name, results.regions.get(name)),
+        portrait=Markup(results.portraits.get(name, "")),
         records=[(site.link(tab_of(run), run.name), count) for run, count in counts if count],
         source=doc.get("source") and {"doi": None, "errata": [], **doc["source"]},
         errata=errata,

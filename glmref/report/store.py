@@ -1,4 +1,4 @@
-"""Read what is stored: records, findings, measurements.
+"""Read what is stored: records, findings, portraits, measurements.
 
 A report is made of what is there. A line that is torn, a record of a version that is not known, a
 file that is something else: each is kept with the reason, shown on the page that says how things
@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeGuard
+from xml.etree import ElementTree
 
 from ..catalogue.files import names as shipped_names
 from ..catalogue.keys import FORMAT as METHOD
@@ -24,6 +26,7 @@ from ..compute.records import SUFFIX, Records, lines_of
 from ..errors import DataError, UsageError
 from ..system.arguments import shown
 from ..system.files import read_text
+from ..system.shown import DARK
 from ..views.tables import counted
 
 #: Formats of the findings and of stability regions that are understood.
@@ -35,8 +38,10 @@ ORDERS, CONSTANTS = "observed-orders", "error-constants"
 #: File by which a folder of pages is known: only such a folder, or an empty one, is written over.
 MARK = "glmref-report.txt"
 Record = Mapping[str, Any]
-#: Bytes of a record file or a document that are read at the most.
-MAX_BYTES = 1 << 30
+#: Bytes of a record file or a document, and of a portrait, that are read at the most.
+MAX_BYTES, MAX_DRAWING = 1 << 30, 5_000_000
+_SVG = "{http://www.w3.org/2000/svg}"
+_SHAPES = frozenset("svg title desc g path rect circle line polyline polygon text tspan".split())
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,7 @@ class Results:
     regions: dict[str, Record] = field(default_factory=dict)  #: Method -> its stability.
     #: Name -> method file of the user, checked.
     own: dict[str, Record] = field(default_factory=dict)
+    portraits: dict[str, str] = field(default_factory=dict)  #: Method -> SVG.
     odd: list[tuple[str, str]] = field(default_factory=list)  #: (place, why it is not shown).
     files: list[tuple[str, str]] = field(default_factory=list)  #: (path, what it holds).
 
@@ -74,7 +80,7 @@ class Results:
     def is_empty(self) -> bool:
         """Whether there is nothing to show."""
         shown = (self.runs, self.findings, self.measurements, self.regions)
-        return not any((*shown, self.own))
+        return not any((*shown, self.own, self.portraits))
 
     def of_others(self) -> list[str]:
         """Return methods of the user: those whose file was given, and those with findings."""
@@ -113,7 +119,9 @@ class Results:
 
 
 def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
-    """Read files, and folders to any depth; ``methods`` are names that no file of a user may have.
+    """Read files, and folders to any depth.
+
+    An SVG file ``NAME.svg`` of one of the ``methods`` is a portrait.
 
     Raises
     ------
@@ -121,6 +129,7 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
         For a path that does not exist.
     """
     found, known, seen = Results(), frozenset(methods), set()
+    drawn: list[Path] = []
     for path in paths:
         if not path.exists():
             raise UsageError(
@@ -131,6 +140,9 @@ def read(paths: Iterable[Path], methods: Iterable[str] = ()) -> Results:
             if key not in seen:
                 seen.add(key)
                 _take(found, one, known)
+                drawn += [one] if one.suffix == ".svg" and one.stem not in known else []
+    for one in drawn:  # of a method of the user, which may be read after its portrait
+        _take(found, one, frozenset(found.of_others()))
     found.runs = [replace(run, about=found.abouts.get(run.name, {})) for run in found.runs]
     found.runs.sort(key=lambda run: run.name)
     return found
@@ -159,8 +171,43 @@ def _take(found: Results, path: Path, methods: frozenset[str]) -> None:
             _take_document(found, path, methods)
         elif not path.is_file():
             raise DataError("it is neither a file nor a folder")
+        elif path.suffix == ".svg" and path.stem in methods:
+            found.portraits[path.stem] = _drawing(path)
+            found.files.append((path.name, "a portrait"))
     except (DataError, OSError, UnicodeDecodeError) as error:
         found.odd.append((path.name, str(error)))
+
+
+def _drawing(path: Path) -> str:
+    """Return an SVG file of shapes and texts, to stand in a page as it is.
+
+    Raises
+    ------
+    DataError
+        For anything else, such as a script, a link or a style.
+    """
+    text = read_text(path, MAX_DRAWING).replace(DARK, "", 1)  # a page has a style of its own
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise DataError(f"it is no SVG ({error})") from None
+    for node in root.iter():
+        name = str(node.tag).removeprefix(_SVG)
+        if name not in _SHAPES:
+            raise DataError(f"a portrait has shapes and texts only, and this one a {name!r}")
+        bad = [
+            key
+            for key, value in node.attrib.items()
+            # in a page, names of attributes may be written in capitals
+            if re.match("on|style$|.*href", key.lower()) or "url(" in value.lower()
+        ]
+        if bad:
+            raise DataError(f"a portrait has shapes and texts only, and this one {bad[0]!r}")
+    ElementTree.register_namespace("", _SVG.strip("{}"))
+    try:
+        return ElementTree.tostring(root, encoding="unicode")
+    except RecursionError:
+        raise DataError("its shapes are nested too deep") from None
 
 
 def _take_records(found: Results, path: Path) -> None:

@@ -34,7 +34,7 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]) -> Path:
-    """Pages of every kind: runs, curves over time, a large run, odd records."""
+    """Pages of every kind: runs, curves over time, a large run, odd records, a portrait."""
     source, folder = tmp_path_factory.mktemp("in"), tmp_path_factory.mktemp("out") / "site"
     odd = [
         {**records[0], "state_error": float("nan")},
@@ -52,6 +52,11 @@ def site(tmp_path_factory: pytest.TempPathFactory, records: list[dict[str, Any]]
         sound = [{k: x for k, x in line.items() if k != "sha256"} for line in told]
         text = "".join(json.dumps(line) + "\n" for line in sound)
         (source / f"{name}.jsonl").write_text(text, encoding="utf-8")
+    (source / "rk4.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 820 430" width="820" height="430">'
+        "<title>rk4</title></svg>",
+        encoding="utf-8",
+    )
     findings = [{"method": "rk4", "claim": "order", "verdict": "holds", "proof": "exact"}]
     document = {"format": "glmref-findings-1", "findings": findings}
     (source / "findings.json").write_text(json.dumps(document), encoding="utf-8")

@@ -294,6 +294,10 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(t
          "proof": "measured"},
     ]  # fmt: skip
     with_findings(source, findings)
+    (source / "rk4.svg").write_text(
+        '<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" id="drawn"></svg>',
+        encoding="utf-8",
+    )
     site = pages(tmp_path / "site", source)
     rows = {row["method"]: row for row in table(site / "index.html", "methods")}
     assert set(rows) == set(METHODS)
@@ -306,7 +310,7 @@ def test_the_overview_and_a_method_page_say_what_the_data_and_the_findings_say(t
     claims = {x["claim"]: x for x in table(site / "method-rk4.html", "claims-rk4")}
     assert claims["order"]["witness"].startswith("tree [oooo]")
     assert claims["symplectic"]["verdict"] == "–"
-    assert "1 of 1 checks hold" in page and "@article{kutta" in page
+    assert "1 of 1 checks hold" in page and 'id="drawn"' in page and "@article{kutta" in page
     assert (site / "data" / "rk4.json").is_file()
 
 
@@ -552,12 +556,13 @@ MINE = {
 }  # fmt: skip
 
 
-def test_an_own_method_gets_a_page_with_its_tableau_and_findings(tmp_path: Path) -> None:
+def test_an_own_method_gets_a_page_with_its_tableau_findings_and_portrait(tmp_path: Path) -> None:
     from glmref.report import build, read
     from glmref.views.tables import findings_json
 
     folder = tmp_path / "results"
     folder.mkdir()
+    (folder / "my-heun.svg").write_text(glmref.plot("heun-2"), encoding="utf-8")  # read first
     file = folder / "x-mine.json"
     file.write_text(json.dumps(MINE), encoding="utf-8")
     (folder / "found.json").write_text(findings_json(glmref.verify(file)), encoding="utf-8")
@@ -569,7 +574,7 @@ def test_an_own_method_gets_a_page_with_its_tableau_and_findings(tmp_path: Path)
     assert [where for where, _ in found.odd] == ["rk4.json"]
     build(found, tmp_path / "pages", methods=["rk4"])
     page = (tmp_path / "pages" / "method-my-heun.html").read_text(encoding="utf-8")
-    assert "<mfrac>" in page and 'class="holds">holds' in page
+    assert "<mfrac>" in page and 'class="holds">holds' in page and "stability region" in page
     assert "my &lt;b&gt;notebook" in page
     other = (tmp_path / "pages" / "method-alien.html").read_text(encoding="utf-8")
     assert "known by its findings" in other and "1 of 1 checks hold" in other

@@ -21,6 +21,10 @@ GOOD: dict[str, Any] = {
 }  # fmt: skip
 
 
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {}>{}</svg>'
+DRAWING = SVG.format('width="9"', '<path d="M0 0"/>')
+
+
 def reading(folder: Path, name: str, text: str) -> Results:
     (folder / name).write_text(text, encoding="utf-8")
     return read([folder], ["rk4"])
@@ -47,7 +51,7 @@ def test_a_line_that_is_no_record_is_named_and_the_others_are_kept(tmp_path, lin
     assert odd[0] == "x.jsonl, line 2" and why in odd[1]
 
 
-def test_findings_and_measurements_are_told_apart(tmp_path: Path) -> None:
+def test_findings_portraits_and_measurements_are_told_apart(tmp_path: Path) -> None:
     finding = {"method": "rk4", "claim": "order", "verdict": "holds"}
     documents = {
         "found.json": {"format": "glmref-findings-1", "findings": [finding, 7]},
@@ -57,11 +61,12 @@ def test_findings_and_measurements_are_told_apart(tmp_path: Path) -> None:
     }
     for name, document in documents.items():
         (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")
-    (tmp_path / "rk4.svg").write_text("<svg></svg>", encoding="utf-8")
+    for name in ("rk4.svg", "chart.svg"):
+        (tmp_path / name).write_text(DRAWING, encoding="utf-8")
     (tmp_path / "bytes.json").write_bytes(b"\xff\xfe")
     found = read([tmp_path], ["rk4"])
     assert found.findings == {"rk4": [finding]}
-    assert set(found.measurements) == {"stiff"}
+    assert set(found.measurements) == {"stiff"} and set(found.portraits) == {"rk4"}
     assert {where for where, _ in found.odd} == {"other.json", "list.json", "bytes.json"}
 
 
@@ -100,6 +105,26 @@ def test_stability_regions_and_orders_seen_are_found_by_method(tmp_path: Path) -
     assert Results(measurements=constants).constants("rk4")["order"] == 4
     assert Results(measurements={"error-constants": {"methods": 7}}).constants("rk4") == {}
     assert Results(measurements={"observed-orders": {"orders": 7}}).observed("rk4") == {}
+
+
+@pytest.mark.parametrize(
+    ("drawing", "why"),
+    [
+        ("<svg><script>alert(1)</script></svg>", "'script'"),
+        ('<svg onload="alert(1)"></svg>', "'onload'"),
+        ('<svg><a href="javascript:alert(1)"><text>x</text></a></svg>', "'a'"),
+        ('<svg style="display:none"></svg>', "'style'"),
+        ("<svg><path></svg>", "no SVG"),
+        ("<html></html>", "'html'"),
+        (SVG.format('ONLOAD="alert(1)"', ""), "and this one 'ONLOAD'"),  # a page ignores case
+        (SVG.format("", '<rect STYLE="x"/>'), "and this one 'STYLE'"),
+        (SVG.format("", '<rect fill="Url(http://x/y)"/>'), "and this one 'fill'"),
+        (SVG.format("", "<g>" * 50_000 + "</g>" * 50_000), "nested too deep"),
+    ],
+)
+def test_a_portrait_that_is_more_than_a_drawing_is_not_shown(tmp_path, drawing, why):
+    found = reading(tmp_path, "rk4.svg", drawing)
+    assert found.portraits == {} and why in found.odd[0][1]
 
 
 def test_a_file_named_twice_counts_once_and_pages_of_a_report_are_passed_over(tmp_path):
