@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
 from ..errors import ExactnessError
 from ..system.budget import spend
-from . import Exact, Scalar, sum_of_products
+from . import Ball, Exact, Scalar, sum_of_products
 
 Vector = tuple[Scalar, ...]
 Matrix = tuple[Vector, ...]
@@ -150,24 +149,51 @@ def is_lower_triangular(a: Matrix) -> bool:
     return all(x.vanishes() for i, j, x in entries(a) if j > i)
 
 
-def reduced(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
-    """Return Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns.
+def _pivot_row(rows: list[list[Scalar]], start: int, column: int) -> int | None:
+    """Return the row to pivot on, ``None`` if the column is zero from ``start`` on.
 
-    Raises
-    ------
-    ExactnessError
-        Where balls leave the rank open.
+    Exact entries: the first nonzero one. Balls: the one furthest from zero; an undecided column
+    cannot be called zero, so it is an error.
     """
-    solved, left = _eliminated(a, columns)
-    for row in left.values():
-        for column, x in enumerate(row[:columns], 1):
-            if x.is_zero() is None:
-                raise ExactnessError(
-                    f"column {column} holds balls around zero: its rank is not decided; "
-                    f"give more digits or exact entries"
-                )
-    pivots = sorted(solved)
-    return [*(solved[k] for k in pivots), *left.values()], pivots
+    candidates = [i for i in range(start, len(rows)) if rows[i][column].is_zero() is False]
+    if candidates:
+        if any(isinstance(rows[i][column], Ball) for i in candidates):
+            return max(candidates, key=lambda i: rows[i][column].ball().lower_magnitude())
+        return candidates[0]
+    if any(rows[i][column].is_zero() is None for i in range(start, len(rows))):
+        raise ExactnessError(
+            f"column {column + 1} holds balls around zero: its rank is not decided; "
+            f"give more digits or exact entries"
+        )
+    return None
+
+
+def reduced(a: Sequence[Sequence[Scalar]], columns: int) -> tuple[list[list[Scalar]], list[int]]:
+    """Return Gauss-Jordan elimination on the first ``columns`` columns: rows and pivot columns."""
+    rows = [list(row) for row in a]
+    pivots: list[int] = []
+    for column in range(columns):
+        top = len(pivots)
+        if top == len(rows):
+            break
+        at = _pivot_row(rows, top, column)
+        if at is None:
+            continue
+        rows[top], rows[at] = rows[at], rows[top]
+        lead = rows[top][column]
+        rows[top] = [x if x.vanishes() else x / lead for x in rows[top]]
+        rows[top][column] = _ONE
+        for i, row in enumerate(rows):
+            spend()
+            factor = row[column]
+            if i == top or factor.vanishes():
+                continue
+            rows[i] = [
+                x if y.vanishes() else x - factor * y for x, y in zip(row, rows[top], strict=True)
+            ]
+            rows[i][column] = _ZERO
+        pivots.append(column)
+    return rows, pivots
 
 
 def solve(a: Matrix, right: Matrix) -> Matrix:
@@ -234,38 +260,16 @@ class Affine:
     undecided: bool  #: Whether balls around zero were left out of the decision.
 
 
-def _pivot(row: Sequence[Scalar]) -> int | None:
-    """Return the column to solve for: that of the first exact entry, among balls the largest."""
-    sure = [j for j, x in enumerate(row) if x.is_zero() is False]
-    if all(isinstance(x, Exact) for x in row):
-        return next(iter(sure), None)
-    return max(sure, key=lambda j: row[j].ball().lower_magnitude(), default=None)
-
-
-def _eliminated(
-    rows: Iterable[Sequence[Scalar]], columns: int, enough: int | None = None
-) -> tuple[dict[int, list[Scalar]], dict[int, list[Scalar]]]:
-    """Return reduced rows, by the column with 1 there and 0 in the others, and what is left.
-
-    That are rows by their numbers without an entry that is certain not to be zero in the first
-    columns, once multiples of the rows before are taken away. No row is read after ``enough``.
-    """
-    solved: dict[int, list[Scalar]] = {}
-    left: dict[int, list[Scalar]] = {}
-    for index, row in enumerate(rows):
-        if len(solved) == enough:
-            break
-        current = _without(solved, list(row))
-        at = _pivot(current[:columns])
-        if at is None:
-            left[index] = current
+def _pivot(row: Sequence[Scalar], used: set[int]) -> int | None:
+    """Return the column to solve for: the first exact entry, the ball furthest from zero."""
+    best: tuple[float, int] | None = None
+    for j, x in enumerate(row):
+        if j in used or x.is_zero() is not False:
             continue
-        lead = current[at]
-        current = [x if x.is_zero() is True else x / lead for x in current]
-        current[at] = _ONE
-        solved = {column: _without({at: current}, known) for column, known in solved.items()}
-        solved[at] = current
-    return solved, left
+        size = x.lower_magnitude() if isinstance(x, Ball) else float("inf")
+        if best is None or size > best[0]:
+            best = (size, j)
+    return None if best is None else best[1]
 
 
 def solve_affine(rows: Matrix, right: Vector) -> Affine:
@@ -279,12 +283,25 @@ def solve_affine(rows: Matrix, right: Vector) -> Affine:
         (m,).
     """
     n = len(rows[0])
-    solved, left = _eliminated(((*x, y) for x, y in zip(rows, right, strict=True)), n)
-    open_ = {k: any(x.is_zero() is None for x in row[:n]) for k, row in left.items()}
-    undecided = any(open_[k] or row[n].is_zero() is None for k, row in left.items())
-    wrong = (k for k, row in left.items() if not open_[k] and row[n].is_zero() is False)
-    point = tuple(solved[j][n] if j in solved else _ZERO for j in range(n))
-    return Affine(point, tuple(_directions(solved, n)), next(wrong, None), undecided)
+    solved: dict[
+        int, list[Scalar]
+    ] = {}  # column -> row with 1 there and 0 in the other solved ones
+    undecided = False
+    failed: int | None = None
+    for index, (row, value) in enumerate(zip(rows, right, strict=True)):
+        current = _without(solved, [*row, value])
+        at = _pivot(current[:n], set(solved))
+        if at is None:
+            open_entries = any(x.is_zero() is None for x in current[:n])
+            undecided = undecided or open_entries or current[n].is_zero() is None
+            if failed is None and not open_entries and current[n].is_zero() is False:
+                failed = index
+            continue
+        lead = current[at]
+        current = [x if x.is_zero() is True else x / lead for x in current]
+        solved = {column: _without({at: current}, known) for column, known in solved.items()}
+        solved[at] = current
+    return Affine(*_read_off(solved, n), failed, undecided)
 
 
 def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
@@ -292,9 +309,19 @@ def independent_rows(rows: Matrix, enough: int | None = None) -> list[int]:
 
     Over balls a row counts only if its independence is certain.
     """
-    solved, left = _eliminated(rows, len(rows[0]) if rows else 0, enough)
-    chosen = (k for k in range(len(rows)) if k not in left)
-    return list(islice(chosen, len(solved)))
+    solved: dict[int, list[Scalar]] = {}
+    chosen: list[int] = []
+    for index, row in enumerate(rows):
+        if enough is not None and len(chosen) == enough:
+            break
+        current = _without(solved, list(row))
+        at = _pivot(current, set(solved))
+        if at is None:
+            continue
+        lead = current[at]
+        solved[at] = [x if x.is_zero() is True else x / lead for x in current]
+        chosen.append(index)
+    return chosen
 
 
 def _without(solved: Mapping[int, list[Scalar]], row: list[Scalar]) -> list[Scalar]:
@@ -309,3 +336,8 @@ def _without(solved: Mapping[int, list[Scalar]], row: list[Scalar]) -> list[Scal
 def _subtract(row: list[Scalar], factor: Scalar, other: list[Scalar]) -> list[Scalar]:
     spend()
     return [x if y.is_zero() is True else x - factor * y for x, y in zip(row, other, strict=True)]
+
+
+def _read_off(solved: dict[int, list[Scalar]], n: int) -> tuple[Vector, tuple[Vector, ...]]:
+    point = tuple(solved[j][n] if j in solved else _ZERO for j in range(n))
+    return point, tuple(_directions(solved, n))

@@ -594,8 +594,16 @@ class _Writer:
         found = residues(self.kernel.method) or {}
         return {c: [str(x.cosine) for x in half] for c, half in found.items()}
 
+    @cached_property
+    def _shares_one(self) -> bool:
+        """Whether the method is a separable pair whose halves share the eigenvalue 1 only."""
+        values = [b[3] for b in self.kernel.blocks.values()]
+        if not self.kernel.is_pair or self.kernel.shared or not linalg.is_exact(*values):
+            return False
+        return poly.share_only_one(*map(poly.characteristic, values))
+
     def _unshared(self, parts: Parts) -> Witnesses:
-        if self.kernel.is_pair and not self.kernel.shared:
+        if self._shares_one:
             yield {}
 
     def _residues(self, parts: Parts) -> Witnesses:
@@ -604,7 +612,8 @@ class _Writer:
 
     def _eigen(self, parts: Parts) -> Witnesses:
         """Yield the eigenvalues of the component that comes next, where no other rule does."""
-        if self._cosines:
+        by_list = self.claim == GROWTH.key or self._truth()
+        if self._cosines or (by_list and self._shares_one):
             return
         (witness,) = self._component(parts)
         if witness["which"] not in self.facts.eigen:
