@@ -21,6 +21,6 @@ def __getattr__(name: str) -> Callable[..., object]:
     """Load the rules when they are asked, not where a table of the judge is read."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import statements
+    from . import statements  # all rules: a table of the judge is read without them
 
     return getattr(statements, name)
