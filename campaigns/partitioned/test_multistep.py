@@ -249,3 +249,18 @@ def test_what_zeros_in_the_band_gain_is_that_of_the_record():
         )
         assert f"from {few[0]} and {few[1]} to {more[0]} and {more[1]} ({words})" in text
         assert " and ".join(all_) in text
+
+    def extremes(names: Sequence[str], cases: Sequence[str]) -> list[str]:
+        found = [
+            n / held_out.best(known[x["case"]], "published multistep", "1e-09")[1]
+            for x in record["cases"] if x["case"] in cases
+            for name in names if (n := x["needed"][name]["1e-09"])
+        ]  # fmt: skip
+        return [f"{edge(found):.2f}" for edge in (min, max)]
+
+    centres = [x for name in ("cluster 16", "logarithmic", "miyamoto-nagai")
+               for x in (name, f"{name}, long")]  # fmt: skip
+    orbits = [x for x in known if x.startswith("kepler") and x.endswith("long")]
+    assert "`r3`, without zeros, needs {} to {} of".format(*extremes(["r3"], centres)) in text
+    searched = [x for x in every if x not in shipped]
+    assert "all need {} to {} on long".format(*extremes(searched, orbits)) in text

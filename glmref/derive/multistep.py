@@ -339,6 +339,8 @@ def multistep_document(
             "error constants are for second-order systems, without `q`, and at most as many as the "
             f"cosines of `p`, got {len(constants)}"
         )
+    if constants and not constants[-1]:
+        raise UsageError("the last error constant must not be 0: leave it away")
     half_q, half_p = Half(tuple(q)), Half(tuple(p), second=second, constants=tuple(constants))
     rounds = len(p) + 1
     ended, other = (half_p, half_q) if second else (half_q, half_p)

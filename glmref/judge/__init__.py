@@ -18,9 +18,9 @@ __all__ = ["judged", "verdict"]
 
 
 def __getattr__(name: str) -> Callable[..., object]:
-    """Load the rules when they are asked, not where a table of the judge is read."""
+    """Load the rules when they are asked for: tables of the judge are read without them."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from . import statements  # all rules: a table of the judge is read without them
+    from . import statements  # and with it all rules, some 0.15 s
 
     return getattr(statements, name)

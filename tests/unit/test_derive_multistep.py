@@ -133,6 +133,13 @@ def test_an_error_begins_with_the_constant_that_is_given(p, first, more) -> None
 def test_constants_are_for_second_order_systems_with_one_kick() -> None:
     for more in ({"q": "1/3", "p": "1/2"}, {"p": "1/2", "constants": "1/9 1/9"}, TWO):
         refused(UsageError, "constants", recipes.run, "multistep", {"constants": "1/9", **more})
+    last = {"p": "1/2 -1/4", "constants": "1/9 0"}
+    refused(UsageError, "must not be 0", recipes.run, "multistep", last)
+
+
+@pytest.mark.parametrize("option", ["q", "slopes", "weight", "constants"])
+def test_numbers_of_a_method_need_its_cosines(option: str) -> None:
+    refused(UsageError, "give `p`", recipes.run, "multistep", {option: "1/3"})
 
 
 def two_kicks() -> dict[str, Any]:

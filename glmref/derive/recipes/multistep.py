@@ -197,4 +197,8 @@ def derive(options: Mapping[str, str], progress: Progress) -> Derivation:
         if numbers.constants:
             where += f"; error constants {options['constants']}"
         return completed("multistep", {name: numbers}, _complete, progress, where)
+    if any(options[key] for key in OPTIONS if key not in ("name", "p")):
+        raise UsageError(
+            "`q`, `slopes`, `weight` and `constants` are of a method with given cosines: give `p`"
+        )
     return completed("multistep", chosen(options["name"], SHIPPED), _complete, progress)
